@@ -1,0 +1,65 @@
+// Scene: what the file says, as plain structs in SI units. read_scene() is the only way in; nothing here knows of MPI.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solve/settings.hpp"
+#include "world/body.hpp"
+
+namespace unibody {
+
+struct TimeSettings {
+  double step = 0.016;       // s, one frame
+  std::int64_t frames = 400;
+  int substeps = 1;          // steps of step/substeps a frame
+};
+
+struct OutputSettings {
+  int every = 1;               // frames between written frames; 0: none
+  int checkpoint_every = 100;  // frames between checkpoints; 0: at the end only; -1: none at all
+  bool single_precision = false;
+};
+
+// A run of bodies of consecutive ids made by one entry of `bodies`. `make(k)`, 0 <= k < count, is a pure function of k, so
+// that each rank builds only its own share of a large scene. The result's id is first + k.
+struct BodyGroup {
+  Id first = 0;
+  Id count = 0;
+  bool is_static = false;  // all fixed or kinematic: replicated on every rank
+  std::string name;        // of the entry; may be empty
+  std::function<Body(Id k)> make;
+};
+
+struct Scene {
+  std::string path;
+  std::string title;
+  TimeSettings time;
+  Vec3 gravity{0, 0, -9.81};  // m/s^2
+  bool planar = false;        // motion in x and z and one rotation about y
+  SolverSettings solver;
+  OutputSettings output;
+  std::vector<std::string> materials{"default"};
+  std::vector<double> friction{0.5};  // materials x materials, row major, symmetric: Coulomb's mu of each pair
+  std::vector<BodyGroup> groups;      // in the order of the file; ids run on from group to group
+
+  Id body_count() const;
+  Body body(Id id) const;                // id in [0, body_count())
+  std::string body_name(Id id) const;    // "crate" or "pile[17]"; "body 17" where the entry has no name
+  double friction_of(int material_a, int material_b) const {
+    return friction[static_cast<std::size_t>(material_a) * materials.size() + static_cast<std::size_t>(material_b)];
+  }
+};
+
+// A value set from the command line: path.to.key=value, the value in YAML.
+struct Override {
+  std::string path, value;
+};
+
+// Reads and checks a scene file. Throws InputError "file:line: key 'k': found v, expected e" on the first fault.
+Scene read_scene(const std::string& path, const std::vector<Override>& overrides = {});
+
+}  // namespace unibody

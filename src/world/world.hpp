@@ -1,0 +1,47 @@
+// World: this rank's bodies as arrays. A slot is an index into all of them.
+//
+// Slots [0, homes) are home bodies, whose motion this rank computes; [homes, homes + guests) are copies of other ranks'
+// bodies that can touch them; the rest are statics (fixed and kinematic bodies), replicated on every rank.
+// Each of the three ranges is in ascending order of id. The first two are covered by the ghosted PETSc Vecs of the global state.
+#pragma once
+
+#include <vector>
+
+#include "world/body.hpp"
+
+namespace unibody {
+
+struct World {
+  std::size_t homes = 0, guests = 0;
+
+  std::vector<Id> id;
+  std::vector<BodyProperties> properties;
+  std::vector<Vec3> position;          // m
+  std::vector<Quat> orientation;       // body -> world, unit
+  std::vector<Vec3> velocity;          // m/s
+  std::vector<Vec3> angular_velocity;  // rad/s, world frame
+
+  std::size_t size() const { return id.size(); }
+  std::size_t first_static() const { return homes + guests; }
+  bool is_home(Slot slot) const { return static_cast<std::size_t>(slot) < homes; }
+  bool is_static(Slot slot) const { return static_cast<std::size_t>(slot) >= first_static(); }
+
+  BodyState state(std::size_t slot) const {
+    return {position[slot], orientation[slot], velocity[slot], angular_velocity[slot]};
+  }
+  void set_state(std::size_t slot, const BodyState& s) {
+    position[slot] = s.position, orientation[slot] = s.orientation;
+    velocity[slot] = s.velocity, angular_velocity[slot] = s.angular_velocity;
+  }
+  Body body(std::size_t slot) const { return {id[slot], properties[slot], state(slot)}; }
+
+  void resize(std::size_t n) {
+    id.resize(n), properties.resize(n), position.resize(n), orientation.resize(n), velocity.resize(n), angular_velocity.resize(n);
+  }
+  void set(std::size_t slot, const Body& b) {
+    id[slot] = b.id, properties[slot] = b.properties;
+    set_state(slot, b.state);
+  }
+};
+
+}  // namespace unibody
