@@ -1,0 +1,24 @@
+# Sourced by the bash scripts: where the project is, what a machine needs, how MPI is started.
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
+
+packages=(g++ cmake ninja-build ccache clang-format pkgconf
+  libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libhdf5-openmpi-dev libeigen3-dev libyaml-cpp-dev libgtest-dev
+  python3 python3-numpy python3-h5py python3-matplotlib python3-vtk9 xvfb)
+bench_packages=(libbullet-dev liggghts)
+
+say() { echo "$(basename "$0"): $*" >&2; }
+die() { say "${@:2}"; exit "$1"; }
+
+# Sets what `mpirun -n $1` needs here, all by environment: root, containers, more ranks than cores. On a cluster with its
+# own launcher none of it matters.
+mpi_environment() {
+  local ranks=$1 cores threads
+  threads=$(nproc)
+  cores=$(lscpu -p=CORE,SOCKET 2>/dev/null | grep -v '^#' | sort -u | wc -l)
+  if ((cores < 1 || cores > threads)); then cores=$threads; fi
+  if ((EUID == 0)); then export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; fi
+  if [[ -e /.dockerenv || -e /run/.containerenv ]]; then export OMPI_MCA_btl_vader_single_copy_mechanism=none; fi
+  if ((ranks > cores)); then export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none; fi
+  if ((ranks > threads)); then export OMPI_MCA_mpi_yield_when_idle=1; fi
+  export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
+}
