@@ -72,7 +72,7 @@ std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-  if (!file.is_open() || file.bad() || errno != 0)
+  if (!file.is_open() || file.bad())
     throw InputError(path + ": found no readable file (" + std::strerror(errno != 0 ? errno : EIO) +
                      "), expected a scene (YAML)");
   return text.str();

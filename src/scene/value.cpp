@@ -17,6 +17,8 @@ std::string short_number(double x) {
   return out.str();
 }
 
+std::string a_number(const Range& range) { return (range.text().empty() ? "a finite number" : "a number") + range.text(); }
+
 std::string with_unit(const std::string& unit) { return unit.empty() ? "" : " (" + unit + ")"; }
 
 // The whole text as a number: no blanks, no hexadecimal digits, '.' whatever the locale.
@@ -93,7 +95,7 @@ std::string Value::found() const {
 double Value::number(const Range& range, const std::string& unit) const {
   double x = 0;
   const bool good = kind == Kind::scalar && !quoted && parse(text, x) && std::isfinite(x) && range.contains(x);
-  if (!good) fail_expected("a number" + range.text() + with_unit(unit));
+  if (!good) fail_expected(a_number(range) + with_unit(unit));
   return x;
 }
 
