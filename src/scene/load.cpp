@@ -63,7 +63,7 @@ Value parse_yaml(const std::string& text, const std::string& key, const Origin& 
     return convert(documents.empty() ? YAML::Node() : documents[0], key, origin, in_file);
   } catch (const YAML::Exception& error) {
     const std::string line = in_file && error.mark.line >= 0 ? ":" + std::to_string(error.mark.line + 1) : "";
-    throw InputError(*origin + line + ": not YAML: " + error.msg);
+    throw InputError(one_line(*origin + line + ": not YAML: " + error.msg));
   }
 }
 

@@ -47,6 +47,12 @@ std::string Range::text() const {
   return "";
 }
 
+std::string one_line(std::string message) {
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+  return message;
+}
+
 std::string one_of(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
@@ -63,7 +69,7 @@ void Value::fail(const std::string& what, const std::string& expected) const {
   std::string where = *origin;
   if (line > 0) where += ":" + std::to_string(line);
   const std::string subject = key.empty() ? "" : " key '" + key + "':";
-  throw InputError(where + ":" + subject + " found " + what + ", expected " + expected);
+  throw InputError(one_line(where + ":" + subject + " found " + what + ", expected " + expected));
 }
 
 void Value::fail_missing(const std::string& child, const std::string& expected) const {

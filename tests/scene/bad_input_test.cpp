@@ -38,6 +38,8 @@ const std::vector<BadInput> bad_files{
     {"title_a_list", "title: [1, 2]\n", "FILE:1: key 'title': found [1, 2], expected a text"},
     {"section_without_value", "time:\n" + ball,
      "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
+    {"key_of_two_lines", "\"a\\nb\": 1\n",
+     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials or bodies"},
     {"value_missing", "time: {step: }\n", "FILE:1: key 'time.step': found nothing, expected a number > 0 (s)"},
 };
 

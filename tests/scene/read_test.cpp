@@ -190,6 +190,14 @@ TEST(ReadScene, OverrideOfOneAliasLeavesTheOtherAlone) {
   EXPECT_EQ(scene.body(1).properties.mass, 5);
 }
 
+TEST(ReadScene, TheReferencesFirstExampleWorks) {
+  std::ifstream file(UNIBODY_SOURCE_DIR "/scenes/README.md");
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  const auto begin = text.find("```yaml\n") + 8, end = text.find("```\n", begin);
+  ASSERT_LT(end, text.size());
+  EXPECT_EQ(scene_from(text.substr(begin, end - begin)).body_count(), 2);
+}
+
 TEST(ReadScene, AllScenesOfTheProjectAreGood) {
   int scenes = 0;
   for (const auto& file : std::filesystem::directory_iterator(UNIBODY_SOURCE_DIR "/scenes")) {
