@@ -63,7 +63,7 @@ Value parse_yaml(const std::string& text, const std::string& key, const Origin& 
     return convert(documents.empty() ? YAML::Node() : documents[0], key, origin, in_file);
   } catch (const YAML::Exception& error) {
     const std::string line = in_file && error.mark.line >= 0 ? ":" + std::to_string(error.mark.line + 1) : "";
-    throw InputError(*origin + line + ": not YAML: " + error.msg);
+    throw InputError(one_line(*origin + line + ": not YAML: " + error.msg));
   }
 }
 
@@ -72,7 +72,7 @@ std::string read_text(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
-  if (!file.is_open() || file.bad() || errno != 0)
+  if (!file.is_open() || file.bad())
     throw InputError(path + ": found no readable file (" + std::strerror(errno != 0 ? errno : EIO) +
                      "), expected a scene (YAML)");
   return text.str();

@@ -1,6 +1,7 @@
 // read_scene: the sections of the file, each a table of its keys. A new section is one function and one line in `sections`.
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "scene/body_entry.hpp"
@@ -91,13 +92,17 @@ double read_friction(const Value& map) {
   return friction->number(not_negative, "");
 }
 
-void read_pair(const Value& pair, Scene& scene) {
+using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
+
+void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
   pair.map({"between", "friction"});
   const Value* between = pair.find("between");
   if (!between) pair.fail_missing("between", "a list of 2 materials");
   if (between->kind != Value::Kind::list || between->entries.size() != 2) between->fail_expected("a list of 2 materials");
   const std::size_t a = between->entries[0].choice(scene.materials), b = between->entries[1].choice(scene.materials);
   if (a == b) between->fail_expected("two different materials");
+  if (!listed.emplace(std::min(a, b), std::max(a, b)).second)
+    between->fail(between->found() + " a second time", "each pair once");
   const std::size_t n = scene.materials.size();
   scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
 }
@@ -117,8 +122,9 @@ void read_materials(const Value& value, Scene& scene) {
   scene.friction.assign(n * n, 0);
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < n; ++b) scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
+  Pairs listed;
   if (const Value* pairs = value.find("pairs"))
-    for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene);
+    for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed);
 }
 
 // In the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.

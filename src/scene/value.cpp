@@ -17,6 +17,8 @@ std::string short_number(double x) {
   return out.str();
 }
 
+std::string a_number(const Range& range) { return (range.text().empty() ? "a finite number" : "a number") + range.text(); }
+
 std::string with_unit(const std::string& unit) { return unit.empty() ? "" : " (" + unit + ")"; }
 
 // The whole text as a number: no blanks, no hexadecimal digits, '.' whatever the locale.
@@ -45,6 +47,12 @@ std::string Range::text() const {
   return "";
 }
 
+std::string one_line(std::string message) {
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+  return message;
+}
+
 std::string one_of(const std::vector<std::string>& names) {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
@@ -61,7 +69,7 @@ void Value::fail(const std::string& what, const std::string& expected) const {
   std::string where = *origin;
   if (line > 0) where += ":" + std::to_string(line);
   const std::string subject = key.empty() ? "" : " key '" + key + "':";
-  throw InputError(where + ":" + subject + " found " + what + ", expected " + expected);
+  throw InputError(one_line(where + ":" + subject + " found " + what + ", expected " + expected));
 }
 
 void Value::fail_missing(const std::string& child, const std::string& expected) const {
@@ -93,7 +101,7 @@ std::string Value::found() const {
 double Value::number(const Range& range, const std::string& unit) const {
   double x = 0;
   const bool good = kind == Kind::scalar && !quoted && parse(text, x) && std::isfinite(x) && range.contains(x);
-  if (!good) fail_expected("a number" + range.text() + with_unit(unit));
+  if (!good) fail_expected(a_number(range) + with_unit(unit));
   return x;
 }
 

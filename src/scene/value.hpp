@@ -63,6 +63,9 @@ class Value {
 // Reads a YAML file and applies the overrides. Throws InputError on a missing file, on what isn't YAML, on a key given twice.
 Value load_value(const std::string& path, const std::vector<Override>& overrides);
 
+// With '?' for line breaks and other control characters.
+std::string one_line(std::string message);
+
 // "a, b or c".
 std::string one_of(const std::vector<std::string>& names);
 

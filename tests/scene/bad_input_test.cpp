@@ -1,0 +1,265 @@
+// What the reader refuses: every fault names file and line (or the -set), the key, the value found and what was expected.
+#include "scene/scene_text.hpp"
+
+namespace unibody {
+namespace {
+
+struct BadInput {
+  const char* name;
+  std::string text;
+  std::string message;
+  std::vector<Override> overrides = {};
+};
+
+void PrintTo(const BadInput& bad, std::ostream* out) { *out << bad.name; }
+
+class ReadSceneRefuses : public testing::TestWithParam<BadInput> {};
+
+TEST_P(ReadSceneRefuses, WithThisMessage) { EXPECT_EQ(fault_of(GetParam().text, GetParam().overrides), GetParam().message); }
+
+std::string with_body(const std::string& rest) { return "bodies:\n  - shape: {sphere: {radius: 1}}\n    " + rest + "\n"; }
+
+const std::vector<BadInput> bad_files{
+    {"empty_file", "", "FILE:1: found nothing, expected a map of sections (title, time, bodies, ...)"},
+    {"a_word", "hello", "FILE:1: found hello, expected a map of sections (title, time, bodies, ...)"},
+    {"a_list", "- 1\n- 2\n", "FILE:1: found [1, 2], expected a map of sections (title, time, bodies, ...)"},
+    {"not_yaml", "title: x\ntime: {step: 1\nbodies: 3\n", "FILE:3: not YAML: end of map flow not found"},
+    {"two_documents", "title: x\n---\ntitle: y\n", "FILE: found 2 documents, expected one"},
+    {"no_bodies", "title: x\n", "FILE:1: key 'bodies': found nothing, expected a list of bodies and generators"},
+    {"bodies_empty", "title: x\nbodies: []\n",
+     "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
+    {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
+    {"unknown_section", "title: x\ntmie: {step: 1}\n",
+     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, solver, output, materials or bodies"},
+    {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
+     "FILE:3: key 'time.stp': found an unknown key, expected step, frames or substeps"},
+    {"key_twice", "title: a\ntime: {step: 1}\ntitle: b\n",
+     "FILE:3: key 'title': found the key a second time, expected each key once"},
+    {"title_a_list", "title: [1, 2]\n", "FILE:1: key 'title': found [1, 2], expected a text"},
+    {"section_without_value", "time:\n" + ball,
+     "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
+    {"key_of_two_lines", "\"a\\nb\": 1\n",
+     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials or bodies"},
+    {"value_missing", "time: {step: }\n", "FILE:1: key 'time.step': found nothing, expected a number > 0 (s)"},
+};
+
+const std::vector<BadInput> bad_values{
+    {"word_for_a_number", "time:\n  step: fast\n", "FILE:2: key 'time.step': found fast, expected a number > 0 (s)"},
+    {"quoted_number", "time:\n  step: '0.1'\n", "FILE:2: key 'time.step': found '0.1', expected a number > 0 (s)"},
+    {"number_and_unit", "time:\n  step: 16 ms\n", "FILE:2: key 'time.step': found 16 ms, expected a number > 0 (s)"},
+    {"zero_step", "time: {step: 0}\n", "FILE:1: key 'time.step': found 0, expected a number > 0 (s)"},
+    {"fraction_for_an_integer", "time: {frames: 1.5}\n", "FILE:1: key 'time.frames': found 1.5, expected an integer >= 0"},
+    {"no_substeps", "time: {substeps: 0}\n", "FILE:1: key 'time.substeps': found 0, expected an integer >= 1"},
+    {"integer_too_large", "time: {substeps: 3000000000}\n",
+     "FILE:1: key 'time.substeps': found 3000000000, expected an integer <= 1000000"},
+    {"nan", "gravity: [0, 0, .nan]\n", "FILE:1: key 'gravity[2]': found .nan, expected a finite number (m/s^2)"},
+    {"inf", "gravity:\n  - 0\n  - .inf\n  - 0\n", "FILE:3: key 'gravity[1]': found .inf, expected a finite number (m/s^2)"},
+    {"inf_as_c_writes_it", "gravity: [inf, 0, 0]\n", "FILE:1: key 'gravity[0]': found inf, expected a finite number (m/s^2)"},
+    {"number_too_large", "gravity: [1e999, 0, 0]\n", "FILE:1: key 'gravity[0]': found 1e999, expected a finite number (m/s^2)"},
+    {"two_for_three", "gravity: [0, 0]\n", "FILE:1: key 'gravity': found [0, 0], expected a list of 3 numbers (m/s^2)"},
+    {"yes_for_true", "planar: yes\n", "FILE:1: key 'planar': found yes, expected true or false"},
+    {"precision", "output: {precision: half}\n", "FILE:1: key 'output.precision': found half, expected single or double"},
+    {"negative_every", "output: {every: -1}\n", "FILE:1: key 'output.every': found -1, expected an integer >= 0"},
+    {"checkpoint_every", "output: {checkpoint_every: -2}\n",
+     "FILE:1: key 'output.checkpoint_every': found -2, expected an integer >= -1"},
+    {"solver_name", "solver: {name: sor}\n",
+     "FILE:1: key 'solver.name': found sor, expected accelerated_jacobi, jacobi or gauss_seidel"},
+    {"full_warm_start", "solver: {warm_start: 1}\n",
+     "FILE:1: key 'solver.warm_start': found 1, expected a number in [0, 0.5]: a full warm start at position level is unstable"},
+    {"negative_tolerance", "solver: {tolerance: -1}\n",
+     "FILE:1: key 'solver.tolerance': found -1, expected auto or a number >= 0 (m)"},
+    {"scaling", "solver: {scaling: 1.5}\n", "FILE:1: key 'solver.scaling': found 1.5, expected a number in (0, 1]"},
+    {"leak", "solver: {leak: 2}\n", "FILE:1: key 'solver.leak': found 2, expected auto or a number in [0, 1]"},
+    {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected two or position"},
+    {"too_few_iterations_for_two_stages", "solver:\n  iterations: 1\n",
+     "FILE:2: key 'solver.iterations': found 1, expected an integer >= 2 (two stages; stages: position needs 1)"},
+    {"no_material", "materials: {}\n",
+     "FILE:1: key 'materials': found no material, expected at least one, as wood: {friction: 0.5}"},
+    {"friction_missing", "materials:\n  wood: {}\n",
+     "FILE:2: key 'materials.wood.friction': found nothing, expected a number >= 0"},
+    {"negative_friction", "materials: {wood: {friction: -1}}\n",
+     "FILE:1: key 'materials.wood.friction': found -1, expected a number >= 0"},
+    {"pair_of_unknown_material", "materials: {wood: {friction: 1}, pairs: [{between: [wood, iron], friction: 1}]}\n",
+     "FILE:1: key 'materials.pairs[0].between[1]': found iron, expected wood"},
+    {"pair_of_one", "materials: {wood: {friction: 1}, pairs: [{between: [wood, wood], friction: 1}]}\n",
+     "FILE:1: key 'materials.pairs[0].between': found [wood, wood], expected two different materials"},
+    {"pair_twice",
+     "materials:\n  a: {friction: 1}\n  b: {friction: 1}\n  pairs:\n    - {between: [a, b], friction: 1}\n    - {between: [b, "
+     "a], friction: 2}\n",
+     "FILE:6: key 'materials.pairs[1].between': found [b, a] a second time, expected each pair once"},
+};
+
+const std::vector<BadInput> bad_bodies{
+    {"no_shape", "bodies:\n  - mass: 1\n",
+     "FILE:2: key 'bodies[0].shape': found nothing, expected a map with the key sphere, box, plane or disc"},
+    {"unknown_shape", "bodies:\n  - shape: {ball: {radius: 1}}\n",
+     "FILE:2: key 'bodies[0].shape.ball': found an unknown key, expected sphere, box, plane or disc"},
+    {"two_shapes", "bodies:\n  - shape: {sphere: {radius: 1}, box: {size: [1, 1, 1]}}\n",
+     "FILE:2: key 'bodies[0].shape': found a map of 2 shapes, expected one of sphere, box, plane or disc"},
+    {"radius_missing", "bodies:\n  - shape: {sphere: {}}\n",
+     "FILE:2: key 'bodies[0].shape.sphere.radius': found nothing, expected a number > 0 (m)"},
+    {"negative_radius", "bodies:\n  - shape: {sphere: {radius: -1}}\n",
+     "FILE:2: key 'bodies[0].shape.sphere.radius': found -1, expected a number > 0 (m)"},
+    {"flat_box", "bodies:\n  - shape: {box: {size: [1, 0, 1]}}\n",
+     "FILE:2: key 'bodies[0].shape.box.size[1]': found 0, expected a number > 0 (m, edge lengths)"},
+    {"plane_without_normal", "bodies:\n  - shape: {plane: {}}\n",
+     "FILE:2: key 'bodies[0].shape.plane.normal': found nothing, expected a vector of length 1"},
+    {"long_normal", "bodies:\n  - shape: {plane: {normal: [0, 0, 2]}}\n",
+     "FILE:2: key 'bodies[0].shape.plane.normal': found [0, 0, 2] of length 2, expected a vector of length 1"},
+    {"zero_normal", "bodies:\n  - shape: {plane: {normal: [0, 0, 0]}}\n",
+     "FILE:2: key 'bodies[0].shape.plane.normal': found [0, 0, 0] of length 0, expected a vector of length 1"},
+    {"disc_in_space", "bodies:\n  - shape: {disc: {radius: 1}}\n",
+     "FILE:2: key 'bodies[0].shape.disc': found a disc, expected sphere, box or plane in a scene that is not planar"},
+    {"negative_mass", with_body("mass: -1"), "FILE:3: key 'bodies[0].mass': found -1, expected a number > 0 (kg)"},
+    {"zero_mass", with_body("mass: 0"), "FILE:3: key 'bodies[0].mass': found 0, expected a number > 0 (kg)"},
+    {"no_mass", with_body("name: x"), "FILE:2: key 'bodies[0].mass': found nothing, expected a mass (kg) or a density (kg/m^3)"},
+    {"mass_and_density", with_body("mass: 1\n    density: 2"),
+     "FILE:4: key 'bodies[0].density': found 2 beside mass 1, expected only one of mass and density"},
+    {"mass_of_a_fixed_body", with_body("mass: 1\n    motion: fixed"),
+     "FILE:3: key 'bodies[0].mass': found 1, expected no such key for a fixed or kinematic body"},
+    {"velocity_of_a_fixed_body", with_body("velocity: [1, 0, 0]\n    motion: fixed"),
+     "FILE:3: key 'bodies[0].velocity': found [1, 0, 0], expected no such key for a fixed body"},
+    {"mass_that_vanishes", "bodies:\n  - shape: {sphere: {radius: 1e-150}}\n    density: 1\n",
+     "FILE:3: key 'bodies[0].density': found 1, expected a mass and an inertia > 0 and finite for a body of this size"},
+    {"impossible_inertia", with_body("mass: 1\n    inertia: [1, 1, 3]"),
+     "FILE:4: key 'bodies[0].inertia': found [1, 1, 3], expected three principal moments (kg m^2), none larger than the sum of "
+     "the other two"},
+    {"quaternion_not_unit", with_body("mass: 1\n    orientation: [1, 1, 0, 0]"),
+     "FILE:4: key 'bodies[0].orientation': found [1, 1, 0, 0], expected a quaternion of length 1"},
+    {"three_angles", with_body("mass: 1\n    orientation: [0, 90, 0]"),
+     "FILE:4: key 'bodies[0].orientation': found [0, 90, 0], expected a list of 4 numbers (quaternion w, x, y, z)"},
+    {"axis_not_unit", with_body("mass: 1\n    orientation: {axis: [0, 3, 4], angle: 1}"),
+     "FILE:4: key 'bodies[0].orientation.axis': found [0, 3, 4] of length 5, expected a vector of length 1"},
+    {"angle_missing", with_body("mass: 1\n    orientation: {axis: [0, 0, 1]}"),
+     "FILE:4: key 'bodies[0].orientation.angle': found nothing, expected a number (degrees)"},
+    {"dynamic_plane", "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}, motion: dynamic}\n",
+     "FILE:2: key 'bodies[0].motion': found dynamic, expected fixed or kinematic for a plane"},
+    {"turned_plane", "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}, orientation: [1, 0, 0, 0]}\n",
+     "FILE:2: key 'bodies[0].orientation': found [1, 0, 0, 0], expected no orientation: a plane is turned by its normal"},
+    {"unknown_motion", with_body("motion: static"),
+     "FILE:3: key 'bodies[0].motion': found static, expected dynamic, fixed or kinematic"},
+    {"unknown_material", with_body("mass: 1\n    material: wood"),
+     "FILE:4: key 'bodies[0].material': found wood, expected default"},
+    {"planar_position", "planar: true\nbodies:\n  - {shape: {disc: {radius: 1}}, mass: 1, position: [0, 1, 0]}\n",
+     "FILE:3: key 'bodies[0].position': found [0, 1, 0], expected 0 as the second of three numbers (m; planar scene)"},
+    {"planar_spin", "planar: true\nbodies:\n  - {shape: {disc: {radius: 1}}, mass: 1, angular_velocity: [0, 1, 2]}\n",
+     "FILE:3: key 'bodies[0].angular_velocity': found [0, 1, 2], expected 0 as the first and third of three numbers (rad/s; "
+     "planar scene)"},
+    {"planar_turn", "planar: true\nbodies:\n  - {shape: {disc: {radius: 1}}, mass: 1, orientation: [0, 1, 0, 0]}\n",
+     "FILE:3: key 'bodies[0].orientation': found [0, 1, 0, 0], expected a turn about y (planar scene)"},
+    {"planar_normal", "planar: true\nbodies:\n  - {shape: {plane: {normal: [0, 1, 0]}}}\n",
+     "FILE:3: key 'bodies[0].shape.plane.normal': found [0, 1, 0], expected a vector without y component (planar scene)"},
+};
+
+const std::vector<BadInput> bad_generators{
+    {"two_generators", with_body("mass: 1\n    stack: {count: 2}\n    points: [[0, 0, 0]]"),
+     "FILE:4: key 'bodies[0].stack': found a second generator beside points, expected one generator an entry"},
+    {"no_count", with_body("mass: 1\n    stack: {}"),
+     "FILE:4: key 'bodies[0].stack.count': found nothing, expected an integer >= 1"},
+    {"count_of_zero", with_body("mass: 1\n    stack: {count: 0}"),
+     "FILE:4: key 'bodies[0].stack.count': found 0, expected an integer >= 1"},
+    {"lattice_without_spacing", with_body("mass: 1\n    lattice: {count: 8, columns: [2, 2]}"),
+     "FILE:4: key 'bodies[0].lattice.spacing': found nothing, expected a list of 3 numbers > 0 (m)"},
+    {"columns", with_body("mass: 1\n    lattice: {count: 8, columns: 2}"),
+     "FILE:4: key 'bodies[0].lattice.columns': found 2, expected a list of 2 integers >= 1"},
+    {"negative_jitter", with_body("mass: 1\n    lattice: {count: 8, columns: [2, 2], spacing: [1, 1, 1], jitter: -1}"),
+     "FILE:4: key 'bodies[0].lattice.jitter': found -1, expected a number >= 0 (m)"},
+    {"offsets", with_body("mass: 1\n    stack: {count: 3, offsets: [0, 1]}"),
+     "FILE:4: key 'bodies[0].stack.offsets': found [0, 1], expected a list of 3 numbers (m, along x)"},
+    {"wall_of_spheres", with_body("mass: 1\n    wall: {bricks: 3, courses: 2}"),
+     "FILE:4: key 'bodies[0].wall': found bricks that aren't boxes, expected shape: {box: ...}"},
+    {"planes_in_a_stack", "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}, stack: {count: 2}}\n",
+     "FILE:2: key 'bodies[0].shape': found a plane in a stack, expected sphere, box or disc"},
+    {"shape_beside_a_pile", with_body("mass: 1\n    pile: {count: 1}"),
+     "FILE:2: key 'bodies[0].shape': found an unknown key, expected name, material, position, orientation, mass, density, "
+     "motion, "
+     "velocity, angular_velocity, force, torque or pile"},
+    {"scale_upside_down",
+     "bodies:\n  - density: 1\n    pile: {count: 1, columns: [1, 1], mix: [{shape: {sphere: {radius: 1}}, scale: [2, 1]}]}\n",
+     "FILE:3: key 'bodies[0].pile.mix[0].scale': found [2, 1], expected the smaller of the two factors first"},
+    {"mass_of_a_container", "bodies:\n  - container: {size: [1, 1]}\n    mass: 1\n",
+     "FILE:3: key 'bodies[0].mass': found an unknown key, expected name, material, position, orientation or container"},
+    {"container_without_size", "bodies:\n  - container: {}\n",
+     "FILE:2: key 'bodies[0].container.size': found nothing, expected a list of 2 numbers > 0 (m)"},
+    {"narrow_rim", "bodies:\n  - hopper: {opening: [1, 1], rim: [2, 0.5], height: 1, thickness: 0.1}\n",
+     "FILE:2: key 'bodies[0].hopper.rim': found [2, 0.5], expected a rim at least as wide as the opening (m)"},
+};
+
+const std::vector<BadInput> bad_overrides{
+    {"value", ball, "-set time.frames=abc: key 'time.frames': found abc, expected an integer >= 0", {{"time.frames", "abc"}}},
+    {"no_value", ball, "-set time.frames=: key 'time.frames': found nothing, expected an integer >= 0", {{"time.frames", ""}}},
+    {"unknown_key",
+     ball,
+     "-set time.frmes=3: key 'time.frmes': found an unknown key, expected step, frames or substeps",
+     {{"time.frmes", "3"}}},
+    {"unknown_section",
+     ball,
+     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, solver, output, materials or "
+     "bodies",
+     {{"tim.step", "3"}}},
+    {"place_beyond_the_end",
+     ball,
+     "-set bodies[1].mass=3: key 'bodies': found a list of 1, expected a list of at least 2",
+     {{"bodies[1].mass", "3"}}},
+    {"place_in_a_map",
+     "time: {step: 1}\n" + ball,
+     "-set time[0]=3: key 'time': found a map, expected a list of at least 1",
+     {{"time[0]", "3"}}},
+    {"key_of_a_number",
+     ball,
+     "-set bodies[0].mass.x=3: key 'bodies[0].mass': found 2, expected a map, to set 'x' in it",
+     {{"bodies[0].mass.x", "3"}}},
+    {"not_yaml", ball, "-set gravity=[1: not YAML: end of sequence flow not found", {{"gravity", "[1"}}},
+    {"empty_path",
+     ball,
+     "-set =1: found the path '', expected keys and places such as time.frames or bodies[0].mass",
+     {{"", "1"}}},
+    {"broken_path",
+     ball,
+     "-set bodies[x]=1: found the path 'bodies[x]', expected keys and places such as time.frames or bodies[0].mass",
+     {{"bodies[x]", "1"}}},
+    {"fault_of_the_file_stays_there",
+     "time: {step: -1}\n" + ball,
+     "FILE:1: key 'time.step': found -1, expected a number > 0 (s)",
+     {{"time.frames", "3"}}},
+};
+
+std::string case_name(const testing::TestParamInfo<BadInput>& info) { return info.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(Files, ReadSceneRefuses, testing::ValuesIn(bad_files), case_name);
+INSTANTIATE_TEST_SUITE_P(Values, ReadSceneRefuses, testing::ValuesIn(bad_values), case_name);
+INSTANTIATE_TEST_SUITE_P(Bodies, ReadSceneRefuses, testing::ValuesIn(bad_bodies), case_name);
+INSTANTIATE_TEST_SUITE_P(Generators, ReadSceneRefuses, testing::ValuesIn(bad_generators), case_name);
+INSTANTIATE_TEST_SUITE_P(Overrides, ReadSceneRefuses, testing::ValuesIn(bad_overrides), case_name);
+
+std::string message_of(const std::string& path) {
+  try {
+    read_scene(path);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ReadSceneFails, FilesThatCannotBeRead) {
+  EXPECT_EQ(message_of("no/such.yaml"),
+            "no/such.yaml: found no readable file (No such file or directory), expected a scene (YAML)");
+  EXPECT_EQ(message_of("/"), "/: found no readable file (Is a directory), expected a scene (YAML)");
+}
+
+TEST(ReadSceneFails, BytesThatAreNoText) {
+  const std::string message =
+      fault_of(std::string("\x7f"
+                           "ELF\x02\x01\x01\0\0\0\x03\0\x3e",
+                           13));
+  EXPECT_EQ(message.rfind("FILE", 0), 0u) << message;
+}
+
+TEST(ReadSceneFails, AnAliasThatHoldsItself) {
+  const std::string message = fault_of("title: &a [*a]\n");
+  EXPECT_EQ(message.rfind("FILE:1: key 'title[0][0]", 0), 0u) << message;
+  EXPECT_NE(message.find("found more than 64 levels"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace unibody
