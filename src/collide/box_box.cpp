@@ -205,6 +205,21 @@ void add_edge_point(int i, int j, double gap, Collector& to) {
   to.add(middle + 0.5 * gap * to.normal, gap, edge_feature | static_cast<std::uint32_t>(3 * i + j) << 6 | corners);
 }
 
+// The axis as a unit vector in a's frame.
+Vec3 axis_direction(const BoxRelation& r, int code) {
+  Vec3 n = Vec3::Zero();
+  if (code < 3) {
+    n[code] = 1;
+  } else if (code < 6) {
+    for (int i = 0; i < 3; ++i) n[i] = r.turn[i][code - 3];
+  } else {
+    const int i = (code - 6) / 3, j = (code - 6) % 3, i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    n[i1] = -r.turn[i2][j], n[i2] = r.turn[i1][j];
+    n /= std::sqrt(n.squaredNorm());
+  }
+  return n;
+}
+
 }  // namespace
 
 BoxRelation relate_boxes(const Proxy& a, const Proxy& b) {
@@ -253,18 +268,16 @@ bool find_axis(const BoxRelation& r, const Vec3& ha, const Vec3& hb, double marg
   return best.separation <= margin;
 }
 
+double separation_along(const BoxRelation& r, const Vec3& ha, const Vec3& hb, int code) {
+  const Vec3 n = axis_direction(r, code);
+  double s = std::abs(n[0] * r.offset[0] + n[1] * r.offset[1] + n[2] * r.offset[2]) - n.cwiseAbs().dot(ha);
+  for (int j = 0; j < 3; ++j) s -= std::abs(n[0] * r.turn[0][j] + n[1] * r.turn[1][j] + n[2] * r.turn[2][j]) * hb[j];
+  return s;
+}
+
 void box_manifold(const Proxy& a, const Proxy& b, const BoxRelation& r, const BoxAxis& axis, double margin, PairManifold& out) {
   const bool edge = axis.code >= 6;
-  Vec3 normal = Vec3::Zero();  // in a's frame
-  if (edge) {
-    const int i = (axis.code - 6) / 3, j = (axis.code - 6) % 3, i1 = (i + 1) % 3, i2 = (i + 2) % 3;
-    normal[i1] = -r.turn[i2][j], normal[i2] = r.turn[i1][j];
-    normal /= std::sqrt(normal.squaredNorm());
-  } else if (axis.code < 3) {
-    normal[axis.code] = 1;
-  } else {
-    for (int i = 0; i < 3; ++i) normal[i] = r.turn[i][axis.code - 3];
-  }
+  Vec3 normal = axis_direction(r, axis.code);
   if (normal[0] * r.offset[0] + normal[1] * r.offset[1] + normal[2] * r.offset[2] < 0) normal = -normal;
 
   // the reference box: the face's, or for an edge the one with the face best aligned with the normal

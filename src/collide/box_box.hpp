@@ -24,6 +24,9 @@ struct BoxAxis {
 // 0.1 % of the smallest half edge + 2 % of the separation, since a face gives a steadier manifold.
 bool find_axis(const BoxRelation& relation, const Vec3& half_a, const Vec3& half_b, double margin, BoxAxis& axis);
 
+// Separation along one axis, by its code.
+double separation_along(const BoxRelation& relation, const Vec3& half_a, const Vec3& half_b, int code);
+
 // Normal and points for a given axis.
 void box_manifold(const Proxy& a, const Proxy& b, const BoxRelation& relation, const BoxAxis& axis, double margin,
                   PairManifold& out);

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collide/box_box.hpp"
 #include "collide/shape_pairs.hpp"
+#include "collide/sweep.hpp"
 
 namespace unibody {
 
@@ -17,17 +19,26 @@ void two_boxes(const Proxy& a, const Proxy& b, const PairSettings& settings, Pai
   settings.planar ? box_box_planar(a, b, settings, out) : box_box(a, b, settings, out);
 }
 
+double fastest(const Proxy& a, const Proxy& b) { return std::max(std::max(a.speed, b.speed), (a.velocity - b.velocity).norm()); }
+
 struct Cell {
   Function function;
-  bool swapped = false;  // the function takes b first
+  SweepFunction sweep;   // null: never needed
+  bool swapped = false;  // the functions take b first
 };
 
 // Rows and columns in the order of ShapeKind.
+constexpr Cell round_with_round{round_round, sweep_round_round}, round_with_box{round_box, sweep_round_box},
+    round_with_plane{round_plane, nullptr}, box_with_box{two_boxes, sweep_box_box}, box_with_plane{box_plane, nullptr},
+    nothing{none, nullptr};
+
+constexpr Cell flip(Cell c) { return {c.function, c.sweep, true}; }
+
 constexpr Cell table[4][4] = {
-    /* sphere */ {{round_round}, {round_box}, {round_plane}, {round_round}},
-    /* box    */ {{round_box, true}, {two_boxes}, {box_plane}, {round_box, true}},
-    /* plane  */ {{round_plane, true}, {box_plane, true}, {none}, {round_plane, true}},
-    /* disc   */ {{round_round}, {round_box}, {round_plane}, {round_round}},
+    /* sphere */ {round_with_round, round_with_box, round_with_plane, round_with_round},
+    /* box    */ {flip(round_with_box), box_with_box, box_with_plane, flip(round_with_box)},
+    /* plane  */ {flip(round_with_plane), flip(box_with_plane), nothing, flip(round_with_plane)},
+    /* disc   */ {round_with_round, round_with_box, round_with_plane, round_with_round},
 };
 
 // Drops points beyond the margin, keeps at most 8 of them, and puts them in the order of their features.
@@ -48,6 +59,40 @@ void tidy(PairManifold& m, double margin) {
     std::move(p + remove + 1, p + m.count, p + remove);
     --m.count;
   }
+}
+
+// The manifold where the bodies are.
+void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, const PairSettings& settings, PairManifold& m) {
+  cell.function(first, second, settings, m);
+  tidy(m, settings.margin);
+  for (int i = 0; i < m.count; ++i) m.points[i].position += first.position;
+}
+
+// The manifold where the bodies will first touch, its gaps opened by what they close until then along its normal, its points
+// carried back with the dynamic body (half way between, if both are). Where they will not touch, only what is near them now.
+void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
+                  PairManifold& m) {
+  const Vec3 velocity = first.velocity - second.velocity;
+  Impact impact;
+  const Sweep sweep = cell.sweep(first, second, velocity, margin / velocity.norm(), impact);
+  if (sweep == Sweep::overlap) return collide_at(cell, first, second, {margin, settings.planar}, m);
+  if (sweep == Sweep::miss)
+    return collide_at(cell, first, second, {margin - settings.step * fastest(first, second), settings.planar}, m);
+
+  Proxy a = first, b = second;
+  a.position += impact.time * a.velocity;
+  b.position += impact.time * b.velocity;
+  if (impact.axis >= 0 && !settings.planar) {
+    const BoxRelation relation = relate_boxes(a, b);
+    box_manifold(a, b, relation, {impact.axis, separation_along(relation, a.half, b.half, impact.axis)}, margin, m);
+  } else {
+    cell.function(a, b, {margin, settings.planar}, m);
+  }
+  const double closed = impact.time * std::max(0.0, -m.normal.dot(velocity));
+  const double weight = a.dynamic == b.dynamic ? 0.5 : a.dynamic ? 1 : 0;
+  const Vec3 back = a.position - impact.time * (weight * a.velocity + (1 - weight) * b.velocity);
+  for (int i = 0; i < m.count; ++i) m.points[i].gap += closed, m.points[i].position += back;
+  tidy(m, margin);
 }
 
 }  // namespace
@@ -75,9 +120,8 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
 }
 
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
-  const double speed = std::max(std::max(a.speed, b.speed), (a.velocity - b.velocity).norm());
   const double fall = settings.gravity.norm() * settings.step * settings.step;
-  return settings.margin + settings.step * speed + (a.spin_reach + b.spin_reach) + fall;
+  return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + fall;
 }
 
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& m) {
@@ -89,10 +133,11 @@ void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& setting
 
   const Cell& cell = table[static_cast<int>(a.kind)][static_cast<int>(b.kind)];
   const Proxy &first = cell.swapped ? b : a, &second = cell.swapped ? a : b;
-  cell.function(first, second, {margin, settings.planar}, m);
-  if (m.count == 0) return;
-  tidy(m, margin);
-  for (int i = 0; i < m.count; ++i) m.points[i].position += first.position;
+  const double travel = settings.step * (a.velocity - b.velocity).norm();
+  if (cell.sweep && travel > std::min(a.half_size, b.half_size))
+    collide_fast(cell, first, second, margin, settings, m);
+  else
+    collide_at(cell, first, second, {margin, settings.planar}, m);
   if (cell.swapped) m.normal = -m.normal;
 }
 

@@ -31,7 +31,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
 // Points of one pair under construction; positions relative to the first body's centre.
 struct PairManifold {
   static constexpr int capacity = 32, kept = 8;
-  Vec3 normal;  // from the second body towards the first
+  Vec3 normal = Vec3::UnitZ();  // from the second body towards the first
   int count = 0;
   ContactPoint points[capacity];
 
