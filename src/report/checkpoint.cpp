@@ -1,15 +1,12 @@
 #include "report/checkpoint.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <optional>
 
+#include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "core/hash.hpp"
 #include "report/by_id.hpp"
@@ -21,7 +18,7 @@ namespace {
 const std::string format = "unibody checkpoint 1";
 
 // A body as one row of the data set "bodies": reals, then the small numbers, which doubles hold exactly.
-constexpr std::size_t body_columns = 29;
+constexpr Id body_columns = 29;
 using BodyRow = std::array<double, body_columns>;
 
 BodyRow to_row(const BodyProperties& p, const BodyState& s) {
@@ -61,7 +58,7 @@ struct PointRow {
   std::int64_t owner, id_a, id_b, place_in_manifold, feature;
   std::array<double, 7> reals;  // place, normal, tangential
 };
-constexpr std::size_t key_columns = 5;
+constexpr Id key_columns = 5;
 
 auto order(const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b, p.place_in_manifold}; }
 
@@ -98,11 +95,10 @@ std::vector<PointRow> point_rows(MPI_Comm comm, Id count, const World& world, co
   return rows;
 }
 
-bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows) {
+bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total) {
   const auto mine = static_cast<std::int64_t>(rows.size());
-  std::int64_t last = 0, total = 0;
+  std::int64_t last = 0;
   MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm);
-  MPI_Allreduce(&mine, &total, 1, MPI_INT64_T, MPI_SUM, comm);
   std::vector<std::int64_t> keys;
   std::vector<double> reals;
   for (const PointRow& p : rows) {
@@ -119,20 +115,6 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows) 
   return h5::write_rows(force, H5T_NATIVE_DOUBLE, first, rows.size(), reals.data()) && good;
 }
 
-void sync(const std::string& path, int flags) {
-  const int file = ::open(path.c_str(), flags);
-  const bool good = file >= 0 && ::fsync(file) == 0;
-  if (file >= 0) ::close(file);
-  if (!good) throw std::runtime_error("cannot force " + path + " to the disk");
-}
-
-void publish(const std::string& part, const std::string& path) {
-  sync(part, O_RDONLY);
-  if (std::rename(part.c_str(), path.c_str()) != 0) throw std::runtime_error("cannot rename " + part + " to " + path);
-  const auto directory = std::filesystem::path(path).parent_path();
-  sync(directory.empty() ? "." : directory.string(), O_RDONLY | O_DIRECTORY);
-}
-
 }  // namespace
 
 std::string fingerprint(const std::string& scene_text) { return hex(Hash().add(std::string_view(scene_text)).value()); }
@@ -144,6 +126,8 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   const std::string part = path + ".part";
+  auto total = static_cast<std::int64_t>(points.size());
+  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm);
   const h5::Quiet quiet;
   const auto agree = [&](const std::function<void()>& action) {
     std::string fault;
@@ -156,7 +140,10 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     if (!fault.empty()) throw RunError("cannot write the checkpoint " + path + ": " + fault);
   };
   agree([&] {
-    auto file = h5::create_file(comm, part);
+    if (rank == 0) reserve_on_disk(part, (body_columns * count + (key_columns + 7) * total) * 8 + 65536);
+  });
+  agree([&] {
+    const auto file = h5::create_file(comm, part);
     h5::write_attribute(file, "format", format);
     h5::write_attribute(file, "fingerprint", fingerprint);
     h5::write_attribute(file, "frame", frame);
@@ -165,12 +152,12 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, static_cast<hsize_t>(count), body_columns);
     const auto first = static_cast<hsize_t>(id_blocks(comm, count).first(rank));
     bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, first, bodies.size(), bodies.data());
-    good = write_points(comm, file, points) && good;
+    good = write_points(comm, file, points, total) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
     if (!good) throw std::runtime_error("is the disk full?");
   });
   agree([&] {
-    if (rank == 0) publish(part, path);
+    if (rank == 0) publish_file(part, path);
   });
 }
 
