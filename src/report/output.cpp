@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "report/by_id.hpp"
 
@@ -99,6 +100,7 @@ Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings
       single_(settings.single_precision),
       count_(count) {
   MPI_Comm_rank(comm, &rank_);
+  reserve(10);
   const h5::Quiet quiet;
   std::string fault;
   try {
@@ -125,6 +127,17 @@ Output::~Output() {
 void Output::throw_if_any(const std::string& fault) const {
   const auto first = first_fault(comm_, fault);
   if (!first.empty()) throw RunError(first);
+}
+
+// Room for `columns` numbers a body and the frame's own records.
+void Output::reserve(Id columns) const {
+  std::string fault;
+  try {
+    if (rank_ == 0) reserve_on_disk(path_, count_ * columns * 8 + 65536);
+  } catch (const std::exception& e) {
+    fault = e.what();
+  }
+  throw_if_any(fault);
 }
 
 void Output::write_bodies(const World& world) {
@@ -170,6 +183,7 @@ void Output::write(std::int64_t frame, double time, const World& world) {
     const Quat& q = s.orientation;
     return std::array<double, 13>{x[0], x[1], x[2], q.w(), q.x(), q.y(), q.z(), v[0], v[1], v[2], w[0], w[1], w[2]};
   });
+  reserve(13);
   const h5::Quiet quiet;
   std::string fault;
   try {

@@ -32,6 +32,7 @@ class Output {
   void write(std::int64_t frame, double time, const World& world);
 
  private:
+  void reserve(Id columns) const;
   void write_bodies(const World& world);
   void start_xdmf();
   void append_xdmf(std::int64_t frame, double time);

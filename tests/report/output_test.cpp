@@ -126,6 +126,27 @@ TEST(RanksOutput, FilesAreWholeBetweenFrames) {
   MPI_Barrier(comm);
 }
 
+TEST(RanksOutput, AFullDiskLeavesTheEarlierFrames) {
+  const Folder folder;
+  const MPI_Comm comm = MPI_COMM_WORLD;
+  const World w = world(comm, 333, partitions(size_of(comm))[0]);
+  {
+    Output output(comm, folder.path(), {}, 333, w);
+    output.write(0, 0, w);
+    output.write(1, 0.1, w);
+    const std::string xdmf = contents(folder / "frames.xdmf");
+    MPI_Barrier(comm);
+    const FileSizeLimit limit(100'000);
+    EXPECT_THROW(output.write(2, 0.2, w), RunError);
+    EXPECT_EQ(contents(folder / "frames.xdmf"), xdmf);
+  }
+  MPI_Barrier(comm);
+  const h5::Handle file = h5::open_file(comm, folder / "frames.h5");
+  EXPECT_NO_THROW(h5::open_dataset(file, "frames/000001/velocity"));
+  const h5::Quiet quiet;
+  EXPECT_THROW(h5::open_dataset(file, "frames/000002/velocity"), std::runtime_error);
+}
+
 TEST(RanksOutput, ExistingResultsAreKept) {
   const Folder folder;
   const MPI_Comm comm = MPI_COMM_WORLD;

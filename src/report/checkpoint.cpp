@@ -1,0 +1,330 @@
+#include "report/checkpoint.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "core/disk.hpp"
+#include "core/errors.hpp"
+#include "core/hash.hpp"
+#include "report/by_id.hpp"
+
+namespace unibody {
+
+namespace {
+
+const std::string format = "unibody checkpoint 1";
+
+// A body as one row of the data set "bodies": reals, then the small numbers, which doubles hold exactly.
+constexpr Id body_columns = 29;
+using BodyRow = std::array<double, body_columns>;
+
+BodyRow to_row(const BodyProperties& p, const BodyState& s) {
+  BodyRow row;
+  auto at = row.begin();
+  const auto put = [&](const Vec3& v) { at = std::copy(v.data(), v.data() + 3, at); };
+  put(s.position);
+  for (double q : {s.orientation.w(), s.orientation.x(), s.orientation.y(), s.orientation.z()}) *at++ = q;
+  put(s.velocity), put(s.angular_velocity);
+  put(p.shape.size), put(p.inertia), put(p.force), put(p.torque);
+  *at++ = p.mass;
+  *at++ = static_cast<double>(p.shape.kind);
+  *at++ = static_cast<double>(p.motion);
+  *at++ = p.material;
+  return row;
+}
+
+Body from_row(Id id, const BodyRow& row) {
+  Body b;
+  b.id = id;
+  auto at = row.begin();
+  const auto take = [&](Vec3& v) { std::copy(at, at + 3, v.data()), at += 3; };
+  take(b.state.position);
+  b.state.orientation = Quat(at[0], at[1], at[2], at[3]), at += 4;
+  take(b.state.velocity), take(b.state.angular_velocity);
+  take(b.properties.shape.size), take(b.properties.inertia), take(b.properties.force), take(b.properties.torque);
+  b.properties.mass = *at++;
+  b.properties.shape.kind = static_cast<ShapeKind>(*at++);
+  b.properties.motion = static_cast<Motion>(*at++);
+  b.properties.material = static_cast<std::int32_t>(*at++);
+  return b;
+}
+
+// One remembered contact point with the key of its manifold. The owner is the pair's first dynamic body: the file is sorted by
+// it, then by key and place in the manifold, so that a ground that touches everything does not gather all points on one rank.
+struct PointRow {
+  std::int64_t owner, id_a, id_b, place_in_manifold, feature;
+  std::array<double, 7> reals;  // place, normal, tangential
+};
+constexpr Id key_columns = 5;
+
+auto order(const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b, p.place_in_manifold}; }
+
+PointRow to_row(Id owner, const RememberedManifold& m, std::uint32_t k, const RememberedPoint& p) {
+  return {owner, m.id_a,    m.id_b,
+          k,     p.feature, {p.place[0], p.place[1], p.place[2], p.normal, p.tangential[0], p.tangential[1], p.tangential[2]}};
+}
+
+RememberedPoint from_row(const PointRow& row) {
+  const auto& r = row.reals;
+  return {Vec3(r[0], r[1], r[2]), r[3], Vec3(r[4], r[5], r[6]), static_cast<std::uint32_t>(row.feature), 0};
+}
+
+bool in_range(const World& world, std::size_t first, std::size_t last, Id id) {
+  const auto begin = world.id.begin() + static_cast<std::ptrdiff_t>(first),
+             end = world.id.begin() + static_cast<std::ptrdiff_t>(last);
+  return std::binary_search(begin, end, id);
+}
+
+// The points of the manifolds whose owner is home here, sent to the rank of the owner's block and put in the file's order.
+std::vector<PointRow> point_rows(MPI_Comm comm, Id count, const World& world, const Multipliers& multipliers) {
+  const IdBlocks blocks = id_blocks(comm, count);
+  std::vector<PointRow> mine;
+  std::vector<int> target;
+  for (const auto& m : multipliers.manifolds) {
+    const bool a_is_static = in_range(world, world.first_static(), world.size(), m.id_a);
+    const Id owner = a_is_static ? m.id_b : m.id_a;
+    if (!in_range(world, 0, world.homes, owner)) continue;
+    for (std::uint32_t k = 0; k < m.count; ++k) mine.push_back(to_row(owner, m, k, multipliers.points[m.first + k]));
+    target.resize(mine.size(), blocks.owner(owner));
+  }
+  auto rows = exchange<PointRow>(comm, target, mine);
+  std::sort(rows.begin(), rows.end(), [](const PointRow& a, const PointRow& b) { return order(a) < order(b); });
+  return rows;
+}
+
+bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total) {
+  const auto mine = static_cast<std::int64_t>(rows.size());
+  std::int64_t last = 0;
+  MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm);
+  std::vector<std::int64_t> keys;
+  std::vector<double> reals;
+  for (const PointRow& p : rows) {
+    keys.insert(keys.end(), {p.owner, p.id_a, p.id_b, p.place_in_manifold, p.feature});
+    reals.insert(reals.end(), p.reals.begin(), p.reals.end());
+  }
+  const auto first = static_cast<hsize_t>(last - mine);
+  const auto group = h5::create_group(file, "multipliers");
+  const auto key = h5::create_dataset(group, "key", H5T_STD_I64LE, static_cast<hsize_t>(total), key_columns);
+  const bool good = h5::write_rows(key, H5T_NATIVE_INT64, first, rows.size(), keys.data());
+  h5::write_attribute(key, "columns", std::string("owner id_a id_b place_in_manifold feature"));
+  const auto force = h5::create_dataset(group, "point", H5T_IEEE_F64LE, static_cast<hsize_t>(total), 7);
+  h5::write_attribute(force, "columns", std::string("place[3] (m) normal (N) tangential[3] (N)"));
+  return h5::write_rows(force, H5T_NATIVE_DOUBLE, first, rows.size(), reals.data()) && good;
+}
+
+}  // namespace
+
+std::string fingerprint(const std::string& scene_text) { return hex(Hash().add(std::string_view(scene_text)).value()); }
+
+void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint, std::int64_t frame, double time,
+                      Id count, const World& world, const Multipliers& multipliers) {
+  const auto bodies = rows_by_id(comm, world, count, [&](std::size_t s) { return to_row(world.properties[s], world.state(s)); });
+  const auto points = point_rows(comm, count, world, multipliers);
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  const std::string part = path + ".part";
+  auto total = static_cast<std::int64_t>(points.size());
+  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm);
+  const h5::Quiet quiet;
+  const auto agree = [&](const std::function<void()>& action) {
+    std::string fault;
+    try {
+      action();
+    } catch (const std::exception& e) {
+      fault = e.what();
+    }
+    fault = first_fault(comm, fault);
+    if (!fault.empty()) throw RunError("cannot write the checkpoint " + path + ": " + fault);
+  };
+  agree([&] {
+    if (rank == 0) reserve_on_disk(part, (body_columns * count + (key_columns + 7) * total) * 8 + 65536);
+  });
+  agree([&] {
+    const auto file = h5::create_file(comm, part);
+    h5::write_attribute(file, "format", format);
+    h5::write_attribute(file, "fingerprint", fingerprint);
+    h5::write_attribute(file, "frame", frame);
+    h5::write_attribute(file, "time", time);
+    h5::write_attribute(file, "bodies", count);
+    const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, static_cast<hsize_t>(count), body_columns);
+    const auto first = static_cast<hsize_t>(id_blocks(comm, count).first(rank));
+    bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, first, bodies.size(), bodies.data());
+    good = write_points(comm, file, points, total) && good;
+    good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
+    if (!good) throw std::runtime_error("is the disk full?");
+  });
+  agree([&] {
+    if (rank == 0) publish_file(part, path);
+  });
+}
+
+namespace {
+
+[[noreturn]] void damaged(const std::string& path, const std::string& why) {
+  throw InputError("'" + path + "' is damaged or no checkpoint: " + why);
+}
+
+// Runs `action` and turns what HDF5 or the checks throw into an InputError about `path`.
+template <class Action>
+auto reading(const std::string& path, Action action) {
+  const h5::Quiet quiet;
+  try {
+    return action();
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& e) {
+    damaged(path, e.what());
+  }
+}
+
+void expect_shape(hid_t dataset, std::optional<hsize_t> rows, hsize_t columns) {
+  const auto extent = h5::dimensions(dataset);
+  if (extent.size() != 2 || extent[1] != columns || (rows && extent[0] != *rows))
+    throw std::runtime_error("a table has another size");
+}
+
+// Where each home body of all ranks is home: rank by id, each rank holding one block of ids.
+class Directory {
+ public:
+  Directory(MPI_Comm comm, Id count, const World& world) : comm_(comm), blocks_(id_blocks(comm, count)) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    first_ = blocks_.first(rank);
+    homes_.assign(static_cast<std::size_t>(blocks_.size(rank)), -1);
+    std::vector<int> target(world.homes);
+    std::vector<Entry> mine(world.homes);
+    for (std::size_t k = 0; k < world.homes; ++k) mine[k] = {world.id[k], rank}, target[k] = blocks_.owner(world.id[k]);
+    for (const Entry& e : exchange<Entry>(comm, target, mine))
+      homes_[static_cast<std::size_t>(e.id - first_)] = static_cast<int>(e.rank);
+  }
+
+  // Sends each point to the home ranks of its two bodies, by way of the ranks that know them.
+  // Statics have no home: they are not asked for, since one rank would have to answer for all that lies on the ground.
+  std::vector<PointRow> deliver(const World& world, const std::vector<PointRow>& rows) const {
+    struct Addressed {
+      Id id;  // whose home is to be looked up
+      PointRow row;
+    };
+    std::vector<Addressed> ask;
+    std::vector<int> target;
+    for (const PointRow& p : rows)
+      for (Id id : {p.id_a, p.id_b})
+        if (!in_range(world, world.first_static(), world.size(), id)) ask.push_back({id, p}), target.push_back(blocks_.owner(id));
+    std::vector<PointRow> send;
+    std::vector<int> home;
+    for (const Addressed& a : exchange<Addressed>(comm_, target, ask)) {
+      const int rank = homes_[static_cast<std::size_t>(a.id - first_)];
+      if (rank >= 0) send.push_back(a.row), home.push_back(rank);
+    }
+    return exchange<PointRow>(comm_, home, send);
+  }
+
+ private:
+  struct Entry {
+    std::int64_t id, rank;
+  };
+  MPI_Comm comm_;
+  IdBlocks blocks_;
+  Id first_ = 0;
+  std::vector<int> homes_;
+};
+
+Multipliers assemble(std::vector<PointRow> rows) {
+  const auto key = [](const PointRow& p) { return std::array{p.id_a, p.id_b, p.place_in_manifold}; };
+  std::sort(rows.begin(), rows.end(), [&](const PointRow& a, const PointRow& b) { return key(a) < key(b); });
+  // A pair with both bodies home here arrived twice.
+  rows.erase(std::unique(rows.begin(), rows.end(), [&](const PointRow& a, const PointRow& b) { return key(a) == key(b); }),
+             rows.end());
+  Multipliers result;
+  for (const PointRow& p : rows) {
+    auto& manifolds = result.manifolds;
+    if (manifolds.empty() || manifolds.back().id_a != p.id_a || manifolds.back().id_b != p.id_b)
+      manifolds.push_back({p.id_a, p.id_b, static_cast<std::uint32_t>(result.points.size()), 0});
+    ++manifolds.back().count;
+    result.points.push_back(from_row(p));
+  }
+  return result;
+}
+
+std::vector<PointRow> read_points(hid_t file, Id first, Id last) {
+  const auto n = static_cast<std::size_t>(last - first);
+  std::vector<std::int64_t> keys(n * key_columns);
+  std::vector<double> reals(n * 7);
+  const auto key = h5::open_dataset(file, "multipliers/key"), point = h5::open_dataset(file, "multipliers/point");
+  h5::read_rows(key, H5T_NATIVE_INT64, static_cast<hsize_t>(first), n, keys.data());
+  h5::read_rows(point, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, reals.data());
+  std::vector<PointRow> rows(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto* i = keys.data() + k * key_columns;
+    rows[k] = {i[0], i[1], i[2], i[3], i[4], {}};
+    std::copy_n(reals.data() + k * 7, 7, rows[k].reals.begin());
+  }
+  return rows;
+}
+
+}  // namespace
+
+Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint) : comm_(comm), path_(path) {
+  std::string fault;
+  try {
+    reading(path, [&] {
+      std::error_code error;
+      if (!std::filesystem::is_regular_file(path, error)) throw InputError("there is no checkpoint '" + path + "'");
+      file_ = h5::open_file(comm, path);
+      if (h5::read_string(file_, "format") != format) throw std::runtime_error("its format is not '" + format + "'");
+      const auto found = h5::read_string(file_, "fingerprint");
+      if (found != fingerprint)
+        throw InputError("'" + path + "' belongs to another scene or other overrides (fingerprint " + found + ", this scene " +
+                         fingerprint + ")");
+      frame_ = h5::read_integer(file_, "frame"), time_ = h5::read_double(file_, "time"),
+      count_ = h5::read_integer(file_, "bodies");
+      expect_shape(h5::open_dataset(file_, "bodies"), static_cast<hsize_t>(count_), body_columns);
+      const auto points = h5::dimensions(h5::open_dataset(file_, "multipliers/key"))[0];
+      expect_shape(h5::open_dataset(file_, "multipliers/key"), points, key_columns);
+      expect_shape(h5::open_dataset(file_, "multipliers/point"), points, 7);
+    });
+  } catch (const InputError& e) {
+    fault = e.what();
+  }
+  fault = first_fault(comm, fault);
+  if (!fault.empty()) throw InputError(fault);
+}
+
+std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
+  return reading(path_, [&] {
+    if (first < 0 || last > count_ || first > last) throw std::runtime_error("it has no such bodies");
+    std::vector<BodyRow> rows(static_cast<std::size_t>(last - first));
+    const auto dataset = h5::open_dataset(file_, "bodies");
+    h5::read_rows(dataset, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), rows.size(), rows.data());
+    std::vector<Body> bodies(rows.size());
+    for (std::size_t k = 0; k < rows.size(); ++k) bodies[k] = from_row(first + static_cast<Id>(k), rows[k]);
+    return bodies;
+  });
+}
+
+Multipliers Checkpoint::read_multipliers(const World& world) const {
+  int rank = 0;
+  MPI_Comm_rank(comm_, &rank);
+  std::string fault;
+  std::vector<PointRow> rows;
+  try {
+    rows = reading(path_, [&] {
+      const auto total = static_cast<Id>(h5::dimensions(h5::open_dataset(file_, "multipliers/key"))[0]);
+      const IdBlocks share = id_blocks(comm_, total);
+      auto read = read_points(file_, share.first(rank), share.first(rank + 1));
+      for (const PointRow& p : read)
+        if (p.id_a < 0 || p.id_a >= p.id_b || p.id_b >= count_) throw std::runtime_error("a multiplier of no pair of bodies");
+      return read;
+    });
+  } catch (const InputError& e) {
+    fault = e.what();
+  }
+  fault = first_fault(comm_, fault);
+  if (!fault.empty()) throw InputError(fault);
+  return assemble(Directory(comm_, count_, world).deliver(world, rows));
+}
+
+}  // namespace unibody
