@@ -35,9 +35,9 @@ rivals::Vec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
 btTransform pose(const Frame& frame, std::size_t i) {
   const auto& q = frame.orientation[i];
-  return {btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()), static_cast<btScalar>(q.z()),
-                       static_cast<btScalar>(q.w())),
-          to_bullet(frame.position[i])};
+  return btTransform(btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()), static_cast<btScalar>(q.z()),
+                                  static_cast<btScalar>(q.w())),
+                     to_bullet(frame.position[i]));
 }
 
 struct World {
