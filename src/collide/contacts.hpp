@@ -14,12 +14,12 @@ struct ContactPoint {
 
 // All contact points of one pair of bodies. They share one normal.
 struct Manifold {
-  Id id_a, id_b;            // the key: id_a < id_b
+  Id id_a, id_b;  // the key: id_a < id_b
   Slot slot_a, slot_b;
-  Vec3 normal;              // world, unit, from b towards a: a positive normal force pushes a along it
-  double friction;          // Coulomb's mu of the pair
-  std::uint32_t first;      // into Contacts::points
-  std::uint32_t count;      // 1..8
+  Vec3 normal;          // world, unit, from b towards a: a positive normal force pushes a along it
+  double friction;      // Coulomb's mu of the pair
+  std::uint32_t first;  // into Contacts::points
+  std::uint32_t count;  // 1..8
 };
 
 struct Contacts {

@@ -9,7 +9,7 @@
 namespace unibody {
 
 struct RememberedPoint {
-  Vec3 place;         // m, contact point in the frame of body a (world frame relative to b's centre where a is static)
+  Vec3 place;         // m, contact point in the frame of body a (of b where a is static)
   double normal;      // N, along the normal
   Vec3 tangential;    // N, world frame, on body a
   std::uint32_t feature;

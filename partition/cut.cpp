@@ -1,0 +1,98 @@
+#include "partition/cut.hpp"
+
+#include <algorithm>
+
+namespace unibody {
+
+namespace {
+
+constexpr int tag_exchange = 111;
+
+// What travels of a value, and how it is read and written.
+struct Twist {
+  double v[3], w[3];
+  static Twist of(const SolverBody& b) { return {{b.v[0], b.v[1], b.v[2]}, {b.w[0], b.w[1], b.w[2]}}; }
+  void to(SolverBody& b) const { std::copy_n(v, 3, b.v), std::copy_n(w, 3, b.w); }
+};
+struct Count {
+  std::int32_t value;
+  static Count of(std::int32_t v) { return {v}; }
+  void to(std::int32_t& v) const { v = value; }
+};
+
+void sort_unique(std::vector<Slot>& v) {
+  std::sort(v.begin(), v.end());
+  v.erase(std::unique(v.begin(), v.end()), v.end());
+}
+
+}  // namespace
+
+void Cut::build(const World& world, const Contacts& contacts) {
+  neighbours_.clear(), ends_.clear(), all_.clear(), by_colour_.clear();
+  if (halo_.size() == 1) return;
+  std::map<int, Neighbour> found;
+  for (std::uint32_t m = 0; m < contacts.manifolds.size(); ++m) {
+    const Manifold& manifold = contacts.manifolds[m];
+    if (world.is_static(manifold.slot_a) || world.is_static(manifold.slot_b)) continue;
+    const bool a_home = world.is_home(manifold.slot_a), b_home = world.is_home(manifold.slot_b);
+    if (a_home == b_home) continue;
+    const Ends ends = a_home ? Ends{manifold.slot_a, manifold.slot_b} : Ends{manifold.slot_b, manifold.slot_a};
+    const int rank = halo_.home_rank_of_guest(static_cast<std::size_t>(ends.guest) - world.homes);
+    found.try_emplace(rank, Neighbour{rank, {}}).first->second.manifolds.push_back(m);
+    ends_.emplace(m, ends);
+  }
+  for (auto& [rank, neighbour] : found) {
+    Traffic traffic{rank, {}, {}};
+    for (const std::uint32_t m : neighbour.manifolds) {
+      traffic.send.push_back(ends_.at(m).home);
+      traffic.receive.push_back(ends_.at(m).guest);
+    }
+    sort_unique(traffic.send), sort_unique(traffic.receive);  // slots of a range ascend with ids: the same order on both sides
+    all_.push_back(std::move(traffic));
+    neighbours_.push_back(std::move(neighbour));
+  }
+}
+
+void Cut::set_colours(std::span<const std::int32_t> colour, std::size_t colours) {
+  by_colour_.assign(colours, {});
+  for (const Neighbour& neighbour : neighbours_)
+    for (const std::uint32_t m : neighbour.manifolds) {
+      auto& of_colour = by_colour_[static_cast<std::size_t>(colour[m])];
+      if (of_colour.empty() || of_colour.back().rank != neighbour.rank) of_colour.push_back({neighbour.rank, {}, {}});
+      of_colour.back().send.push_back(ends_.at(m).home);
+      of_colour.back().receive.push_back(ends_.at(m).guest);
+    }
+}
+
+template <typename T, typename Record>
+void Cut::run(std::span<const Traffic> traffic, std::span<T> values) const {
+  if (traffic.empty()) return;
+  const PhaseClock::Scope scope(clock_, Phase::halo);
+  const std::size_t n = traffic.size();
+  std::vector<std::vector<Record>> out(n), in(n);
+  std::vector<MPI_Request> requests(2 * n);
+  for (std::size_t i = 0; i < n; ++i) {
+    in[i].resize(traffic[i].receive.size());
+    MPI_Irecv(in[i].data(), static_cast<int>(in[i].size() * sizeof(Record)), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
+              &requests[i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    out[i].reserve(traffic[i].send.size());
+    for (const Slot s : traffic[i].send) out[i].push_back(Record::of(values[s]));
+    MPI_Isend(out[i].data(), static_cast<int>(out[i].size() * sizeof(Record)), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
+              &requests[n + i]);
+  }
+  MPI_Waitall(static_cast<int>(2 * n), requests.data(), MPI_STATUSES_IGNORE);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < in[i].size(); ++k) in[i][k].to(values[traffic[i].receive[k]]);
+}
+
+void Cut::exchange(std::span<SolverBody> bodies) const { run<SolverBody, Twist>(all_, bodies); }
+
+void Cut::exchange(std::span<std::int32_t> values) const { run<std::int32_t, Count>(all_, values); }
+
+void Cut::exchange_colour(std::size_t colour, std::span<SolverBody> bodies) const {
+  if (colour < by_colour_.size()) run<SolverBody, Twist>(by_colour_[colour], bodies);
+}
+
+}  // namespace unibody

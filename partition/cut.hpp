@@ -1,0 +1,69 @@
+// Cut: the bodies that a step's contacts share between ranks, and the one message an iteration that keeps them equal.
+//
+// A contact across a cut is found and evaluated by both ranks, so each knows without asking which bodies the other needs: the
+// lists on the two sides are equal by construction. What travels is a body's velocity, from its home to its guests.
+#pragma once
+
+#include <mpi.h>
+
+#include <map>
+#include <span>
+#include <vector>
+
+#include "collide/contacts.hpp"
+#include "core/phases.hpp"
+#include "partition/halo.hpp"
+#include "solve/system.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+class Cut {
+ public:
+  Cut(const Halo& halo, PhaseClock& clock) : halo_(halo), clock_(clock) {}
+
+  // Finds the shared bodies of this step's contacts. Local.
+  void build(const World& world, const Contacts& contacts);
+
+  // Refreshes every shared guest from its home: one message to and from each neighbour.
+  void exchange(std::span<SolverBody> bodies) const;
+  void exchange(std::span<std::int32_t> values) const;
+
+  // The same for the bodies that the manifolds of one colour touch; colour[m] of every manifold, set before by set_colours.
+  void set_colours(std::span<const std::int32_t> colour, std::size_t colours);
+  void exchange_colour(std::size_t colour, std::span<SolverBody> bodies) const;
+
+  // Manifolds across the cut, by neighbour; the lists of the two ranks correspond entry by entry.
+  struct Neighbour {
+    int rank;
+    std::vector<std::uint32_t> manifolds;  // ascending
+  };
+  std::span<const Neighbour> neighbours() const { return neighbours_; }
+  bool empty() const { return neighbours_.empty(); }
+
+  MPI_Comm comm() const { return halo_.comm(); }
+  PhaseClock& clock() const { return clock_; }
+
+  // This rank's and the other rank's body of a manifold across the cut.
+  struct Ends {
+    Slot home, guest;
+  };
+  Ends ends(std::uint32_t manifold) const { return ends_.at(manifold); }
+
+ private:
+  struct Traffic {
+    int rank;
+    std::vector<Slot> send, receive;
+  };
+  template <typename T, typename Record>
+  void run(std::span<const Traffic> traffic, std::span<T> values) const;
+
+  const Halo& halo_;
+  PhaseClock& clock_;
+  std::vector<Neighbour> neighbours_;
+  std::map<std::uint32_t, Ends> ends_;
+  std::vector<Traffic> all_;
+  std::vector<std::vector<Traffic>> by_colour_;
+};
+
+}  // namespace unibody

@@ -1,0 +1,201 @@
+#include "partition/halo.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "partition/messages.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr int tag_cells = 101, tag_large = 102, tag_guests = 103;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr std::int64_t cells_of_a_large_body = 64;  // beyond this a body is compared by its bounds rather than by its cells
+
+bool overlap(const Bounds& a, const Bounds& b) {
+  return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
+}
+
+bool contains(const Bounds& outer, const Bounds& inner) {
+  return (outer.lower.array() <= inner.lower.array()).all() && (inner.upper.array() <= outer.upper.array()).all();
+}
+
+// A cell's key wraps round after 2^21 cells an axis: two far cells may share a key, which costs a needless guest and nothing else.
+std::int64_t cell_key(std::int64_t x, std::int64_t y, std::int64_t z) {
+  constexpr std::int64_t mask = (1 << 21) - 1;
+  return (x & mask) << 42 | (y & mask) << 21 | (z & mask);
+}
+
+struct CellRange {
+  std::int64_t lower[3], upper[3];
+  std::int64_t count() const {
+    double n = 1;
+    for (int i = 0; i < 3; ++i) n *= static_cast<double>(upper[i] - lower[i] + 1);
+    return n > 1e9 ? 1000000000 : static_cast<std::int64_t>(n);
+  }
+};
+
+CellRange cells_of(const Bounds& b, double cell) {
+  CellRange r{};
+  for (int i = 0; i < 3; ++i) {
+    r.lower[i] = static_cast<std::int64_t>(std::floor(std::clamp(b.lower[i] / cell, -1e15, 1e15)));
+    r.upper[i] = static_cast<std::int64_t>(std::floor(std::clamp(b.upper[i] / cell, -1e15, 1e15)));
+  }
+  return r;
+}
+
+template <typename F>
+void for_each_cell(const CellRange& r, F&& f) {
+  for (auto x = r.lower[0]; x <= r.upper[0]; ++x)
+    for (auto y = r.lower[1]; y <= r.upper[1]; ++y)
+      for (auto z = r.lower[2]; z <= r.upper[2]; ++z) f(cell_key(x, y, z));
+}
+
+struct Guest {
+  Body body;
+  std::int64_t global;  // index in the Vecs
+  int rank;
+  int unused = 0;
+};
+
+// What a rank tells its neighbours of where its bodies are.
+struct Occupancy {
+  std::vector<std::int64_t> cells;  // sorted, unique
+  std::vector<Bounds> large;
+  bool meets(const Bounds& b, double cell) const {
+    if (std::any_of(large.begin(), large.end(), [&](const Bounds& l) { return overlap(l, b); })) return true;
+    bool found = false;
+    for_each_cell(cells_of(b, cell), [&](std::int64_t key) { found |= std::binary_search(cells.begin(), cells.end(), key); });
+    return found;
+  }
+};
+
+}  // namespace
+
+Halo::Halo(MPI_Comm comm) : comm_(comm) {
+  MPI_Comm_rank(comm, &rank_);
+  MPI_Comm_size(comm, &size_);
+}
+
+Halo::~Halo() { destroy_vecs(); }
+
+void Halo::destroy_vecs() {
+  for (Vec& v : vec_)
+    if (v) VecDestroy(&v);
+}
+
+void Halo::make_vecs(World& world, const std::vector<PetscInt>& guest_global) {
+  destroy_vecs();
+  const auto homes = static_cast<PetscInt>(world.homes);
+  const auto guests = static_cast<PetscInt>(guest_global.size());
+  const auto make = [&](Field field, PetscInt block, double* array) {
+    VecCreateGhostBlockWithArray(comm_, block, block * homes, PETSC_DECIDE, guests, guest_global.data(), array, &vec_[field]);
+  };
+  // PETSc takes a null array as "allocate your own": an empty rank gives it the address of something.
+  static double nothing[4];
+  const auto data = [](auto& v) { return v.empty() ? nothing : reinterpret_cast<double*>(v.data()); };
+  make(position, 3, data(world.position));
+  make(orientation, 4, data(world.orientation));
+  make(velocity, 3, data(world.velocity));
+  make(angular_velocity, 3, data(world.angular_velocity));
+}
+
+void Halo::refresh_guests(World& world, const CollideSettings& settings) {
+  int valid = valid_ && still_valid(world, settings);
+  if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &valid, 1, MPI_INT, MPI_MIN, comm_);
+  if (!valid) {
+    find_guests(world, settings);
+    valid_ = true;
+    return;
+  }
+  if (size_ == 1) return;
+  for (Vec v : vec_) VecGhostUpdateBegin(v, INSERT_VALUES, SCATTER_FORWARD);
+  for (Vec v : vec_) VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD);
+}
+
+bool Halo::still_valid(const World& world, const CollideSettings& settings) const {
+  if (size_ == 1) return true;
+  for (std::size_t i = 0; i < world.homes; ++i)
+    if (!contains(registered_[i], swept_bounds(world, i, settings))) return false;
+  return true;
+}
+
+void Halo::find_guests(World& world, const CollideSettings& settings) {
+  // Drop the old guests: statics move down behind the homes.
+  const std::size_t statics = world.size() - world.first_static();
+  std::vector<Body> static_bodies(statics);
+  for (std::size_t i = 0; i < statics; ++i) static_bodies[i] = world.body(world.first_static() + i);
+  std::vector<Guest> guests;
+
+  if (size_ > 1) {
+    // The cell edge only sets the price. Twice the largest common size keeps most bodies in at most eight cells.
+    double local[2] = {0, static_cast<double>(world.homes)}, total[2] = {0, 0};
+    for (std::size_t i = 0; i < world.homes; ++i) local[0] += bounding_radius(world.properties[i].shape);
+    MPI_Reduce(local, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm_);  // inexact, and harmless: no result depends on it,
+    MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm_);                   // as long as every rank has the same
+    const double cell = std::max(1e-6, 3 * total[0] / std::max(1.0, total[1]));
+
+    Bounds all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+    Occupancy mine;
+    registered_.resize(world.homes);
+    for (std::size_t i = 0; i < world.homes; ++i) {
+      Bounds b = swept_bounds(world, i, settings);
+      const double skin = 0.1 * cell + 2 * settings.step * world.velocity[i].norm();
+      b.lower.array() -= skin, b.upper.array() += skin;
+      registered_[i] = b;
+      all.lower = all.lower.cwiseMin(b.lower), all.upper = all.upper.cwiseMax(b.upper);
+      const CellRange range = cells_of(b, cell);
+      if (range.count() > cells_of_a_large_body)
+        mine.large.push_back(b);
+      else
+        for_each_cell(range, [&](std::int64_t key) { mine.cells.push_back(key); });
+    }
+    std::sort(mine.cells.begin(), mine.cells.end());
+    mine.cells.erase(std::unique(mine.cells.begin(), mine.cells.end()), mine.cells.end());
+
+    std::vector<Bounds> everyone(static_cast<std::size_t>(size_));
+    MPI_Allgather(&all, sizeof(Bounds), MPI_BYTE, everyone.data(), sizeof(Bounds), MPI_BYTE, comm_);
+    std::vector<int> neighbours;
+    for (int r = 0; r < size_; ++r)
+      if (r != rank_ && overlap(all, everyone[static_cast<std::size_t>(r)])) neighbours.push_back(r);
+
+    const std::size_t n = neighbours.size();
+    const auto cells = exchange_with(comm_, neighbours, std::vector(n, mine.cells), tag_cells);
+    const auto large = exchange_with(comm_, neighbours, std::vector(n, mine.large), tag_large);
+    std::int64_t first = 0;
+    const auto homes = static_cast<std::int64_t>(world.homes);
+    MPI_Exscan(&homes, &first, 1, MPI_INT64_T, MPI_SUM, comm_);
+    if (rank_ == 0) first = 0;
+
+    std::vector<std::vector<Guest>> to(n);
+    for (std::size_t k = 0; k < n; ++k) {
+      const Occupancy theirs{cells[k], large[k]};
+      const Bounds& reach = everyone[static_cast<std::size_t>(neighbours[k])];
+      for (std::size_t i = 0; i < world.homes; ++i) {
+        const Bounds& b = registered_[i];
+        if (!overlap(b, reach)) continue;
+        const bool large_body = cells_of(b, cell).count() > cells_of_a_large_body;
+        if (large_body || theirs.meets(b, cell)) to[k].push_back({world.body(i), first + static_cast<std::int64_t>(i), rank_});
+      }
+    }
+    for (const auto& list : exchange_with(comm_, neighbours, to, tag_guests)) guests.insert(guests.end(), list.begin(), list.end());
+    std::sort(guests.begin(), guests.end(), [](const Guest& a, const Guest& b) { return a.body.id < b.body.id; });
+  }
+
+  world.guests = guests.size();
+  world.resize(world.homes + world.guests + statics);
+  guest_rank_.resize(guests.size());
+  std::vector<PetscInt> global(guests.size());
+  for (std::size_t g = 0; g < guests.size(); ++g) {
+    world.set(world.homes + g, guests[g].body);
+    guest_rank_[g] = guests[g].rank;
+    global[g] = static_cast<PetscInt>(guests[g].global);
+  }
+  for (std::size_t i = 0; i < statics; ++i) world.set(world.first_static() + i, static_bodies[i]);
+  make_vecs(world, global);
+}
+
+}  // namespace unibody

@@ -1,0 +1,57 @@
+// Halo: who shares which body (design: home computes).
+//
+// Each body has one home rank, which alone moves it. A rank keeps copies, "guests", of the bodies of other ranks whose swept bounds
+// may meet those of its own; with them it evaluates every constraint of its home bodies, so that nothing but the bodies' states ever
+// travels. Two ranks find the bodies that they share by comparing the cells of space that their bodies touch; the bounds are taken
+// somewhat too large, so that the list serves for several steps. The price: guests that never touch anything are refreshed as well.
+//
+// The global state lives in four ghosted PETSc Vecs over the World's own arrays: homes first, then guests.
+#pragma once
+
+#include <petscvec.h>
+
+#include <vector>
+
+#include "collide/collide.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+class Halo {
+ public:
+  explicit Halo(MPI_Comm comm);
+  ~Halo();
+  Halo(const Halo&) = delete;
+  Halo& operator=(const Halo&) = delete;
+
+  // Collective. Brings the guests' states up to date; finds the guests anew where bodies have left the bounds that the present list
+  // was made for, or after reset(). The World's slots of guests and statics may move.
+  void refresh_guests(World& world, const CollideSettings& settings);
+
+  // The home bodies have changed: the next refresh finds the guests anew.
+  void reset() { valid_ = false; }
+
+  MPI_Comm comm() const { return comm_; }
+  int rank() const { return rank_; }
+  int size() const { return size_; }
+  int home_rank_of_guest(std::size_t guest) const { return guest_rank_[guest]; }
+
+  // The ghosted Vecs: position (block 3), orientation (4: x, y, z, w), velocity (3), angular velocity (3).
+  enum Field { position, orientation, velocity, angular_velocity, field_count };
+  Vec vec(Field field) const { return vec_[field]; }
+
+ private:
+  bool still_valid(const World& world, const CollideSettings& settings) const;
+  void find_guests(World& world, const CollideSettings& settings);
+  void make_vecs(World& world, const std::vector<PetscInt>& guest_global);
+  void destroy_vecs();
+
+  MPI_Comm comm_;
+  int rank_ = 0, size_ = 1;
+  bool valid_ = false;
+  std::vector<Bounds> registered_;  // of each home body: the bounds that the guest list is good for
+  std::vector<int> guest_rank_;
+  Vec vec_[field_count] = {};
+};
+
+}  // namespace unibody

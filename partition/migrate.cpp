@@ -1,0 +1,90 @@
+#include "partition/migrate.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "partition/messages.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr int tag_bodies = 141, tag_manifolds = 142, tag_points = 143;
+
+// Rank to which the body is going, for home bodies; -1 for ids that are not home here.
+int destination(const World& world, std::span<const int> home, Id id) {
+  const auto end = world.id.begin() + static_cast<std::ptrdiff_t>(world.homes);
+  const auto it = std::lower_bound(world.id.begin(), end, id);
+  return it != end && *it == id ? home[static_cast<std::size_t>(it - world.id.begin())] : -1;
+}
+
+void append(Multipliers& to, const Multipliers& from, const RememberedManifold& m) {
+  const auto first = static_cast<std::uint32_t>(to.points.size());
+  to.points.insert(to.points.end(), from.points.begin() + m.first, from.points.begin() + m.first + m.count);
+  to.manifolds.push_back({m.id_a, m.id_b, first, m.count});
+}
+
+}  // namespace
+
+Multipliers keep_own(const World& world, const Multipliers& all) {
+  const std::vector<int> zero(world.homes, 0);
+  std::vector<std::uint32_t> order(all.manifolds.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto key = [&](std::uint32_t i) { return std::pair(all.manifolds[i].id_a, all.manifolds[i].id_b); };
+  std::sort(order.begin(), order.end(), [&](auto i, auto j) { return key(i) < key(j); });
+  Multipliers own;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i > 0 && key(order[i]) == key(order[i - 1])) continue;
+    const RememberedManifold& m = all.manifolds[order[i]];
+    if (destination(world, zero, m.id_a) < 0 && destination(world, zero, m.id_b) < 0) continue;
+    append(own, all, m);
+  }
+  return own;
+}
+
+void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<const int> home) {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &size);
+  const auto ranks = static_cast<std::size_t>(size);
+
+  // A pair's multipliers go wherever one of its bodies goes.
+  std::vector<Multipliers> out(ranks);
+  for (const RememberedManifold& m : multipliers.manifolds) {
+    const int to_a = destination(world, home, m.id_a), to_b = destination(world, home, m.id_b);
+    if (to_a >= 0) append(out[static_cast<std::size_t>(to_a)], multipliers, m);
+    if (to_b >= 0 && to_b != to_a) append(out[static_cast<std::size_t>(to_b)], multipliers, m);
+  }
+  std::vector<std::vector<Body>> bodies(ranks);
+  for (std::size_t i = 0; i < world.homes; ++i) bodies[static_cast<std::size_t>(home[i])].push_back(world.body(i));
+
+  std::vector<Body> mine;
+  for (const auto& list : exchange_all(comm, bodies, tag_bodies)) mine.insert(mine.end(), list.begin(), list.end());
+  std::sort(mine.begin(), mine.end(), [](const Body& a, const Body& b) { return a.id < b.id; });
+
+  std::vector<std::vector<RememberedManifold>> manifolds(ranks);
+  std::vector<std::vector<RememberedPoint>> points(ranks);
+  for (std::size_t r = 0; r < ranks; ++r) manifolds[r] = std::move(out[r].manifolds), points[r] = std::move(out[r].points);
+  const auto manifolds_in = exchange_all(comm, manifolds, tag_manifolds);
+  const auto points_in = exchange_all(comm, points, tag_points);
+  Multipliers all;
+  for (std::size_t r = 0; r < ranks; ++r) {
+    const auto first = static_cast<std::uint32_t>(all.points.size());
+    for (RememberedManifold m : manifolds_in[r]) {
+      m.first += first;
+      all.manifolds.push_back(m);
+    }
+    all.points.insert(all.points.end(), points_in[r].begin(), points_in[r].end());
+  }
+
+  const std::size_t statics = world.size() - world.first_static();
+  std::vector<Body> static_bodies(statics);
+  for (std::size_t i = 0; i < statics; ++i) static_bodies[i] = world.body(world.first_static() + i);
+  world.homes = mine.size(), world.guests = 0;
+  world.resize(mine.size() + statics);
+  for (std::size_t i = 0; i < mine.size(); ++i) world.set(i, mine[i]);
+  for (std::size_t i = 0; i < statics; ++i) world.set(mine.size() + i, static_bodies[i]);
+  multipliers = keep_own(world, all);
+}
+
+}  // namespace unibody

@@ -1,0 +1,171 @@
+#include "partition/partition.hpp"
+
+#include <metis.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_map>
+
+#include "core/errors.hpp"
+#include "partition/messages.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr int tag_cells = 131;
+
+struct Cell {
+  std::int32_t x, y, z;
+  float weight;
+  std::int32_t owner;  // rank that holds most of it now
+  std::int32_t unused = 0;
+};
+
+bool before(const Cell& a, const Cell& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
+bool same_place(const Cell& a, const Cell& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+Cell cell_at(const Vec3& p, double edge) {
+  const auto index = [&](double x) { return static_cast<std::int32_t>(std::floor(std::clamp(x / edge, -1e9, 1e9))); };
+  return {index(p.x()), index(p.y()), index(p.z()), 0, 0};
+}
+
+// Sorted cells without repeats; weights added, the heaviest contributor owns.
+std::vector<Cell> merge(std::vector<Cell> cells) {
+  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) {
+    return before(a, b) || (same_place(a, b) && (a.weight > b.weight || (a.weight == b.weight && a.owner < b.owner)));
+  });
+  std::size_t n = 0;
+  for (const Cell& c : cells)
+    if (n > 0 && same_place(cells[n - 1], c))
+      cells[n - 1].weight += c.weight;
+    else
+      cells[n++] = c;
+  cells.resize(n);
+  return cells;
+}
+
+// The graph of cells that share a face, edge weights the smaller of the two cells' weights: a guess at the contacts between them.
+struct Graph {
+  std::vector<idx_t> begin, neighbour, edge_weight, node_weight;
+};
+
+Graph graph_of(const std::vector<Cell>& cells) {
+  Graph g;
+  const float heaviest = std::max_element(cells.begin(), cells.end(), [](auto& a, auto& b) { return a.weight < b.weight; })->weight;
+  const float unit = std::max(1e-30f, heaviest / 1000);
+  for (const Cell& c : cells) g.node_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(c.weight / unit))));
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    g.begin.push_back(static_cast<idx_t>(g.neighbour.size()));
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int step : {-1, 1}) {
+        Cell other = cells[i];
+        (axis == 0 ? other.x : axis == 1 ? other.y : other.z) += step;
+        const auto it = std::lower_bound(cells.begin(), cells.end(), other, before);
+        if (it == cells.end() || !same_place(*it, other)) continue;
+        const auto j = static_cast<std::size_t>(it - cells.begin());
+        g.neighbour.push_back(static_cast<idx_t>(j));
+        g.edge_weight.push_back(std::min(g.node_weight[i], g.node_weight[j]));
+      }
+  }
+  g.begin.push_back(static_cast<idx_t>(g.neighbour.size()));
+  return g;
+}
+
+std::vector<idx_t> cut(const std::vector<Cell>& cells, int ranks) {
+  std::vector<idx_t> part(cells.size());
+  if (cells.size() <= static_cast<std::size_t>(ranks)) {  // METIS wants more nodes than parts
+    std::iota(part.begin(), part.end(), 0);
+    return part;
+  }
+  Graph g = graph_of(cells);
+  auto nodes = static_cast<idx_t>(cells.size());
+  idx_t constraints = 1, parts = ranks, edge_cut = 0, options[METIS_NOPTIONS];
+  METIS_SetDefaultOptions(options);
+  options[METIS_OPTION_SEED] = 1;
+  options[METIS_OPTION_UFACTOR] = 10;  // 1 % imbalance
+  options[METIS_OPTION_NCUTS] = 4;
+  const auto method = ranks <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
+  const int status = method(&nodes, &constraints, g.begin.data(), g.neighbour.data(), g.node_weight.data(), nullptr,
+                            g.edge_weight.data(), &parts, nullptr, nullptr, options, &edge_cut, part.data());
+  if (status != METIS_OK) throw RunError("METIS failed with status " + std::to_string(status) + " on a graph of " +
+                                         std::to_string(cells.size()) + " cells");
+  return part;
+}
+
+// Renames the parts so that each rank keeps the part it holds most of already, heaviest overlap first.
+void rename_parts(const std::vector<Cell>& cells, std::vector<idx_t>& part, int ranks) {
+  const auto n = static_cast<std::size_t>(ranks);
+  std::unordered_map<std::uint64_t, double> overlap;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    overlap[static_cast<std::uint64_t>(part[i]) * n + static_cast<std::uint64_t>(cells[i].owner)] += cells[i].weight;
+  std::vector<std::pair<double, std::uint64_t>> heaviest;
+  for (const auto& [key, weight] : overlap) heaviest.emplace_back(-weight, key);
+  std::sort(heaviest.begin(), heaviest.end());
+  std::vector<idx_t> rank_of(n, -1);
+  std::vector<std::uint8_t> taken(n, 0);
+  for (const auto& [weight, key] : heaviest) {
+    const auto p = static_cast<std::size_t>(key / n), r = static_cast<std::size_t>(key % n);
+    if (rank_of[p] < 0 && !taken[r]) rank_of[p] = static_cast<idx_t>(r), taken[r] = 1;
+  }
+  for (std::size_t p = 0, free = 0; p < n; ++p) {
+    if (rank_of[p] >= 0) continue;
+    while (taken[free]) ++free;
+    rank_of[p] = static_cast<idx_t>(free), taken[free] = 1;
+  }
+  for (idx_t& p : part) p = rank_of[static_cast<std::size_t>(p)];
+}
+
+}  // namespace
+
+std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double edge) {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &size);
+  if (size == 1) return std::vector<int>(positions.size(), 0);
+
+  std::vector<Cell> mine(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    mine[i] = cell_at(positions[i], edge);
+    mine[i].weight = cost[i], mine[i].owner = rank;
+  }
+  std::vector<std::vector<Cell>> to(static_cast<std::size_t>(size));
+  to[0] = merge(std::move(mine));
+  std::vector<Cell> all;
+  for (const auto& list : exchange_all(comm, to, tag_cells)) all.insert(all.end(), list.begin(), list.end());
+
+  int failed = 0;
+  std::string why;
+  if (rank == 0 && !all.empty()) {
+    try {
+      all = merge(std::move(all));
+      std::vector<idx_t> part = cut(all, size);
+      rename_parts(all, part, size);
+      for (std::size_t i = 0; i < all.size(); ++i) all[i].owner = static_cast<std::int32_t>(part[i]);
+    } catch (const RunError& error) {
+      failed = 1, why = error.what();
+    }
+  }
+  MPI_Bcast(&failed, 1, MPI_INT, 0, comm);
+  if (failed) throw RunError(why.empty() ? "the partition failed on rank 0" : why);
+  auto count = static_cast<std::int64_t>(all.size());
+  MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm);
+  all.resize(static_cast<std::size_t>(count));
+  const RecordType type(sizeof(Cell));
+  MPI_Bcast(all.data(), static_cast<int>(count), type, 0, comm);
+
+  std::vector<int> home(positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    home[i] = std::lower_bound(all.begin(), all.end(), cell_at(positions[i], edge), before)->owner;
+  return home;
+}
+
+int random_home(Id id, std::uint64_t seed, int ranks) {
+  std::uint64_t x = static_cast<std::uint64_t>(id) * 0x9e3779b97f4a7c15ULL + seed * 0xd1342543de82ef95ULL;
+  x = (x ^ (x >> 31)) * 0xbf58476d1ce4e5b9ULL;
+  x ^= x >> 29;
+  return static_cast<int>(x % static_cast<std::uint64_t>(ranks));
+}
+
+}  // namespace unibody

@@ -1,0 +1,14 @@
+// Build: from the scene's generators to this rank's first World.
+#pragma once
+
+#include <mpi.h>
+
+#include "scene/scene.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+// This rank's share of the moving bodies, by number alone, and all statics. No rank makes a body that it does not keep.
+World build_world(MPI_Comm comm, const Scene& scene);
+
+}  // namespace unibody

@@ -1,0 +1,17 @@
+// What collision detection needs to know besides the bodies.
+#pragma once
+
+#include "core/types.hpp"
+
+namespace unibody {
+
+struct CollideSettings {
+  double step = 0.016;          // s, the time ahead for which contacts are made
+  double margin = 0.002;        // m, eps of the margin rule
+  Vec3 gravity = Vec3::Zero();  // m/s^2
+  bool planar = false;
+  std::vector<double> friction{0.5};  // n x n by material
+  std::size_t material_count = 1;
+};
+
+}  // namespace unibody

@@ -1,0 +1,235 @@
+#include "constraints/contact_batch.hpp"
+
+#include <cassert>
+
+#include "constraints/friction.hpp"
+
+namespace unibody {
+
+Vec3 first_tangent_of(const Vec3& normal) {
+  const Vec3 axis = std::abs(normal.y()) < 0.7 ? Vec3::UnitY() : Vec3::UnitX();
+  return axis.cross(normal).normalized();
+}
+
+namespace {
+
+void set_lane(Vec3x4& v, std::size_t lane, const Vec3& x) { v.x[lane] = x.x(), v.y[lane] = x.y(), v.z[lane] = x.z(); }
+
+void set_lane(Vec4d (&m)[6], std::size_t lane, const InverseInertia& i) {
+  m[0][lane] = i.xx, m[1][lane] = i.yy, m[2][lane] = i.zz, m[3][lane] = i.yz, m[4][lane] = i.xz, m[5][lane] = i.xy;
+}
+
+Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
+  return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
+}
+
+// Masses of the two bodies of each lane.
+struct LaneMasses {
+  Vec4d mass_a, mass_b;        // inverse masses
+  Vec4d inertia_a, inertia_b;  // inverse, isotropic
+  const ContactBatch::Inertia* general;
+
+  Vec3x4 turn_a(const Vec3x4& torque) const { return general ? multiply(general->a, torque) : torque * inertia_a; }
+  Vec3x4 turn_b(const Vec3x4& torque) const { return general ? multiply(general->b, torque) : torque * inertia_b; }
+};
+
+LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const SolverBody> bodies, const ContactBatch::Inertia* general) {
+  LaneMasses m{};
+  for (std::size_t l = 0; l < lanes; ++l) {
+    const auto &a = bodies[block.slot_a[l]], &b = bodies[block.slot_b[l]];
+    m.mass_a[l] = a.inverse_mass, m.mass_b[l] = b.inverse_mass;
+    m.inertia_a[l] = a.inverse_inertia, m.inertia_b[l] = b.inverse_inertia;
+  }
+  m.general = general;
+  return m;
+}
+
+Vec4d inverse_or_zero(Vec4d x) { return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0)); }
+
+}  // namespace
+
+void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+                         const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
+                         std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
+                         std::span<const std::int32_t> counts, const SolverSettings& settings, double step) {
+  contacts_ = &contacts, friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
+  blocks.clear(), points.clear(), tangents.clear(), inertias.clear(), group_end_.clear();
+  const auto nobody = static_cast<Slot>(bodies.size() - 1);
+
+  std::size_t begin = 0;
+  for (const std::size_t end : groups) {
+    for (; begin < end; begin += std::min(lanes, end - begin)) {
+      Block block{};
+      const std::size_t used = std::min(lanes, end - begin);
+      bool any_friction = false, all_isotropic = true;
+      for (std::size_t l = 0; l < lanes; ++l) {
+        block.slot_a[l] = block.slot_b[l] = nobody, block.manifold[l] = -1;
+        if (l >= used) continue;
+        const Manifold& m = contacts.manifolds[order[begin + l]];
+        block.slot_a[l] = m.slot_a, block.slot_b[l] = m.slot_b;
+        block.manifold[l] = static_cast<std::int32_t>(order[begin + l]);
+        block.count = std::max(block.count, m.count);
+        any_friction |= settings.friction != FrictionModel::none && m.friction > 0;
+        all_isotropic &= isotropic[m.slot_a] && isotropic[m.slot_b];
+      }
+      block.first_point = static_cast<std::uint32_t>(points.size());
+      points.resize(points.size() + block.count);
+      block.first_tangent = any_friction ? static_cast<std::int32_t>(tangents.size()) : -1;
+      if (any_friction) tangents.resize(tangents.size() + block.count);
+      block.inertia = all_isotropic ? -1 : static_cast<std::int32_t>(inertias.size());
+      if (!all_isotropic) {
+        Inertia& both = inertias.emplace_back();
+        for (std::size_t l = 0; l < lanes; ++l) {
+          set_lane(both.a, l, inertia[block.slot_a[l]]);
+          set_lane(both.b, l, inertia[block.slot_b[l]]);
+        }
+      }
+      for (std::size_t l = 0; l < used; ++l) fill_lane(block, l, order[begin + l], position);
+      if (counts.empty())
+        scale_gauss_seidel(block, bodies);
+      else
+        scale_jacobi(block, bodies, counts);
+      blocks.push_back(block);
+    }
+    group_end_.push_back(static_cast<std::uint32_t>(blocks.size()));
+  }
+}
+
+void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number, const std::vector<Vec3>& position) {
+  const Manifold& m = contacts_->manifolds[number];
+  set_lane(block.n, lane, m.normal);
+  set_lane(block.s, lane, first_tangent_of(m.normal));
+  block.friction[lane] = m.friction;
+  for (std::uint32_t p = 0; p < m.count; ++p) {
+    const ContactPoint& contact = contacts_->points[m.first + p];
+    Point& point = points[block.first_point + p];
+    set_lane(point.arm_a, lane, contact.position - position[m.slot_a]);
+    set_lane(point.arm_b, lane, contact.position - position[m.slot_b]);
+    point.gap[lane] = contact.gap;
+    point.mobility[lane] = 1;  // marks a row in use; the scale passes overwrite it
+  }
+}
+
+// Gauss-Seidel: each point's own 3 x 3 block; for cone projections one scalar for its three rows (notes 1.5).
+void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies) {
+  const LaneMasses w = gather_masses(block, bodies, block.inertia < 0 ? nullptr : &inertias[block.inertia]);
+  const Vec3x4 t = cross(block.n, block.s);
+  const Vec4d linear = w.mass_a + w.mass_b;
+  for (std::uint32_t p = 0; p < block.count; ++p) {
+    Point& point = points[block.first_point + p];
+    const Vec4d in_use = point.mobility;
+    const Vec3x4 an = cross(point.arm_a, block.n), bn = cross(point.arm_b, block.n);
+    const Vec3x4 wan = w.turn_a(an), wbn = w.turn_b(bn);
+    const Vec4d K_nn = linear + dot(an, wan) + dot(bn, wbn);
+    point.mobility = K_nn * in_use;
+    point.inverse_scale = inverse_or_zero(point.mobility);
+    if (block.first_tangent < 0) continue;
+    Tangents& tangent = tangents[block.first_tangent + p];
+    const Vec3x4 as = cross(point.arm_a, block.s), bs = cross(point.arm_b, block.s);
+    const Vec3x4 at = cross(point.arm_a, t), bt = cross(point.arm_b, t);
+    const Vec3x4 was = w.turn_a(as), wbs = w.turn_b(bs), wat = w.turn_a(at), wbt = w.turn_b(bt);
+    const Vec4d K_ss = linear + dot(as, was) + dot(bs, wbs), K_tt = linear + dot(at, wat) + dot(bt, wbt);
+    const Vec4d K_st = dot(as, wat) + dot(bs, wbt);
+    tangent.K_ns = dot(as, wan) + dot(bs, wbn), tangent.K_nt = dot(at, wan) + dot(bt, wbn);
+    tangent.mobility = max(K_ss + abs(K_st), K_tt + abs(K_st)) * in_use;
+    if (uses_cone_projection(friction_)) {
+      const Vec4d coupling = abs(tangent.K_ns) + abs(tangent.K_nt);
+      const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(tangent.K_ns), K_tt + abs(K_st) + abs(tangent.K_nt)));
+      tangent.inverse_scale = point.inverse_scale = inverse_or_zero(bound * in_use);
+    } else {
+      tangent.inverse_scale = inverse_or_zero(tangent.mobility);
+    }
+  }
+}
+
+// Jacobi: absolute row sums of the whole manifold block, masses split by the bodies' constraint counts (notes 1.3, 6.4): the
+// scaled matrix then has no eigenvalue above 1, so that no relaxation parameter is needed.
+void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) {
+  scale_gauss_seidel(block, bodies);  // mobilities
+  const LaneMasses w = gather_masses(block, bodies, block.inertia < 0 ? nullptr : &inertias[block.inertia]);
+  Vec4d split_a{}, split_b{};
+  for (std::size_t l = 0; l < lanes; ++l) {
+    split_a[l] = std::max(1.0, scaling_ * counts[block.slot_a[l]]);
+    split_b[l] = std::max(1.0, scaling_ * counts[block.slot_b[l]]);
+  }
+  const Vec4d linear = split_a * w.mass_a + split_b * w.mass_b;
+  const std::uint32_t rows_a_point = block.first_tangent < 0 ? 1 : 3;
+  const std::uint32_t rows = rows_a_point * block.count;
+  assert(rows <= 24);
+  const Vec3x4 axes[3] = {block.n, block.s, cross(block.n, block.s)};
+  Vec3x4 a[24], b[24], wa[24], wb[24];
+  Vec4d in_use[24], sum[24];
+  for (std::uint32_t p = 0; p < block.count; ++p) {
+    const Point& point = points[block.first_point + p];
+    for (std::uint32_t d = 0; d < rows_a_point; ++d) {
+      const std::uint32_t i = rows_a_point * p + d;
+      a[i] = cross(point.arm_a, axes[d]), b[i] = cross(point.arm_b, axes[d]);
+      wa[i] = w.turn_a(a[i]) * split_a, wb[i] = w.turn_b(b[i]) * split_b;
+      in_use[i] = select(point.mobility > broadcast(0), broadcast(1), broadcast(0));
+      sum[i] = broadcast(0);
+    }
+  }
+  for (std::uint32_t i = 0; i < rows; ++i)
+    for (std::uint32_t j = i; j < rows; ++j) {
+      Vec4d entry = dot(a[i], wa[j]) + dot(b[i], wb[j]);
+      if ((j - i) % rows_a_point == 0) entry += linear;
+      entry = abs(entry) * in_use[i] * in_use[j];
+      sum[i] += entry;
+      if (j != i) sum[j] += entry;
+    }
+  for (std::uint32_t p = 0; p < block.count; ++p) {
+    const std::uint32_t i = rows_a_point * p;
+    Point& point = points[block.first_point + p];
+    if (rows_a_point == 1) {
+      point.inverse_scale = inverse_or_zero(sum[i]);
+      continue;
+    }
+    Vec4d tangential = max(sum[i + 1], sum[i + 2]), normal = sum[i];
+    if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
+    point.inverse_scale = inverse_or_zero(normal);
+    tangents[block.first_tangent + p].inverse_scale = inverse_or_zero(tangential);
+  }
+}
+
+void ContactBatch::start_stage(const Stage& stage) {
+  for (Point& p : points)
+    for (std::size_t l = 0; l < lanes; ++l) p.bias[l] = stage.bias(p.gap[l]);
+}
+
+void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
+  for (const Block& block : blocks)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      if (block.manifold[l] < 0) continue;
+      const Manifold& m = contacts_->manifolds[block.manifold[l]];
+      for (std::uint32_t p = 0; p < m.count; ++p) {
+        const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[m.first + p];
+        Point& point = points[block.first_point + p];
+        point.lambda[l] = point.y[l] = impulse.n;
+        if (block.first_tangent < 0) continue;
+        Tangents& tangent = tangents[block.first_tangent + p];
+        tangent.lambda_s[l] = tangent.y_s[l] = impulse.s, tangent.lambda_t[l] = tangent.y_t[l] = impulse.t;
+      }
+    }
+}
+
+void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
+  for (const Block& block : blocks)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      if (block.manifold[l] < 0) continue;
+      const Manifold& m = contacts_->manifolds[block.manifold[l]];
+      for (std::uint32_t p = 0; p < m.count; ++p) {
+        Impulse& impulse = impulses[m.first + p];
+        impulse = {points[block.first_point + p].lambda[l], 0, 0};
+        if (block.first_tangent < 0) continue;
+        const Tangents& tangent = tangents[block.first_tangent + p];
+        impulse.s = tangent.lambda_s[l], impulse.t = tangent.lambda_t[l];
+      }
+    }
+}
+
+std::size_t ContactBatch::bytes() const {
+  return blocks.capacity() * sizeof(Block) + points.capacity() * sizeof(Point) + tangents.capacity() * sizeof(Tangents) +
+         inertias.capacity() * sizeof(Inertia);
+}
+
+}  // namespace unibody

@@ -1,0 +1,123 @@
+// All contacts of a step, four manifolds a block, and the three passes that solvers make over them (paper, Algorithm 2).
+//
+// Rows of a point: normal r_n = bias + n.u, tangents r_s = s.u, r_t = t.u, with u the relative velocity of the two bodies at the
+// point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
+// A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
+// The grouping into blocks changes no result. A point costs 96 bytes, its tangents 56 more, a manifold 68, general inertia 96.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "collide/contacts.hpp"
+#include "solve/settings.hpp"
+#include "solve/system.hpp"
+
+namespace unibody {
+
+struct World;
+
+// The two stages' right-hand sides: what gap a contact may close within the step.
+struct Stage {
+  enum class Kind { velocity, position } kind = Kind::position;
+  double step = 0.016;           // s
+  double recovery_time = 0.016;  // s; position stage only
+  double recovery_speed = 0.25;  // m/s, 0: unbounded; position stage only
+
+  // Bias (m/s) of the normal row at a gap (m): what the approach speed is measured against. Open gaps may close within the step;
+  // a velocity stage leaves penetration alone; a position stage takes it out at a bounded speed.
+  double bias(double gap) const {
+    if (gap >= 0) return gap / step;
+    if (kind == Kind::velocity) return 0;
+    const double speed = -gap / (step + recovery_time);
+    return -(recovery_speed > 0 ? std::min(speed, recovery_speed) : speed);
+  }
+};
+
+// The contact frame's first tangent s; the second is n x s. Fixed by the normal alone; in the x-z plane for normals in it.
+Vec3 first_tangent_of(const Vec3& normal);
+
+class ContactBatch {
+ public:
+  struct Block {
+    Slot slot_a[lanes], slot_b[lanes];
+    Vec3x4 n, s;  // third axis t = n x s
+    Vec4d friction;
+    std::uint32_t first_point, count;  // points a lane, padded to the longest
+    std::int32_t first_tangent;        // -1: no manifold of the block has friction
+    std::int32_t inertia;              // -1: both bodies of every lane have isotropic inertia
+    std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
+  };
+  struct Point {
+    Vec3x4 arm_a, arm_b;    // m, from the centres
+    Vec4d gap;              // m, at the start of the step
+    Vec4d bias;             // m/s
+    Vec4d inverse_scale;    // 1/P_n, kg
+    Vec4d mobility;         // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
+    Vec4d lambda, y;        // N s; y: the extrapolated one (accelerated Jacobi)
+  };
+  struct Tangents {
+    Vec4d inverse_scale;    // 1/P_T, kg
+    Vec4d mobility;         // 1/kg
+    Vec4d K_ns, K_nt;       // 1/kg, coupling of the normal impulse to the tangential velocities (Gauss-Seidel)
+    Vec4d lambda_s, lambda_t, y_s, y_t;
+  };
+  struct Inertia {
+    Vec4d a[6], b[6];  // xx, yy, zz, yz, xz, xy
+  };
+
+  // Lays out the manifolds in the given order. `order` lists manifold numbers; groups[g] is the end of group g in `order`, and a
+  // block never spans two groups (a group is a colour, or everything). counts: constraint count n_b of each slot for the Jacobi
+  // scaling; empty for Gauss-Seidel, whose scale is the point's own block.
+  void build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+             const std::vector<Vec3>& position, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
+             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings, double step);
+
+  void start_stage(const Stage& stage);
+
+  // Before an iteration: gaps, and normals between round bodies, at the present velocities. The kernels then work on their linearisation.
+  void reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage);
+
+  // One Jacobi sweep over all blocks in key order: evaluate, project, extrapolate with `beta`, add the impulses to `wrenches`.
+  // counted[m]: whether this rank counts manifold m in the sums (a manifold across a cut is evaluated twice, counted once).
+  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums,
+                    std::span<const std::uint8_t> counted);
+
+  // One Gauss-Seidel pass over a group: each manifold changes its bodies at once. Returns the largest change (m).
+  double relax(std::size_t group, bool backwards, std::span<SolverBody> bodies);
+
+  // Natural residual (m): max K |lambda - Proj(lambda - K^-1 r)|. Zero exactly at a solution.
+  double residual(std::span<const SolverBody> bodies) const;
+
+  // Adds all multipliers to the wrenches of their bodies, in key order: applies a warm start.
+  void add_impulses(std::span<Wrench> wrenches) const;
+
+  // Multipliers of all points: index = that of the point in Contacts::points; normal, s and t components (N s).
+  struct Impulse {
+    double n, s, t;
+  };
+  void set_impulses(std::span<const Impulse> impulses);
+  void get_impulses(std::span<Impulse> impulses) const;
+
+  std::size_t group_count() const { return group_end_.size(); }
+  std::size_t bytes() const;
+
+  std::vector<Block> blocks;
+  std::vector<Point> points;
+  std::vector<Tangents> tangents;
+  std::vector<Inertia> inertias;
+
+ private:
+  void fill_lane(Block& block, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
+  void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
+  void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
+
+  std::vector<std::uint32_t> group_end_;  // in blocks
+  const Contacts* contacts_ = nullptr;
+  FrictionModel friction_ = FrictionModel::disc;
+  double scaling_ = 1, step_ = 0.016;
+};
+
+}  // namespace unibody

@@ -1,0 +1,72 @@
+// Gaps evaluated anew before each iteration, rather than linear in the step (notes 6.5): for verification, and for steps in which
+// bodies turn far. Points are fixed to their bodies and the normal to the world; between two round bodies both follow the centres.
+
+#include "constraints/contact_batch.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+namespace {
+
+bool is_round(const Shape& shape) { return shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::disc; }
+
+struct Moved {
+  Vec3 centre;
+  Vec3 travel;  // of the centre
+  Quat turn;    // from the start of the step
+
+  Moved(const World& world, Slot slot, const SolverBody& body, double step) {
+    travel = step * Eigen::Map<const Vec3>(body.v);
+    centre = world.position[slot] + travel;
+    const Vec3 half = 0.5 * step * Eigen::Map<const Vec3>(body.w);
+    turn = Quat(1, half.x(), half.y(), half.z()).normalized();
+  }
+};
+
+Vec3 lane_of(const Vec3x4& v, std::size_t l) { return {v.x[l], v.y[l], v.z[l]}; }
+void set_lane(Vec3x4& v, std::size_t l, const Vec3& x) { v.x[l] = x.x(), v.y[l] = x.y(), v.z[l] = x.z(); }
+
+}  // namespace
+
+void ContactBatch::reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage) {
+  for (Block& block : blocks)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      if (block.manifold[l] < 0) continue;
+      const Manifold& m = contacts_->manifolds[block.manifold[l]];
+      const Shape &shape_a = world.properties[m.slot_a].shape, &shape_b = world.properties[m.slot_b].shape;
+      const Moved a(world, m.slot_a, bodies[m.slot_a], stage.step), b(world, m.slot_b, bodies[m.slot_b], stage.step);
+      const bool both_round = is_round(shape_a) && is_round(shape_b);
+      for (std::uint32_t p = 0; p < m.count; ++p) {
+        const ContactPoint& contact = contacts_->points[m.first + p];
+        Point& point = points[block.first_point + p];
+        double gap = 0;
+        if (both_round) {
+          const Vec3 apart = a.centre - b.centre;
+          const double distance = apart.norm();
+          gap = distance - shape_a.size.x() - shape_b.size.x();
+          if (distance > 0) {
+            const Vec3 n = apart / distance;
+            set_lane(block.n, l, n), set_lane(block.s, l, first_tangent_of(n));
+            set_lane(point.arm_a, l, -(shape_a.size.x() + 0.5 * gap) * n);
+            set_lane(point.arm_b, l, (shape_b.size.x() + 0.5 * gap) * n);
+          }
+        } else {
+          const Vec3 half = 0.5 * contact.gap * m.normal;
+          const Vec3 on_a = contact.position + half - world.position[m.slot_a];
+          const Vec3 on_b = contact.position - half - world.position[m.slot_b];
+          const Vec3 new_a = a.centre + (is_round(shape_a) ? on_a : a.turn * on_a);
+          const Vec3 new_b = b.centre + (is_round(shape_b) ? on_b : b.turn * on_b);
+          gap = m.normal.dot(new_a - new_b);
+        }
+        // The kernels add n.u: what is left over is the bias at which r_n = (gap + allowed penetration) / h.
+        const Vec3 n = lane_of(block.n, l);
+        const SolverBody &ua = bodies[m.slot_a], &ub = bodies[m.slot_b];
+        const Vec3 u = Eigen::Map<const Vec3>(ua.v) + Eigen::Map<const Vec3>(ua.w).cross(lane_of(point.arm_a, l)) -
+                       Eigen::Map<const Vec3>(ub.v) - Eigen::Map<const Vec3>(ub.w).cross(lane_of(point.arm_b, l));
+        const double allowed = stage.bias(contact.gap) - contact.gap / stage.step;
+        point.bias[l] = gap / stage.step + allowed - n.dot(u);
+      }
+    }
+}
+
+}  // namespace unibody

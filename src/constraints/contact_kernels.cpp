@@ -1,0 +1,302 @@
+// The inner loops over contacts. Everything that is hot in a rigid scene is in this file.
+//
+// Per block: gather the four pairs' velocities (two transposes a body), run over the points, scatter. Both bodies' arms reach the same
+// point, so linear and angular momentum are kept to round-off whatever the multipliers are.
+
+#include "constraints/contact_batch.hpp"
+#include "constraints/friction.hpp"
+
+namespace unibody {
+
+namespace {
+
+using Block = ContactBatch::Block;
+using Point = ContactBatch::Point;
+using Tangents = ContactBatch::Tangents;
+using Inertia = ContactBatch::Inertia;
+
+// The velocities of one side's four bodies, with their inverse mass and isotropic inverse inertia.
+struct Side {
+  Vec3x4 v;
+  Vec4d mass;
+  Vec3x4 w;
+  Vec4d inertia;
+};
+
+Side gather(const Slot (&slot)[lanes], std::span<const SolverBody> bodies) {
+  const SolverBody *b0 = &bodies[slot[0]], *b1 = &bodies[slot[1]], *b2 = &bodies[slot[2]], *b3 = &bodies[slot[3]];
+  const auto row = [](const double* from) { return Vec4d(*reinterpret_cast<const Vec4dView*>(from)); };
+  Side s{{row(b0->v), row(b1->v), row(b2->v)}, row(b3->v), {row(b0->w), row(b1->w), row(b2->w)}, row(b3->w)};
+  transpose(s.v.x, s.v.y, s.v.z, s.mass);
+  transpose(s.w.x, s.w.y, s.w.z, s.inertia);
+  return s;
+}
+
+void scatter(const Slot (&slot)[lanes], Side s, std::span<SolverBody> bodies) {
+  transpose(s.v.x, s.v.y, s.v.z, s.mass);
+  transpose(s.w.x, s.w.y, s.w.z, s.inertia);
+  const Vec4d v[lanes] = {s.v.x, s.v.y, s.v.z, s.mass}, w[lanes] = {s.w.x, s.w.y, s.w.z, s.inertia};
+  for (std::size_t l = 0; l < lanes; ++l) {
+    *reinterpret_cast<Vec4dView*>(bodies[slot[l]].v) = v[l];
+    *reinterpret_cast<Vec4dView*>(bodies[slot[l]].w) = w[l];
+  }
+}
+
+Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
+  return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
+}
+
+struct PointVelocity {
+  Vec4d n, s, t;
+};
+
+template <bool tangential>
+PointVelocity relative_velocity(const Block& block, const Vec3x4& t, const Point& p, const Side& a, const Side& b) {
+  const Vec3x4 u = (a.v + cross(a.w, p.arm_a)) - (b.v + cross(b.w, p.arm_b));
+  if constexpr (tangential) return {dot(block.n, u), dot(block.s, u), dot(t, u)};
+  return {dot(block.n, u), broadcast(0), broadcast(0)};
+}
+
+template <bool tangential>
+Vec3x4 impulse_vector(const Block& block, const Vec3x4& t, Vec4d n, Vec4d s, Vec4d along_t) {
+  if constexpr (tangential) return (block.n * n + block.s * s) + t * along_t;
+  return block.n * n;
+}
+
+template <bool isotropic>
+void push(Side& a, Side& b, const Point& p, const Inertia* inertia, const Vec3x4& f) {
+  const Vec3x4 torque_a = cross(p.arm_a, f), torque_b = cross(p.arm_b, f);
+  a.v = a.v + f * a.mass, b.v = b.v - f * b.mass;
+  if constexpr (isotropic) {
+    a.w = a.w + torque_a * a.inertia, b.w = b.w - torque_b * b.inertia;
+  } else {
+    a.w = a.w + multiply(inertia->a, torque_a), b.w = b.w - multiply(inertia->b, torque_b);
+  }
+}
+
+// New multipliers of a point from trial ones: a gradient step of length 1/P, then the cone.
+template <FrictionModel model, bool tangential>
+ConeForce project_step(const Block& block, const Point& p, const Tangents* tangent, const PointVelocity& u, ConeForce from) {
+  if constexpr (!tangential) return {max(broadcast(0), from.n - p.inverse_scale * (u.n + p.bias)), broadcast(0), broadcast(0)};
+  Vec4d r = u.n + p.bias;
+  if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
+  return project<model>({from.n - p.inverse_scale * r, from.s - tangent->inverse_scale * u.s, from.t - tangent->inverse_scale * u.t},
+                        block.friction);
+}
+
+// The natural residual's own step, 1/K of the point alone, so that it does not depend on the solver's scaling.
+template <FrictionModel model, bool tangential>
+Vec4d point_residual(const Block& block, const Point& p, const Tangents* tangent, const PointVelocity& u) {
+  Point own = p;
+  own.inverse_scale = select(p.mobility > broadcast(0), broadcast(1) / p.mobility, broadcast(0));
+  if constexpr (!tangential) {
+    const ConeForce next = project_step<model, false>(block, own, nullptr, u, {p.lambda, p.lambda, p.lambda});
+    return p.mobility * abs(next.n - p.lambda);
+  } else {
+    Tangents own_tangent = *tangent;
+    const Vec4d scale = uses_cone_projection(model) ? max(p.mobility, tangent->mobility) : tangent->mobility;
+    own_tangent.inverse_scale = select(scale > broadcast(0), broadcast(1) / scale, broadcast(0));
+    if (uses_cone_projection(model)) own.inverse_scale = own_tangent.inverse_scale;
+    const ConeForce next =
+        project_step<model, true>(block, own, &own_tangent, u, {p.lambda, tangent->lambda_s, tangent->lambda_t});
+    const Vec4d ds = next.s - tangent->lambda_s, dt = next.t - tangent->lambda_t;
+    return max(p.mobility * abs(next.n - p.lambda), scale * sqrt(ds * ds + dt * dt));
+  }
+}
+
+template <FrictionModel model, bool tangential, bool isotropic>
+Vec4d relax_block(const Block& block, Point* points, Tangents* tangents, const Inertia* inertia, bool backwards,
+                  std::span<SolverBody> bodies) {
+  Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+  const Vec3x4 t = cross(block.n, block.s);
+  Vec4d change = broadcast(0);
+  for (std::uint32_t i = 0; i < block.count; ++i) {
+    const std::uint32_t k = backwards ? block.count - 1 - i : i;
+    Point& p = points[k];
+    PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
+    if constexpr (!tangential) {
+      const ConeForce next = project_step<model, false>(block, p, nullptr, u, {p.lambda, p.lambda, p.lambda});
+      const Vec4d dn = next.n - p.lambda;
+      p.lambda = next.n;
+      change = max(change, p.mobility * abs(dn));
+      push<isotropic>(a, b, p, inertia, block.n * dn);
+    } else {
+      Tangents& tangent = tangents[k];
+      ConeForce next;
+      if constexpr (uses_cone_projection(model)) {
+        next = project_step<model, true>(block, p, &tangent, u, {p.lambda, tangent.lambda_s, tangent.lambda_t});
+      } else {  // the normal first, then the tangents with the velocity that it leaves
+        next.n = max(broadcast(0), p.lambda - p.inverse_scale * (u.n + p.bias));
+        const Vec4d dn = next.n - p.lambda;
+        next.s = tangent.lambda_s - tangent.inverse_scale * (u.s + tangent.K_ns * dn);
+        next.t = tangent.lambda_t - tangent.inverse_scale * (u.t + tangent.K_nt * dn);
+        next = project<model>(next, block.friction);
+      }
+      const Vec4d dn = next.n - p.lambda, ds = next.s - tangent.lambda_s, dt = next.t - tangent.lambda_t;
+      p.lambda = next.n, tangent.lambda_s = next.s, tangent.lambda_t = next.t;
+      change = max(change, max(p.mobility * abs(dn), tangent.mobility * max(abs(ds), abs(dt))));
+      push<isotropic>(a, b, p, inertia, impulse_vector<true>(block, t, dn, ds, dt));
+    }
+  }
+  scatter(block.slot_a, a, bodies);
+  scatter(block.slot_b, b, bodies);
+  return change;
+}
+
+// Adds the four lanes' impulses to the wrenches, lane after lane: for each body in ascending key order.
+void add_wrenches(const Block& block, Vec3x4 force, Vec3x4 torque_a, Vec3x4 torque_b, std::span<Wrench> wrenches) {
+  Vec4d none_f{}, none_a{}, none_b{};
+  transpose(force.x, force.y, force.z, none_f);
+  transpose(torque_a.x, torque_a.y, torque_a.z, none_a);
+  transpose(torque_b.x, torque_b.y, torque_b.z, none_b);
+  const Vec4d f[lanes] = {force.x, force.y, force.z, none_f};
+  const Vec4d ta[lanes] = {torque_a.x, torque_a.y, torque_a.z, none_a}, tb[lanes] = {torque_b.x, torque_b.y, torque_b.z, none_b};
+  for (std::size_t l = 0; l < lanes; ++l) {
+    Wrench &a = wrenches[block.slot_a[l]], &b = wrenches[block.slot_b[l]];
+    a.force += f[l], a.torque += ta[l];
+    b.force -= f[l], b.torque -= tb[l];
+  }
+}
+
+struct SweepTerms {
+  Vec4d gradient = broadcast(0), progress = broadcast(0), change = broadcast(0);
+};
+
+template <FrictionModel model, bool tangential>
+SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, double beta, std::span<const SolverBody> bodies,
+                       std::span<Wrench> wrenches) {
+  const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+  const Vec3x4 t = cross(block.n, block.s);
+  const Vec4d zero = broadcast(0), momentum = broadcast(beta);
+  Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
+  SweepTerms sums;
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    Point& p = points[k];
+    Tangents* tangent = tangential ? tangents + k : nullptr;
+    const PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
+    ConeForce from{p.y, zero, zero};
+    if constexpr (tangential) from.s = tangent->y_s, from.t = tangent->y_t;
+    const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
+
+    const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d inverse_scale) {
+      const Vec4d step = new_lambda - y, forward = new_lambda - lambda;
+      const Vec4d new_y = new_lambda + momentum * forward;
+      const Vec4d scaled = select(inverse_scale > zero, step / select(inverse_scale > zero, inverse_scale, broadcast(1)), zero);
+      sums.gradient += r * forward;
+      sums.progress += scaled * step;
+      sums.change = max(sums.change, abs(scaled));
+      lambda = new_lambda;
+      const Vec4d dy = new_y - y;
+      y = new_y;
+      return dy;
+    };
+    const Vec4d dn = advance(p.lambda, p.y, next.n, u.n + p.bias, p.inverse_scale);
+    Vec4d ds = zero, dt = zero;
+    if constexpr (tangential) {
+      ds = advance(tangent->lambda_s, tangent->y_s, next.s, u.s, tangent->inverse_scale);
+      dt = advance(tangent->lambda_t, tangent->y_t, next.t, u.t, tangent->inverse_scale);
+    }
+    const Vec3x4 f = impulse_vector<tangential>(block, t, dn, ds, dt);
+    force = force + f, torque_a = torque_a + cross(p.arm_a, f), torque_b = torque_b + cross(p.arm_b, f);
+  }
+  add_wrenches(block, force, torque_a, torque_b, wrenches);
+  return sums;
+}
+
+// Calls f with the friction model as a compile-time constant.
+template <typename F>
+auto with_model(FrictionModel model, F&& f) {
+  switch (model) {
+    case FrictionModel::cone: return f.template operator()<FrictionModel::cone>();
+    case FrictionModel::saxce: return f.template operator()<FrictionModel::saxce>();
+    case FrictionModel::box: return f.template operator()<FrictionModel::box>();
+    case FrictionModel::none: return f.template operator()<FrictionModel::none>();
+    case FrictionModel::disc: break;
+  }
+  return f.template operator()<FrictionModel::disc>();
+}
+
+}  // namespace
+
+double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBody> bodies) {
+  const std::uint32_t begin = group == 0 ? 0 : group_end_[group - 1], end = group_end_[group];
+  return with_model(friction_, [&]<FrictionModel model>() {
+    Vec4d change = broadcast(0);
+    for (std::uint32_t i = begin; i < end; ++i) {
+      const Block& block = blocks[i];
+      Point* first = &points[block.first_point];
+      Tangents* tangent = block.first_tangent < 0 ? nullptr : &tangents[block.first_tangent];
+      const Inertia* inertia = block.inertia < 0 ? nullptr : &inertias[block.inertia];
+      if (tangent)
+        change = max(change, inertia ? relax_block<model, true, false>(block, first, tangent, inertia, backwards, bodies)
+                                     : relax_block<model, true, true>(block, first, tangent, inertia, backwards, bodies));
+      else
+        change = max(change, inertia ? relax_block<model, false, false>(block, first, tangent, inertia, backwards, bodies)
+                                     : relax_block<model, false, true>(block, first, tangent, inertia, backwards, bodies));
+    }
+    return step_ * horizontal_max(change);
+  });
+}
+
+void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums,
+                                std::span<const std::uint8_t> counted) {
+  const double per_unit = 1 / sums.unit;
+  with_model(friction_, [&]<FrictionModel model>() {
+    Vec4d change = broadcast(0), largest = broadcast(0);
+    for (const Block& block : blocks) {
+      Point* first = &points[block.first_point];
+      const SweepTerms terms =
+          block.first_tangent < 0
+              ? sweep_block<model, false>(block, first, nullptr, beta, bodies, wrenches)
+              : sweep_block<model, true>(block, first, &tangents[block.first_tangent], beta, bodies, wrenches);
+      change = max(change, terms.change);
+      largest = max(largest, max(abs(terms.gradient), terms.progress));
+      for (std::size_t l = 0; l < lanes; ++l) {
+        if (block.manifold[l] < 0 || !counted[block.manifold[l]]) continue;
+        sums.gradient += whole_units(terms.gradient[l], per_unit);
+        sums.progress += whole_units(terms.progress[l], per_unit);
+      }
+    }
+    sums.change = std::max(sums.change, step_ * horizontal_max(change));
+    sums.largest = std::max(sums.largest, horizontal_max(largest));
+  });
+}
+
+double ContactBatch::residual(std::span<const SolverBody> bodies) const {
+  return with_model(friction_, [&]<FrictionModel model>() {
+    Vec4d worst = broadcast(0);
+    for (const Block& block : blocks) {
+      const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+      const Vec3x4 t = cross(block.n, block.s);
+      for (std::uint32_t k = 0; k < block.count; ++k) {
+        const Point& p = points[block.first_point + k];
+        if (block.first_tangent < 0)
+          worst = max(worst, point_residual<model, false>(block, p, nullptr, relative_velocity<false>(block, t, p, a, b)));
+        else
+          worst = max(worst, point_residual<model, true>(block, p, &tangents[block.first_tangent + k],
+                                                         relative_velocity<true>(block, t, p, a, b)));
+      }
+    }
+    return step_ * horizontal_max(worst);
+  });
+}
+
+void ContactBatch::add_impulses(std::span<Wrench> wrenches) const {
+  for (const Block& block : blocks) {
+    const Vec3x4 t = cross(block.n, block.s);
+    const Vec4d zero = broadcast(0);
+    Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const Point& p = points[block.first_point + k];
+      Vec3x4 f = block.n * p.lambda;
+      if (block.first_tangent >= 0) {
+        const Tangents& tangent = tangents[block.first_tangent + k];
+        f = impulse_vector<true>(block, t, p.lambda, tangent.lambda_s, tangent.lambda_t);
+      }
+      force = force + f, torque_a = torque_a + cross(p.arm_a, f), torque_b = torque_b + cross(p.arm_b, f);
+    }
+    add_wrenches(block, force, torque_a, torque_b, wrenches);
+  }
+}
+
+}  // namespace unibody

@@ -1,0 +1,58 @@
+// Coulomb's cone, five ways (paper, section 2.4 and Algorithm 2; what each gets wrong is said beside it).
+//
+// Each model says how a contact's trial multipliers (normal n, tangents s and t) are brought back to what the cone allows.
+// The trial tangents come in after their gradient step. Lanes are independent. Units cancel: forces or impulses alike.
+#pragma once
+
+#include "core/simd.hpp"
+#include "solve/settings.hpp"
+
+namespace unibody {
+
+struct ConeForce {
+  Vec4d n, s, t;
+};
+
+// |(s, t)| <= limit, shortened along its own direction.
+inline void clamp_disc(Vec4d& s, Vec4d& t, Vec4d limit) {
+  const Vec4d length2 = s * s + t * t;
+  const Mask4 outside = length2 > limit * limit;
+  const Vec4d scale = select(outside, limit / sqrt(select(outside, length2, broadcast(1))), broadcast(1));
+  s *= scale, t *= scale;
+}
+
+// |s| <= limit, |t| <= limit: the friction box of many real-time engines. sqrt 2 too strong along the bisector.
+inline void clamp_box(Vec4d& s, Vec4d& t, Vec4d limit) {
+  s = max(-limit, min(limit, s));
+  t = max(-limit, min(limit, t));
+}
+
+// Nearest point of the cone |(s, t)| <= mu n to the UNCLAMPED triple (Tasora & Anitescu 2011). It converges, to the convexified
+// problem: a sliding body floats by h mu |v_T|. With Saxce's shift of the normal residual the fixed point is Coulomb's.
+inline ConeForce project_cone(ConeForce y, Vec4d mu) {
+  const Vec4d tangential = sqrt(y.s * y.s + y.t * y.t);
+  const Vec4d zero = broadcast(0);
+  const Mask4 inside = tangential <= mu * y.n;
+  const Mask4 polar = mu * tangential <= -y.n;
+  const Vec4d n = (y.n + mu * tangential) / (broadcast(1) + mu * mu);
+  const Vec4d scale = mu * n / select(tangential > zero, tangential, broadcast(1));
+  ConeForce p{select(polar, zero, n), select(polar, zero, y.s * scale), select(polar, zero, y.t * scale)};
+  return {select(inside, y.n, p.n), select(inside, y.s, p.s), select(inside, y.t, p.t)};
+}
+
+inline constexpr bool uses_cone_projection(FrictionModel model) {
+  return model == FrictionModel::cone || model == FrictionModel::saxce;
+}
+
+// The trial normal multiplier is projected on its own and bounds the tangents ("disc": exact Coulomb at the fixed point), or
+// the triple is projected together ("cone", "saxce").
+template <FrictionModel model>
+inline ConeForce project(ConeForce y, Vec4d mu) {
+  if constexpr (uses_cone_projection(model)) return project_cone(y, mu);
+  y.n = max(broadcast(0), y.n);
+  if constexpr (model == FrictionModel::disc) clamp_disc(y.s, y.t, mu * y.n);
+  if constexpr (model == FrictionModel::box) clamp_box(y.s, y.t, mu * y.n);
+  return y;
+}
+
+}  // namespace unibody

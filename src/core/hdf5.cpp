@@ -1,0 +1,176 @@
+#include "core/hdf5.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace unibody::h5 {
+
+namespace {
+
+void check(herr_t result, const std::string& what) {
+  if (result < 0) throw std::runtime_error("HDF5: cannot " + what);
+}
+
+Handle file_access(MPI_Comm comm) {
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make a property list");
+  check(H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL), "use MPI-IO");
+  // The format of HDF5 1.8: objects without times, and no mark in the file that a killed run would leave behind.
+  check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), "choose a file format");
+  return access;
+}
+
+Handle row_space(hid_t dataset, hsize_t first, hsize_t count) {
+  Handle space(H5Dget_space(dataset), H5Sclose, "get a data space");
+  if (count == 0) return check(H5Sselect_none(space), "select rows"), std::move(space);
+  std::array<hsize_t, 2> start{first, 0}, extent{};
+  H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+  extent[0] = count;
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr), "select rows");
+  return space;
+}
+
+Handle memory_space(hid_t file_space) {
+  const auto count = static_cast<hsize_t>(H5Sget_select_npoints(file_space));
+  Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose, "make a data space");
+  if (count == 0) H5Sselect_none(space);
+  return space;
+}
+
+void write_scalar(hid_t object, const std::string& name, hid_t type, hid_t memory_type, const void* value) {
+  Handle space(H5Screate(H5S_SCALAR), H5Sclose, "make a data space");
+  Handle attribute(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "make attribute " + name);
+  check(H5Awrite(attribute, memory_type, value), "write attribute " + name);
+}
+
+Handle open_attribute(hid_t object, const std::string& name) {
+  return Handle(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "find attribute " + name);
+}
+
+}  // namespace
+
+Handle::Handle(hid_t id, Close closer, const std::string& what) : id_(id), close_(closer) {
+  if (id < 0) throw std::runtime_error("HDF5: cannot " + what);
+}
+
+herr_t Handle::close() { return id_ < 0 ? 0 : close_(std::exchange(id_, H5I_INVALID_HID)); }
+
+Quiet::Quiet() {
+  H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+
+Handle create_file(MPI_Comm comm, const std::string& path) {
+  const Handle access = file_access(comm);
+  Handle create(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make a property list");
+  check(H5Pset_obj_track_times(create, false), "turn times off");
+  return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, access), H5Fclose, "create " + path);
+}
+
+Handle open_file(MPI_Comm comm, const std::string& path) {
+  const Handle access = file_access(comm);
+  return Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "open " + path);
+}
+
+Handle create_group(hid_t parent, const std::string& name) {
+  Handle create(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "make a property list");
+  check(H5Pset_obj_track_times(create, false), "turn times off");
+  return Handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, create, H5P_DEFAULT), H5Gclose, "make group " + name);
+}
+
+Handle create_dataset(hid_t parent, const std::string& name, hid_t type, hsize_t rows, hsize_t columns) {
+  const std::array<hsize_t, 2> extent{rows, columns};
+  Handle space(H5Screate_simple(columns == 0 ? 1 : 2, extent.data(), nullptr), H5Sclose, "make a data space");
+  Handle create(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make a property list");
+  check(H5Pset_obj_track_times(create, false), "turn times off");
+  check(H5Pset_layout(create, H5D_CONTIGUOUS), "choose a layout");
+  check(H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY), "choose when to allocate");
+  check(H5Pset_fill_time(create, H5D_FILL_TIME_NEVER), "turn filling off");
+  return Handle(H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, create, H5P_DEFAULT), H5Dclose,
+                "make data set " + name);
+}
+
+bool write_rows(hid_t dataset, hid_t memory_type, hsize_t first, hsize_t count, const void* data) {
+  if (dimensions(dataset)[0] == 0) return true;  // on all ranks alike; HDF5 has allocated nothing to write to
+  const Handle file_space = row_space(dataset, first, count), memory = memory_space(file_space);
+  Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose, "make a property list");
+  check(H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE), "write collectively");
+  const double nothing = 0;  // HDF5 wants an address even where nothing is written
+  return H5Dwrite(dataset, memory_type, memory, file_space, transfer, count == 0 ? &nothing : data) >= 0;
+}
+
+void read_rows(hid_t dataset, hid_t memory_type, hsize_t first, hsize_t count, void* data) {
+  if (count == 0) return;
+  const Handle file_space = row_space(dataset, first, count), memory = memory_space(file_space);
+  check(H5Dread(dataset, memory_type, memory, file_space, H5P_DEFAULT, data), "read rows");
+}
+
+std::vector<hsize_t> dimensions(hid_t dataset) {
+  const Handle space(H5Dget_space(dataset), H5Sclose, "get a data space");
+  std::vector<hsize_t> extent(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
+  H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+  return extent;
+}
+
+Handle open_dataset(hid_t parent, const std::string& name) {
+  return Handle(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), H5Dclose, "find data set " + name);
+}
+
+void write_attribute(hid_t object, const std::string& name, double value) {
+  write_scalar(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, std::int64_t value) {
+  write_scalar(object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &value);
+}
+
+void write_attribute(hid_t object, const std::string& name, const std::string& value) {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "make a type");
+  check(H5Tset_size(type, std::max<std::size_t>(1, value.size())), "size a string");
+  check(H5Tset_strpad(type, H5T_STR_NULLPAD), "pad a string");
+  write_scalar(object, name, type, type, value.c_str());
+}
+
+double read_double(hid_t object, const std::string& name) {
+  double value = 0;
+  check(H5Aread(open_attribute(object, name), H5T_NATIVE_DOUBLE, &value), "read attribute " + name);
+  return value;
+}
+
+std::int64_t read_integer(hid_t object, const std::string& name) {
+  std::int64_t value = 0;
+  check(H5Aread(open_attribute(object, name), H5T_NATIVE_INT64, &value), "read attribute " + name);
+  return value;
+}
+
+std::string read_string(hid_t object, const std::string& name) {
+  const Handle attribute = open_attribute(object, name);
+  const Handle type(H5Aget_type(attribute), H5Tclose, "get a type");
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
+    throw std::runtime_error("HDF5: cannot read string " + name);
+  std::string value(H5Tget_size(type), '\0');
+  check(H5Aread(attribute, type, value.data()), "read attribute " + name);
+  value.resize(value.find('\0') == std::string::npos ? value.size() : value.find('\0'));
+  return value;
+}
+
+}  // namespace unibody::h5
+
+namespace unibody {
+
+std::string first_fault(MPI_Comm comm, const std::string& fault) {
+  int rank = 0, ranks = 1;
+  MPI_Comm_rank(comm, &rank), MPI_Comm_size(comm, &ranks);
+  int first = fault.empty() ? ranks : rank;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
+  if (first == ranks) return {};
+  auto size = static_cast<int>(fault.size());
+  MPI_Bcast(&size, 1, MPI_INT, first, comm);
+  std::string text = fault;
+  text.resize(static_cast<std::size_t>(size));
+  MPI_Bcast(text.data(), size, MPI_CHAR, first, comm);
+  return text;
+}
+
+}  // namespace unibody

@@ -1,0 +1,37 @@
+#include "core/phases.hpp"
+
+#include <mpi.h>
+
+#include <string>
+
+namespace unibody {
+
+PhaseClock::PhaseClock() {
+  static PetscClassId id = 0;
+  if (id == 0) PetscClassIdRegister("Unibody", &id);
+  for (std::size_t i = 0; i < phase_names.size(); ++i) {
+    const std::string name = "unibody_" + std::string(phase_names[i]);
+    if (PetscLogEventGetId(name.c_str(), &events_[i]) != 0 || events_[i] < 0) PetscLogEventRegister(name.c_str(), id, &events_[i]);
+  }
+  since_ = MPI_Wtime();
+}
+
+void PhaseClock::tick() {
+  const double now = MPI_Wtime();
+  seconds_[static_cast<std::size_t>(current_)] += now - since_;
+  since_ = now;
+}
+
+void PhaseClock::enter(Phase phase) {
+  tick();
+  current_ = phase;
+  PetscLogEventBegin(events_[static_cast<std::size_t>(phase)], 0, 0, 0, 0);
+}
+
+void PhaseClock::leave(Phase outer) {
+  PetscLogEventEnd(events_[static_cast<std::size_t>(current_)], 0, 0, 0, 0);
+  tick();
+  current_ = outer;
+}
+
+}  // namespace unibody

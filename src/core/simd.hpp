@@ -1,0 +1,44 @@
+// Four doubles side by side. The compiler lowers this to whatever the processor has (AVX: one register, SSE: two); every
+// lane is plain IEEE arithmetic without contraction, so neither the width nor the place in a batch can change a result.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace unibody {
+
+inline constexpr std::size_t lanes = 4;
+using Vec4d = double __attribute__((vector_size(lanes * sizeof(double))));
+using Vec4dView = double __attribute__((vector_size(lanes * sizeof(double)), may_alias));  // to read plain doubles by fours
+using Mask4 = long long __attribute__((vector_size(lanes * sizeof(double))));
+
+inline Vec4d broadcast(double x) { return Vec4d{x, x, x, x}; }
+inline Vec4d select(Mask4 condition, Vec4d yes, Vec4d no) { return condition ? yes : no; }
+inline Vec4d max(Vec4d a, Vec4d b) { return select(a > b, a, b); }
+inline Vec4d min(Vec4d a, Vec4d b) { return select(a < b, a, b); }
+inline Vec4d abs(Vec4d a) { return max(a, -a); }
+inline Vec4d sqrt(Vec4d a) { return Vec4d{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
+inline double horizontal_max(Vec4d a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
+
+// Four 3-vectors, one a lane.
+struct Vec3x4 {
+  Vec4d x, y, z;
+};
+inline Vec3x4 operator+(const Vec3x4& a, const Vec3x4& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec3x4 operator-(const Vec3x4& a, const Vec3x4& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec3x4 operator*(const Vec3x4& a, Vec4d s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Vec4d dot(const Vec3x4& a, const Vec3x4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec3x4 cross(const Vec3x4& a, const Vec3x4& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+// Turns four rows of four into four columns: from a record a lane to a field a vector, and back.
+inline void transpose(Vec4d& a, Vec4d& b, Vec4d& c, Vec4d& d) {
+  const Vec4d ab_low = __builtin_shuffle(a, b, Mask4{0, 4, 2, 6}), ab_high = __builtin_shuffle(a, b, Mask4{1, 5, 3, 7});
+  const Vec4d cd_low = __builtin_shuffle(c, d, Mask4{0, 4, 2, 6}), cd_high = __builtin_shuffle(c, d, Mask4{1, 5, 3, 7});
+  a = __builtin_shuffle(ab_low, cd_low, Mask4{0, 1, 4, 5}), c = __builtin_shuffle(ab_low, cd_low, Mask4{2, 3, 6, 7});
+  b = __builtin_shuffle(ab_high, cd_high, Mask4{0, 1, 4, 5}), d = __builtin_shuffle(ab_high, cd_high, Mask4{2, 3, 6, 7});
+}
+
+}  // namespace unibody

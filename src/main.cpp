@@ -1,0 +1,39 @@
+#include <petscsys.h>
+
+#include <cstdio>
+
+#include "core/errors.hpp"
+#include "options.hpp"
+#include "run.hpp"
+
+namespace {
+
+int fail(int rank, const char* what, int code) {
+  if (rank == 0) std::fprintf(stderr, "unibody: %s\n", what);
+  return code;
+}
+
+int guarded_run(int argc, char** argv, int rank) {
+  try {
+    return unibody::run(MPI_COMM_WORLD, unibody::parse_options(argc, argv));
+  } catch (const unibody::InputError& error) {
+    return fail(rank, error.what(), 2);
+  } catch (const unibody::RunError& error) {
+    return fail(rank, error.what(), 3);
+  } catch (const std::exception& error) {  // not foreseen, so perhaps on this rank alone: the others must not wait for it
+    std::fprintf(stderr, "unibody: rank %d: %s\n", rank, error.what());
+    MPI_Abort(MPI_COMM_WORLD, 3);
+    return 3;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  MPI_Init(&argc, &argv);
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  const int code = guarded_run(argc, argv, rank);
+  MPI_Finalize();
+  return code;
+}

@@ -1,0 +1,101 @@
+#include "options.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/errors.hpp"
+
+namespace unibody {
+
+namespace {
+
+// The PETSc options that make sense for this program begin with one of these; anything else is a typing error.
+constexpr std::string_view petsc_prefixes[] = {"-log_", "-options_", "-malloc", "-memory_", "-vec_", "-sf_", "-on_error", "-fp_trap",
+                                               "-info", "-version", "-no_signal", "-debugger", "-start_in_debugger", "-check_pointer"};
+
+std::uint64_t seed_of(const std::string& value) {
+  const std::string_view prefix = "random:";
+  std::uint64_t seed = 0;
+  if (value.starts_with(prefix)) {
+    const char *begin = value.data() + prefix.size(), *end = value.data() + value.size();
+    if (begin != end && std::from_chars(begin, end, seed).ptr == end) return seed;
+  }
+  throw InputError("option -partition: found '" + value + "', expected metis or random:SEED with a whole number");
+}
+
+bool on_off(const std::string& option, const std::string& value) {
+  if (value == "on") return true;
+  if (value == "off") return false;
+  throw InputError("option " + option + ": found '" + value + "', expected on or off");
+}
+
+}  // namespace
+
+Options parse_options(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const auto value = [&]() -> std::string {
+      if (i + 1 >= argc) throw InputError("option " + word + ": a value is missing");
+      return argv[++i];
+    };
+    if (word == "-help" || word == "--help" || word == "-h") {
+      options.help = true;
+    } else if (word == "-output") {
+      options.output = value();
+    } else if (word == "-overwrite") {
+      options.overwrite = true;
+    } else if (word == "-restart") {
+      options.restart = value();
+    } else if (word == "-set") {
+      const std::string assignment = value();
+      const auto equals = assignment.find('=');
+      if (equals == std::string::npos || equals == 0)
+        throw InputError("option -set: found '" + assignment + "', expected path.to.key=value");
+      options.overrides.push_back({assignment.substr(0, equals), assignment.substr(equals + 1)});
+    } else if (word == "-partition") {
+      if (const std::string kind = value(); kind != "metis") options.random_partition = seed_of(kind);
+    } else if (word == "-rebalance") {
+      options.rebalance = on_off(word, value());
+    } else if (std::any_of(std::begin(petsc_prefixes), std::end(petsc_prefixes), [&](auto p) { return word.starts_with(p); })) {
+      options.petsc.push_back(word);
+      if (i + 1 < argc && argv[i + 1][0] != '-' && std::string_view(argv[i + 1]).find(".yaml") == std::string_view::npos)
+        options.petsc.push_back(argv[++i]);
+    } else if (word.starts_with("-")) {
+      throw InputError("unknown option " + word + " (-help lists them all)");
+    } else if (options.scene.empty()) {
+      options.scene = word;
+    } else {
+      throw InputError("two scenes are given: '" + options.scene + "' and '" + word + "'");
+    }
+  }
+  if (options.scene.empty() && !options.help) throw InputError("no scene is given: unibody SCENE [options], -help explains");
+  return options;
+}
+
+std::string help_text() {
+  return R"(usage: mpirun -n RANKS unibody SCENE [options]
+
+Simulates the scene file SCENE and writes its results into a folder.
+
+  -output DIR            folder for the results (default: results). Written there: report.csv (one row a frame), frames.h5 and
+                         frames.xdmf (states, for ParaView), checkpoint.h5, summary.json
+  -overwrite             replace results that are in DIR already; without it they stop the run
+  -set path.to.key=value change a value of the scene, as if the file said so; may be given many times.
+                         Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]
+  -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
+  -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
+                         No result depends on it
+  -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it
+  -help                  this text
+
+PETSc options that begin with -log_, -options_, -malloc, -memory_, -vec_, -info or -on_error are passed on to PETSc:
+  -log_view              time, messages and memory by phase (unibody_collide, unibody_solve, unibody_halo, ...)
+  -options_file FILE     more PETSc options from a file
+
+The last line printed is 'state HASH': equal hashes mean equal final states, bit for bit.
+Exit codes: 0 done; 2 bad scene, option or file: nothing was written; 3 the run had to stop: the last checkpoint is kept.
+)";
+}
+
+}  // namespace unibody

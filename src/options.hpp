@@ -1,0 +1,30 @@
+// The command line: what the program reads itself, and what it passes on to PETSc.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/scene.hpp"
+
+namespace unibody {
+
+struct Options {
+  std::string scene;
+  std::string output = "results";
+  bool overwrite = false;
+  bool help = false;
+  std::string restart;                          // checkpoint to go on from; empty: start anew
+  std::vector<Override> overrides;              // -set
+  std::optional<std::uint64_t> random_partition;  // seed; none: METIS
+  bool rebalance = true;
+  std::vector<std::string> petsc;               // the rest
+};
+
+// Throws InputError for an option that neither the program nor PETSc knows, or that lacks its value.
+Options parse_options(int argc, char** argv);
+
+std::string help_text();
+
+}  // namespace unibody

@@ -1,0 +1,228 @@
+#include "report/output.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+#include "core/errors.hpp"
+#include "report/by_id.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr std::array result_files{"frames.h5", "frames.xdmf", "report.csv", "summary.json", "checkpoint.h5"};
+constexpr std::string_view xdmf_tail = "  </Grid>\n</Domain>\n</Xdmf>\n";
+
+std::string prepare_on_one_rank(const std::string& directory, bool overwrite, const std::string& keep) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (!fs::is_directory(directory)) return "cannot make the output directory '" + directory + "': " + error.message();
+  for (const char* name : result_files) {
+    const fs::path path = fs::path(directory) / name;
+    if (!fs::exists(path)) continue;
+    if (!overwrite) return "'" + path.string() + "' exists: choose another output directory, or allow overwriting";
+    if (!keep.empty() && fs::equivalent(path, keep, error)) continue;
+    if (!fs::remove(path, error)) return "cannot remove '" + path.string() + "': " + error.message();
+  }
+  if (access(directory.c_str(), W_OK | X_OK) != 0) return "cannot write into the output directory '" + directory + "'";
+  return {};
+}
+
+std::string frame_name(std::int64_t frame) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%06lld", static_cast<long long>(frame));
+  return text.data();
+}
+
+// Columns [column, column + width) of the rows, packed.
+template <class T, std::size_t Columns>
+std::vector<T> pack(const std::vector<std::array<double, Columns>>& rows, std::size_t column, std::size_t width) {
+  std::vector<T> packed;
+  packed.reserve(rows.size() * width);
+  for (const auto& row : rows)
+    for (std::size_t c = column; c < column + width; ++c) packed.push_back(static_cast<T>(row[c]));
+  return packed;
+}
+
+// Writes data sets of one group, this rank's block of rows each, and remembers whether all went well.
+struct BlockWriter {
+  hid_t group;
+  Id count, first;
+  bool good = true;
+
+  template <class T>
+  void write(const std::string& name, hid_t file_type, hid_t memory_type, std::size_t columns, const std::vector<T>& data) {
+    const auto rows = data.size() / std::max<std::size_t>(1, columns);
+    const auto dataset = h5::create_dataset(group, name, file_type, static_cast<hsize_t>(count), columns);
+    good = h5::write_rows(dataset, memory_type, static_cast<hsize_t>(first), rows, data.data()) && good;
+  }
+  template <std::size_t Columns>
+  void reals(const std::string& name, bool single, const std::vector<std::array<double, Columns>>& rows, std::size_t column,
+             std::size_t width) {
+    const std::size_t columns = width == 1 ? 0 : width;
+    if (single)  // converted here: HDF5 would give up collective writing to convert
+      write(name, H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, columns, pack<float>(rows, column, width));
+    else
+      write(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, columns, pack<double>(rows, column, width));
+  }
+};
+
+std::string data_item(const std::string& path, Id rows, int columns, const char* type, int precision) {
+  std::string dimensions = std::to_string(rows);
+  if (columns > 1) dimensions += " " + std::to_string(columns);
+  return "<DataItem Dimensions=\"" + dimensions + "\" NumberType=\"" + type + "\" Precision=\"" + std::to_string(precision) +
+         "\" Format=\"HDF\">frames.h5:" + path + "</DataItem>";
+}
+
+std::string attribute(const std::string& name, const char* kind, const std::string& item) {
+  return "      <Attribute Name=\"" + name + "\" AttributeType=\"" + kind + "\" Center=\"Node\">" + item + "</Attribute>\n";
+}
+
+}  // namespace
+
+void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  const auto fault = first_fault(comm, rank == 0 ? prepare_on_one_rank(directory, overwrite, keep) : "");
+  if (!fault.empty()) throw InputError(fault);
+}
+
+Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world)
+    : comm_(comm),
+      path_(directory + "/frames.h5"),
+      xdmf_path_(directory + "/frames.xdmf"),
+      single_(settings.single_precision),
+      count_(count) {
+  MPI_Comm_rank(comm, &rank_);
+  const h5::Quiet quiet;
+  std::string fault;
+  try {
+    file_ = h5::create_file(comm, path_);
+    h5::write_attribute(file_, "format", std::string("unibody frames 1"));
+    write_bodies(world);
+    frames_ = h5::create_group(file_, "frames");
+    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_;
+  } catch (const std::exception& e) {
+    fault = e.what();
+  }
+  throw_if_any(fault);
+  if (rank_ == 0) start_xdmf();
+  throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ : "");
+}
+
+Output::~Output() {
+  const h5::Quiet quiet;
+  frames_.close();
+  file_.close();
+  if (xdmf_ >= 0) ::close(xdmf_);
+}
+
+void Output::throw_if_any(const std::string& fault) const {
+  const auto first = first_fault(comm_, fault);
+  if (!first.empty()) throw RunError(first);
+}
+
+void Output::write_bodies(const World& world) {
+  const auto rows = rows_by_id(comm_, world, count_, [&](std::size_t slot) {
+    const BodyProperties& p = world.properties[slot];
+    const bool dynamic = p.is_dynamic(), plane = p.shape.kind == ShapeKind::plane;
+    const Vec3 size = plane ? Vec3::Zero() : p.shape.size, moments = dynamic ? p.inertia : Vec3::Zero();
+    return std::array<double, 10>{size[0],
+                                  size[1],
+                                  size[2],
+                                  dynamic ? p.mass : 0,
+                                  moments[0],
+                                  moments[1],
+                                  moments[2],
+                                  static_cast<double>(p.shape.kind),
+                                  static_cast<double>(p.motion),
+                                  static_cast<double>(p.material)};
+  });
+  const Id first = id_blocks(comm_, count_).first(rank_);
+  std::vector<std::int64_t> ids(rows.size());
+  for (std::size_t k = 0; k < ids.size(); ++k) ids[k] = first + static_cast<Id>(k);
+
+  const auto group = h5::create_group(file_, "bodies");
+  BlockWriter writer{group, count_, first};
+  writer.write("id", H5T_STD_I64LE, H5T_NATIVE_INT64, 0, ids);
+  writer.write("shape", H5T_STD_I8LE, H5T_NATIVE_INT8, 0, pack<std::int8_t>(rows, 7, 1));
+  writer.reals("size", single_, rows, 0, 3);
+  writer.reals("mass", single_, rows, 3, 1);
+  writer.reals("inertia", single_, rows, 4, 3);
+  writer.write("motion", H5T_STD_I8LE, H5T_NATIVE_INT8, 0, pack<std::int8_t>(rows, 8, 1));
+  writer.write("material", H5T_STD_I32LE, H5T_NATIVE_INT32, 0, pack<std::int32_t>(rows, 9, 1));
+  throw_if_any(writer.good ? "" : "cannot write " + path_ + ": is the disk full?");
+  std::string names;
+  for (const auto name : shape_names) names += (names.empty() ? "" : " ") + std::string(name);
+  h5::write_attribute(group, "shape_names", names);
+  h5::write_attribute(group, "motion_names", std::string("dynamic fixed kinematic"));
+}
+
+void Output::write(std::int64_t frame, double time, const World& world) {
+  const auto rows = rows_by_id(comm_, world, count_, [&](std::size_t slot) {
+    const BodyState s = world.state(slot);
+    const Vec3 &x = s.position, &v = s.velocity, &w = s.angular_velocity;
+    const Quat& q = s.orientation;
+    return std::array<double, 13>{x[0], x[1], x[2], q.w(), q.x(), q.y(), q.z(), v[0], v[1], v[2], w[0], w[1], w[2]};
+  });
+  const h5::Quiet quiet;
+  std::string fault;
+  try {
+    const auto group = h5::create_group(frames_, frame_name(frame));
+    BlockWriter writer{group, count_, id_blocks(comm_, count_).first(rank_)};
+    writer.reals("position", single_, rows, 0, 3);
+    writer.reals("orientation", single_, rows, 3, 4);
+    writer.reals("velocity", single_, rows, 7, 3);
+    writer.reals("angular_velocity", single_, rows, 10, 3);
+    h5::write_attribute(group, "time", time);
+    h5::write_attribute(group, "frame", frame);
+    if (!writer.good || H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_ + ": is the disk full?";
+  } catch (const std::exception& e) {
+    fault = e.what();
+  }
+  throw_if_any(fault);
+  if (rank_ == 0) append_xdmf(frame, time);
+  throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ + ": is the disk full?" : "");
+}
+
+void Output::start_xdmf() {
+  const std::string head =
+      "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+      "  <Grid Name=\"frames\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  xdmf_ = ::open(xdmf_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644);
+  xdmf_end_ = static_cast<std::int64_t>(head.size());
+  const std::string text = head + std::string(xdmf_tail);
+  if (xdmf_ >= 0 && ::write(xdmf_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+    ::close(std::exchange(xdmf_, -1));
+}
+
+// One write puts the new frame and the closing tags over the old closing tags, so that the file is whole before and after.
+void Output::append_xdmf(std::int64_t frame, double time) {
+  const int real = single_ ? 4 : 8;
+  const std::string at = "/frames/" + frame_name(frame) + "/";
+  std::array<char, 40> seconds{};
+  std::snprintf(seconds.data(), seconds.size(), "%.17g", time);
+  std::string grid =
+      "    <Grid Name=\"bodies\" GridType=\"Uniform\">\n      <Time Value=\"" + std::string(seconds.data()) + "\"/>\n";
+  grid +=
+      "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + std::to_string(count_) + "\" NodesPerElement=\"1\"/>\n";
+  grid += "      <Geometry GeometryType=\"XYZ\">" + data_item(at + "position", count_, 3, "Float", real) + "</Geometry>\n";
+  grid += attribute("orientation", "Matrix", data_item(at + "orientation", count_, 4, "Float", real));
+  grid += attribute("velocity", "Vector", data_item(at + "velocity", count_, 3, "Float", real));
+  grid += attribute("angular_velocity", "Vector", data_item(at + "angular_velocity", count_, 3, "Float", real));
+  grid += attribute("size", "Vector", data_item("/bodies/size", count_, 3, "Float", real));
+  grid += attribute("shape", "Scalar", data_item("/bodies/shape", count_, 1, "Char", 1));
+  grid += attribute("id", "Scalar", data_item("/bodies/id", count_, 1, "Int", 8));
+  grid += "    </Grid>\n";
+  const std::string text = grid + std::string(xdmf_tail);
+  if (::pwrite(xdmf_, text.data(), text.size(), xdmf_end_) != static_cast<ssize_t>(text.size()))
+    ::close(std::exchange(xdmf_, -1));
+  xdmf_end_ += static_cast<std::int64_t>(grid.size());
+}
+
+}  // namespace unibody

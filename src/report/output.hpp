@@ -1,0 +1,50 @@
+// frames.h5 and frames.xdmf: the states of all bodies in order of id, the same bytes on any number of ranks.
+//
+//   /bodies/{id, shape, size, mass, inertia, motion, material}   row k is body k; what does not change (mass 0: not dynamic)
+//   /frames/000000/{position, orientation, velocity, angular_velocity}   attributes time (s) and frame
+//
+// Both files are whole after each frame: a run that is killed between two frames leaves all that it wrote.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/hdf5.hpp"
+#include "scene/scene.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+// Makes the directory. If it holds results (frames, report, summary or checkpoint), throws an InputError that names the first
+// one found, or, with `overwrite`, removes them all but `keep` (the checkpoint that the run restarts from). Run it before
+// anything is written. Collective; throws on every rank.
+void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep = "");
+
+class Output {
+ public:
+  // Creates both files and writes /bodies. `count` is the number of all bodies of the scene. Collective, as are all members.
+  Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world);
+  ~Output();
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+
+  // Throws RunError on every rank if the disk fails on any.
+  void write(std::int64_t frame, double time, const World& world);
+
+ private:
+  void write_bodies(const World& world);
+  void start_xdmf();
+  void append_xdmf(std::int64_t frame, double time);
+  void throw_if_any(const std::string& fault) const;
+
+  MPI_Comm comm_;
+  std::string path_, xdmf_path_;
+  bool single_;
+  Id count_;
+  int rank_ = 0;
+  h5::Handle file_, frames_;
+  int xdmf_ = -1;              // rank 0: file descriptor
+  std::int64_t xdmf_end_ = 0;  // where the closing tags start
+};
+
+}  // namespace unibody

@@ -1,0 +1,243 @@
+#include "scene/body_entry.hpp"
+
+#include <cmath>
+
+#include "scene/generators.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr double degree = M_PI / 180;
+
+const std::vector<std::string> motions{"dynamic", "fixed", "kinematic"};
+
+Vec3 read_plane_normal(const Value& plane, const Scene& scene) {
+  plane.map({"normal"});
+  const Value* normal = plane.find("normal");
+  if (!normal) plane.fail_missing("normal", "a vector of length 1");
+  const Vec3 n = normal->unit_vector();
+  if (scene.planar && n.y() != 0) normal->fail_expected("a vector without y component (planar scene)");
+  return n;
+}
+
+double read_radius(const Value& value) {
+  value.map({"radius"});
+  const Value* radius = value.find("radius");
+  if (!radius) value.fail_missing("radius", "a number > 0 (m)");
+  return radius->number(positive, "m");
+}
+
+Quat read_orientation(const Value& value, const Scene& scene) {
+  Quat q;
+  if (value.kind == Value::Kind::map) {
+    value.map({"axis", "angle"});
+    const Value *axis = value.find("axis"), *angle = value.find("angle");
+    if (!axis) value.fail_missing("axis", "a vector of length 1");
+    if (!angle) value.fail_missing("angle", "a number (degrees)");
+    q = Eigen::AngleAxisd(angle->number(any, "degrees") * degree, axis->unit_vector());
+  } else {
+    if (value.kind != Value::Kind::list) value.fail_expected("a quaternion [w, x, y, z] or a map with axis and angle (degrees)");
+    const auto c = value.numbers(4, any, "quaternion w, x, y, z");
+    q = Quat(c[0], c[1], c[2], c[3]);
+    if (!(std::abs(q.norm() - 1) <= 1e-3)) value.fail_expected("a quaternion of length 1");
+    if (q.norm() != 1) q.normalize();
+  }
+  if (scene.planar && (q.x() != 0 || q.z() != 0)) value.fail_expected("a turn about y (planar scene)");
+  return q;
+}
+
+Vec3 read_inertia(const Value& value) {
+  const Vec3 moments = value.vector(positive, "kg m^2");
+  if (!(2 * moments.maxCoeff() <= moments.sum() * (1 + 1e-12)))
+    value.fail_expected("three principal moments (kg m^2), none larger than the sum of the other two");
+  return moments;
+}
+
+void read_amount(const Value& entry, BodyTemplate& body) {
+  const Value *mass = entry.find("mass"), *density = entry.find("density"), *moments = entry.find("inertia");
+  if (!body.properties.is_dynamic()) {
+    for (const char* key : {"mass", "density", "inertia", "force", "torque"})
+      if (const Value* value = entry.find(key)) value->fail_expected("no such key for a fixed or kinematic body");
+    return;
+  }
+  if (mass && density) density->fail(density->found() + " beside mass " + mass->found(), "only one of mass and density");
+  if (!mass && !density) entry.fail_missing("mass", "a mass (kg) or a density (kg/m^3)");
+  if (mass) body.mass = mass->number(positive, "kg");
+  if (density) body.density = density->number(positive, "kg/m^3");
+  if (moments) body.inertia = read_inertia(*moments);
+}
+
+int read_material(const Value& value, const Scene& scene) { return static_cast<int>(value.choice(scene.materials)); }
+
+void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
+  BodyProperties& properties = body.properties;
+  const Value *motion = entry.find("motion"), *velocity = entry.find("velocity"), *spin = entry.find("angular_velocity");
+  if (properties.shape.kind == ShapeKind::plane) properties.motion = Motion::fixed;
+  if (motion) properties.motion = static_cast<Motion>(motion->choice(motions));
+  if (properties.is_dynamic() && properties.shape.kind == ShapeKind::plane)
+    motion->fail_expected("fixed or kinematic for a plane");
+  if (properties.motion == Motion::fixed) {
+    for (const Value* value : {velocity, spin})
+      if (value) value->fail_expected("no such key for a fixed body");
+  }
+  if (velocity) body.velocity = read_vector(*velocity, scene, "m/s");
+  if (spin) body.angular_velocity = read_vector(*spin, scene, "rad/s", true);
+}
+
+// The template's keys, all but the shape, which is in place already.
+BodyTemplate read_template(const Value& entry, const Shape& shape, const Scene& scene) {
+  BodyTemplate body;
+  body.properties.shape = shape;
+  read_motion(entry, body, scene);
+  read_amount(entry, body);
+  if (const Value* force = entry.find("force")) body.properties.force = read_vector(*force, scene, "N");
+  if (const Value* torque = entry.find("torque")) body.properties.torque = read_vector(*torque, scene, "N m", true);
+  if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
+  return body;
+}
+
+const GeneratorType* find_generator(const Value& entry) {
+  const GeneratorType* result = nullptr;
+  for (const GeneratorType& type : generator_types()) {
+    const Value* value = entry.find(type.key);
+    if (value && result) value->fail("a second generator beside " + std::string(result->key), "one generator an entry");
+    if (value) result = &type;
+  }
+  return result;
+}
+
+void check_keys(const Value& entry, const GeneratorType* type) {
+  std::vector<std::string> keys{"name", "material", "position", "orientation"};
+  const Takes takes = type ? type->takes : Takes::shape;
+  if (takes != Takes::nothing)
+    for (const char* key : {"mass", "density", "motion", "velocity", "angular_velocity", "force", "torque"})
+      keys.emplace_back(key);
+  if (takes == Takes::shape) {
+    keys.emplace_back("shape");
+    keys.emplace_back("inertia");
+  }
+  if (type) keys.emplace_back(type->key);
+  if (!type)
+    for (const GeneratorType& other : generator_types()) keys.emplace_back(other.key);
+  entry.map(keys);
+}
+
+Generated read_single(const Value& entry, const BodyTemplate& body, const Scene& scene) {
+  if (body.properties.shape.kind != ShapeKind::plane)
+    return {1, [body](Id) { return make_body(body, body.properties.shape, Vec3::Zero()); }};
+  if (const Value* turn = entry.find("orientation")) turn->fail_expected("no orientation: a plane is turned by its normal");
+  const Vec3 normal = read_plane_normal(*entry.find("shape")->find("plane"), scene);
+  return {1, [body, normal](Id) { return make_plane(body, Vec3::Zero(), normal); }};
+}
+
+Generated read_generated(const Value& entry, BodyTemplate& body, const GeneratorType* type, const Scene& scene) {
+  const Takes takes = type ? type->takes : Takes::shape;
+  const Value* shape = entry.find("shape");
+  if (takes == Takes::shape) {
+    if (!shape) entry.fail_missing("shape", "a map with the key sphere, box, plane or disc");
+    const Shape solid = read_shape(*shape, scene);
+    if (type && solid.kind == ShapeKind::plane) shape->fail("a plane in a " + std::string(type->key), "sphere, box or disc");
+    body = read_template(entry, solid, scene);
+    check_mass(entry, body, solid);
+  } else if (takes == Takes::no_shape) {
+    body = read_template(entry, Shape{}, scene);
+  } else {
+    body.properties.motion = Motion::fixed;
+    if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
+  }
+  return type ? type->read(*entry.find(type->key), body, scene) : read_single(entry, body, scene);
+}
+
+void read_entry(const Value& entry, Scene& scene) {
+  if (entry.kind != Value::Kind::map) entry.fail_expected("a map with a shape or a generator");
+  const GeneratorType* type = find_generator(entry);
+  check_keys(entry, type);
+  BodyTemplate body;
+  Vec3 position = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+  if (const Value* value = entry.find("position")) position = read_vector(*value, scene, "m");
+  if (const Value* value = entry.find("orientation")) orientation = read_orientation(*value, scene);
+
+  BodyGroup group;
+  if (const Value* name = entry.find("name")) group.name = name->string("a name");
+  const Generated generated = read_generated(entry, body, type, scene);
+  group.first = scene.body_count();
+  group.count = generated.count;
+  group.is_static = !body.properties.is_dynamic();
+  group.make = [first = group.first, make = generated.make, position, orientation](Id k) {
+    Body result = make(k);
+    result.id = first + k;
+    result.state.position = position + orientation * result.state.position;
+    result.state.orientation = orientation * result.state.orientation;
+    return result;
+  };
+  scene.groups.push_back(std::move(group));
+}
+
+}  // namespace
+
+Quat turn_to(const Vec3& n) {
+  if (n.x() == 0 && n.y() == 0 && n.z() < 0) return Quat(0, 0, 1, 0);
+  const double sideways = n.x() * n.x() + n.y() * n.y();
+  return Quat(n.z() >= 0 ? 1 + n.z() : sideways / (1 - n.z()), -n.y(), n.x(), 0).normalized();
+}
+
+Body make_body(const BodyTemplate& body, const Shape& shape, const Vec3& position, const Quat& orientation) {
+  Body result;
+  result.properties = body.properties;
+  result.properties.shape = shape;
+  if (body.properties.is_dynamic()) {
+    result.properties.mass = body.mass ? *body.mass : *body.density * volume(shape);
+    result.properties.inertia = body.inertia ? *body.inertia : inertia(shape, result.properties.mass);
+  }
+  result.state = {position, orientation, body.velocity, body.angular_velocity};
+  return result;
+}
+
+Body make_plane(const BodyTemplate& body, const Vec3& position, const Vec3& normal) {
+  return make_body(body, {ShapeKind::plane, Vec3::Zero()}, position, turn_to(normal));
+}
+
+Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit, bool rotation) {
+  const Vec3 v = value.vector(any, unit);
+  if (scene.planar && !rotation && v.y() != 0)
+    value.fail_expected("0 as the second of three numbers (" + unit + "; planar scene)");
+  if (scene.planar && rotation && (v.x() != 0 || v.z() != 0))
+    value.fail_expected("0 as the first and third of three numbers (" + unit + "; planar scene)");
+  return v;
+}
+
+Shape read_shape(const Value& value, const Scene& scene) {
+  value.map({"sphere", "box", "plane", "disc"});
+  if (value.children.size() != 1)
+    value.fail("a map of " + std::to_string(value.children.size()) + " shapes", "one of sphere, box, plane or disc");
+  const auto& [name, solid] = value.children[0];
+  if (name == "plane") {
+    read_plane_normal(solid, scene);
+    return {ShapeKind::plane, Vec3::Zero()};
+  }
+  if (name == "box") {
+    solid.map({"size"});
+    const Value* size = solid.find("size");
+    if (!size) solid.fail_missing("size", "a list of 3 numbers > 0 (m)");
+    return {ShapeKind::box, 0.5 * size->vector(positive, "m, edge lengths")};
+  }
+  if (name == "disc" && !scene.planar) solid.fail("a disc", "sphere, box or plane in a scene that is not planar");
+  return {name == "disc" ? ShapeKind::disc : ShapeKind::sphere, Vec3(read_radius(solid), 0, 0)};
+}
+
+void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape) {
+  if (!body.properties.is_dynamic()) return;
+  const BodyProperties p = make_body(body, shape, Vec3::Zero()).properties;
+  const double least = std::min(p.mass, p.inertia.minCoeff()), most = std::max(p.mass, p.inertia.maxCoeff());
+  if (least > 0 && std::isfinite(most)) return;
+  const Value* amount = entry.find(body.mass ? "mass" : "density");
+  (amount ? *amount : entry).fail_expected("a mass and an inertia > 0 and finite for a body of this size");
+}
+
+void read_bodies(const Value& list, Scene& scene) {
+  for (const Value& entry : list.list("bodies and generators")) read_entry(entry, scene);
+}
+
+}  // namespace unibody

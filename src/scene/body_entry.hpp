@@ -1,0 +1,39 @@
+// One entry of `bodies`: what its bodies are made of (the template) and where they stand.
+#pragma once
+
+#include <optional>
+
+#include "scene/scene.hpp"
+#include "scene/value.hpp"
+
+namespace unibody {
+
+// What all bodies of an entry share. Its keys stand beside the generator's key.
+struct BodyTemplate {
+  BodyProperties properties;  // mass and inertia are set by make_body
+  std::optional<double> mass, density;
+  std::optional<Vec3> inertia;
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+};
+
+// The template's body with this shape at this place. Checked at reading, so that it can't fail later.
+Body make_body(const BodyTemplate& body, const Shape& shape, const Vec3& position, const Quat& orientation = Quat::Identity());
+
+// Half space below the plane through `position` with this unit normal.
+Body make_plane(const BodyTemplate& body, const Vec3& position, const Vec3& normal);
+
+// The turn that takes z to the unit vector n; about y where n lies in the x-z plane.
+Quat turn_to(const Vec3& n);
+
+Shape read_shape(const Value& value, const Scene& scene);
+
+// A vector of a body; planar scenes have no component along y (or, for `rotation`, along y only).
+Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit, bool rotation = false);
+
+// Mass and inertia of this shape must be numbers > 0; fails on `entry` where they overflow or vanish.
+void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape);
+
+// Reads the list `bodies` into scene.groups. Sections that it leans on (materials, planar) are read before.
+void read_bodies(const Value& list, Scene& scene);
+
+}  // namespace unibody

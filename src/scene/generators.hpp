@@ -1,0 +1,25 @@
+// Generators: one entry of `bodies` that stands for many. Each body is a pure function of its number.
+#pragma once
+
+#include "scene/body_entry.hpp"
+
+namespace unibody {
+
+// Bodies in the frame of the entry, whose `position` and `orientation` then place them all. The template is held by value.
+struct Generated {
+  Id count = 0;
+  std::function<Body(Id k)> make;
+};
+
+enum class Takes { shape, no_shape, nothing };  // of the template: all of it; all but the shape; neither (static parts)
+
+struct GeneratorType {
+  const char* key;
+  Takes takes;
+  Generated (*read)(const Value& value, const BodyTemplate& body, const Scene& scene);
+};
+
+// The list of all generators: a new one is one function and one line there.
+const std::vector<GeneratorType>& generator_types();
+
+}  // namespace unibody

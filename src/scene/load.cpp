@@ -1,0 +1,159 @@
+// YAML text -> Value, and the values set from the command line.
+#include <yaml-cpp/yaml.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "core/errors.hpp"
+#include "scene/value.hpp"
+
+namespace unibody {
+
+namespace {
+
+using Origin = std::shared_ptr<const std::string>;
+
+constexpr int deepest = 64;  // levels; an alias that holds itself would go on for ever
+
+std::string child_key(const std::string& parent, const std::string& name) { return parent.empty() ? name : parent + "." + name; }
+std::string entry_key(const std::string& parent, std::size_t i) { return parent + "[" + std::to_string(i) + "]"; }
+
+Value convert(const YAML::Node& node, const std::string& key, const Origin& origin, bool in_file, int depth = 0);
+
+void convert_map(const YAML::Node& node, Value& value, bool in_file, int depth) {
+  for (const auto& item : node) {
+    if (!item.first.IsScalar()) convert(item.first, value.key, value.origin, in_file).fail_expected("a word before the ':'");
+    const std::string name = item.first.Scalar();
+    Value child = convert(item.second, child_key(value.key, name), value.origin, in_file, depth + 1);
+    if (in_file) child.line = item.first.Mark().line + 1;
+    if (value.find(name)) child.fail("the key a second time", "each key once");
+    value.children.emplace_back(name, std::move(child));
+  }
+}
+
+Value convert(const YAML::Node& node, const std::string& key, const Origin& origin, bool in_file, int depth) {
+  Value value;
+  value.key = key;
+  value.origin = origin;
+  value.line = in_file ? std::max(node.Mark().line, 0) + 1 : 0;
+  if (depth > deepest) value.fail("more than " + std::to_string(deepest) + " levels", "fewer");
+  if (node.IsScalar()) {
+    value.kind = Value::Kind::scalar;
+    value.text = node.Scalar();
+    value.quoted = node.Tag() == "!";
+  } else if (node.IsSequence()) {
+    value.kind = Value::Kind::list;
+    for (const auto& entry : node)
+      value.entries.push_back(convert(entry, entry_key(key, value.entries.size()), origin, in_file, depth + 1));
+  } else if (node.IsMap()) {
+    value.kind = Value::Kind::map;
+    convert_map(node, value, in_file, depth);
+  }
+  return value;
+}
+
+Value parse_yaml(const std::string& text, const std::string& key, const Origin& origin, bool in_file) {
+  try {
+    const auto documents = YAML::LoadAll(text);
+    if (documents.size() > 1)
+      throw InputError(*origin + ": found " + std::to_string(documents.size()) + " documents, expected one");
+    return convert(documents.empty() ? YAML::Node() : documents[0], key, origin, in_file);
+  } catch (const YAML::Exception& error) {
+    const std::string line = in_file && error.mark.line >= 0 ? ":" + std::to_string(error.mark.line + 1) : "";
+    throw InputError(*origin + line + ": not YAML: " + error.msg);
+  }
+}
+
+std::string read_text(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
+  if (!file.is_open() || file.bad() || errno != 0)
+    throw InputError(path + ": found no readable file (" + std::strerror(errno != 0 ? errno : EIO) +
+                     "), expected a scene (YAML)");
+  return text.str();
+}
+
+struct Step {  // one step of a path: a key, or a place in a list where the name is empty
+  std::string name;
+  std::size_t index = 0;
+};
+
+[[noreturn]] void malformed(const Override& change) {
+  throw InputError("-set " + change.path + "=" + change.value + ": found the path '" + change.path +
+                   "', expected keys and places such as time.frames or bodies[0].mass");
+}
+
+std::vector<Step> parse_path(const Override& change) {
+  std::vector<Step> steps;
+  std::size_t at = 0;
+  const std::string& path = change.path;
+  while (at < path.size()) {
+    if (path[at] == '[') {
+      Step step;
+      const char* end = path.data() + path.size();
+      const auto result = std::from_chars(path.data() + at + 1, end, step.index);
+      if (steps.empty() || result.ec != std::errc() || result.ptr == end || *result.ptr != ']') malformed(change);
+      at = static_cast<std::size_t>(result.ptr - path.data()) + 1;
+      steps.push_back(step);
+    } else {
+      if (!steps.empty() && path[at++] != '.') malformed(change);
+      const auto end = std::min(path.find_first_of(".[", at), path.size());
+      if (end == at) malformed(change);
+      steps.push_back({path.substr(at, end - at), 0});
+      at = end;
+    }
+  }
+  if (steps.empty()) malformed(change);
+  return steps;
+}
+
+Value& descend(Value& value, const Step& step, const Origin& origin) {
+  const auto fail = [&](const std::string& expected) {
+    Value fault = value;
+    fault.origin = origin;
+    fault.line = 0;
+    fault.fail_expected(expected);
+  };
+  if (step.name.empty()) {
+    if (value.kind != Value::Kind::list || step.index >= value.entries.size())
+      fail("a list of at least " + std::to_string(step.index + 1));
+    return value.entries[step.index];
+  }
+  if (value.kind == Value::Kind::nothing) {
+    value.kind = Value::Kind::map;
+    value.origin = origin;
+    value.line = 0;
+  }
+  if (value.kind != Value::Kind::map) fail("a map, to set '" + step.name + "' in it");
+  for (auto& [name, child] : value.children)
+    if (name == step.name) return child;
+  Value absent;
+  absent.key = child_key(value.key, step.name);
+  absent.origin = origin;
+  return value.children.emplace_back(step.name, std::move(absent)).second;
+}
+
+void apply(const Override& change, Value& root) {
+  const Origin origin = std::make_shared<const std::string>("-set " + change.path + "=" + change.value);
+  Value* value = &root;
+  for (const Step& step : parse_path(change)) value = &descend(*value, step, origin);
+  *value = parse_yaml(change.value, value->key, origin, false);
+}
+
+}  // namespace
+
+Value load_value(const std::string& path, const std::vector<Override>& overrides) {
+  Value root = parse_yaml(read_text(path), "", std::make_shared<const std::string>(path), true);
+  if (root.kind == Value::Kind::scalar || root.kind == Value::Kind::list)
+    root.fail_expected("a map of sections (title, time, bodies, ...)");
+  if (root.kind == Value::Kind::nothing) root.fail_expected("a map of sections (title, time, bodies, ...)");
+  for (const Override& change : overrides) apply(change, root);
+  return root;
+}
+
+}  // namespace unibody

@@ -1,0 +1,168 @@
+// read_scene: the sections of the file, each a table of its keys. A new section is one function and one line in `sections`.
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "scene/body_entry.hpp"
+
+namespace unibody {
+
+namespace {
+
+template <std::size_t n>
+std::vector<std::string> names_of(const std::array<std::string_view, n>& names) {
+  return {names.begin(), names.end()};
+}
+
+// A number, or `auto`, which is -1.
+double number_or_auto(const Value& value, const Range& range, const std::string& unit) {
+  if (value.kind == Value::Kind::scalar && !value.quoted && value.text == "auto") return -1;
+  double x = 0;
+  try {
+    x = value.number(range, unit);
+  } catch (const std::runtime_error&) {
+    value.fail_expected("auto or a number" + range.text() + (unit.empty() ? "" : " (" + unit + ")"));
+  }
+  return x;
+}
+
+const Field<TimeSettings> time_fields[] = {
+    {"step", [](const Value& v, TimeSettings& t) { t.step = v.number(positive, "s"); }},
+    {"frames", [](const Value& v, TimeSettings& t) { t.frames = v.integer(0); }},
+    {"substeps", [](const Value& v, TimeSettings& t) { t.substeps = static_cast<int>(v.integer(1, 1'000'000)); }},
+};
+
+const Field<OutputSettings> output_fields[] = {
+    {"every", [](const Value& v, OutputSettings& o) { o.every = static_cast<int>(v.integer(0, 1'000'000'000)); }},
+    {"checkpoint_every",
+     [](const Value& v, OutputSettings& o) { o.checkpoint_every = static_cast<int>(v.integer(-1, 1'000'000'000)); }},
+    {"precision",
+     [](const Value& v, OutputSettings& o) {
+       o.single_precision = v.choice({"single", "double"}) == 0;
+     }},
+};
+
+double read_warm_start(const Value& v) {
+  const double share = v.number(any, "");
+  if (!(share >= 0 && share <= 0.5)) v.fail_expected("a number in [0, 0.5]: a full warm start at position level is unstable");
+  return share;
+}
+
+const Field<SolverSettings> solver_fields[] = {
+    {"name",
+     [](const Value& v, SolverSettings& s) {
+       v.choice({"accelerated_jacobi", "jacobi", "gauss_seidel"});
+       s.name = v.text;
+     }},
+    {"iterations", [](const Value& v, SolverSettings& s) { s.iterations = static_cast<int>(v.integer(1, 1'000'000'000)); }},
+    {"tolerance", [](const Value& v, SolverSettings& s) { s.tolerance = number_or_auto(v, not_negative, "m"); }},
+    {"stages", [](const Value& v, SolverSettings& s) { s.stages = static_cast<Stages>(v.choice(names_of(stages_names))); }},
+    {"warm_start", [](const Value& v, SolverSettings& s) { s.warm_start = read_warm_start(v); }},
+    {"leak",
+     [](const Value& v, SolverSettings& s) {
+       s.leak = number_or_auto(v, {0, 1}, "");
+     }},
+    {"friction", [](const Value& v,
+                    SolverSettings& s) { s.friction = static_cast<FrictionModel>(v.choice(names_of(friction_model_names))); }},
+    {"gap", [](const Value& v, SolverSettings& s) { s.gap = static_cast<Gap>(v.choice(names_of(gap_names))); }},
+    {"order", [](const Value& v, SolverSettings& s) { s.order = static_cast<Order>(v.choice(names_of(order_names))); }},
+    {"scaling",
+     [](const Value& v, SolverSettings& s) {
+       s.scaling = v.number({0, 1, true}, "");
+     }},
+    {"recovery_time", [](const Value& v, SolverSettings& s) { s.recovery_time = number_or_auto(v, not_negative, "s"); }},
+    {"recovery_speed", [](const Value& v, SolverSettings& s) { s.recovery_speed = v.number(not_negative, "m/s"); }},
+    {"margin", [](const Value& v, SolverSettings& s) { s.margin = v.number(not_negative, "m"); }},
+};
+
+void read_solver(const Value& value, Scene& scene) {
+  SolverSettings& solver = scene.solver;
+  read_fields(value, solver_fields, solver);
+  const Value* iterations = value.find("iterations");
+  if (iterations && solver.stages == Stages::two && solver.iterations < 2)
+    iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");
+}
+
+void read_gravity(const Value& value, Scene& scene) { scene.gravity = read_vector(value, scene, "m/s^2"); }
+
+double read_friction(const Value& map) {
+  const Value* friction = map.find("friction");
+  if (!friction) map.fail_missing("friction", "a number >= 0");
+  return friction->number(not_negative, "");
+}
+
+void read_pair(const Value& pair, Scene& scene) {
+  pair.map({"between", "friction"});
+  const Value* between = pair.find("between");
+  if (!between) pair.fail_missing("between", "a list of 2 materials");
+  if (between->kind != Value::Kind::list || between->entries.size() != 2) between->fail_expected("a list of 2 materials");
+  const std::size_t a = between->entries[0].choice(scene.materials), b = between->entries[1].choice(scene.materials);
+  if (a == b) between->fail_expected("two different materials");
+  const std::size_t n = scene.materials.size();
+  scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
+}
+
+// Names with their friction, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials.
+void read_materials(const Value& value, Scene& scene) {
+  if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
+  scene.materials.clear();
+  std::vector<double> own;
+  for (const auto& [name, material] : value.children) {
+    if (name == "pairs") continue;
+    scene.materials.push_back(name);
+    own.push_back(read_friction(material.map({"friction"})));
+  }
+  if (own.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
+  const std::size_t n = own.size();
+  scene.friction.assign(n * n, 0);
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b) scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
+  if (const Value* pairs = value.find("pairs"))
+    for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene);
+}
+
+// In the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.
+const Field<Scene> sections[] = {
+    {"title", [](const Value& v, Scene& s) { s.title = v.string("a text"); }},
+    {"time", [](const Value& v, Scene& s) { read_fields(v, time_fields, s.time); }},
+    {"planar", [](const Value& v, Scene& s) { s.planar = v.boolean(); }},
+    {"gravity", read_gravity},
+    {"solver", read_solver},
+    {"output", [](const Value& v, Scene& s) { read_fields(v, output_fields, s.output); }},
+    {"materials", read_materials},
+    {"bodies", read_bodies},
+};
+
+const BodyGroup& group_of(const Scene& scene, Id id) {
+  if (id < 0 || id >= scene.body_count())
+    throw std::out_of_range("body " + std::to_string(id) + " of a scene with " + std::to_string(scene.body_count()));
+  const auto after =
+      std::upper_bound(scene.groups.begin(), scene.groups.end(), id, [](Id i, const BodyGroup& g) { return i < g.first; });
+  return *std::prev(after);
+}
+
+}  // namespace
+
+Id Scene::body_count() const { return groups.empty() ? 0 : groups.back().first + groups.back().count; }
+
+Body Scene::body(Id id) const {
+  const BodyGroup& group = group_of(*this, id);
+  return group.make(id - group.first);
+}
+
+std::string Scene::body_name(Id id) const {
+  const BodyGroup& group = group_of(*this, id);
+  if (group.name.empty()) return "body " + std::to_string(id);
+  return group.count == 1 ? group.name : group.name + "[" + std::to_string(id - group.first) + "]";
+}
+
+Scene read_scene(const std::string& path, const std::vector<Override>& overrides) {
+  const Value root = load_value(path, overrides);
+  Scene scene;
+  scene.path = path;
+  read_fields(root, sections, scene);
+  if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
+  return scene;
+}
+
+}  // namespace unibody

@@ -1,0 +1,81 @@
+#include "solve/free_motion.hpp"
+
+namespace unibody {
+
+namespace {
+
+bool has_isotropic_inertia(const BodyProperties& body, bool planar) {
+  if (planar) return body.shape.kind != ShapeKind::box;  // one axis only: a scalar, unless the arms leave the plane
+  return body.inertia.x() == body.inertia.y() && body.inertia.y() == body.inertia.z();
+}
+
+// Body-frame spin of the midpoint: l' - l = h lm x wm with lm = (l + l') / 2 = I wm. Newton's method on wm.
+Vec3 midpoint_spin(const Vec3& inertia, const Vec3& spin, double step) {
+  Vec3 w = spin;
+  const Vec3 l = inertia.cwiseProduct(spin);
+  for (int k = 0; k < 20; ++k) {
+    const Vec3 lm = inertia.cwiseProduct(w);
+    const Vec3 f = 2 * (lm - l) - step * lm.cross(w);
+    Mat3 J = 2 * inertia.asDiagonal().toDenseMatrix();
+    const auto skew = [](const Vec3& v) {
+      Mat3 m;
+      m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+      return m;
+    };
+    J -= step * (skew(lm) - skew(w) * inertia.asDiagonal());
+    const Vec3 change = J.partialPivLu().solve(f);
+    w -= change;
+    if (change.norm() <= 1e-15 * w.norm()) break;
+  }
+  return w;
+}
+
+}  // namespace
+
+FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, const Vec3& gravity, double step, bool planar) {
+  FreeMotion motion{};
+  motion.isotropic = true;
+  motion.gyroscopic = Vec3::Zero();
+  Vec3 v = state.velocity, w = state.angular_velocity;
+  if (body.is_dynamic()) {
+    motion.body.inverse_mass = 1 / body.mass;
+    v += step * (gravity + body.force / body.mass);
+    motion.isotropic = has_isotropic_inertia(body, planar);
+    if (motion.isotropic) {
+      motion.body.inverse_inertia = 1 / body.inertia.y();
+      w += step * body.torque / body.inertia.y();
+    } else {
+      const Mat3 R = state.orientation.toRotationMatrix();
+      const Vec3 inverse = planar ? Vec3(0, 1 / body.inertia.y(), 0) : Vec3(body.inertia.cwiseInverse());
+      const Mat3 W = R * inverse.asDiagonal() * R.transpose();
+      motion.inverse_inertia = {W(0, 0), W(1, 1), W(2, 2), W(1, 2), W(0, 2), W(0, 1)};
+      if (!planar && w != Vec3::Zero()) {
+        const Vec3 spin = R.transpose() * w, mean = midpoint_spin(body.inertia, spin, step);
+        motion.gyroscopic = R * body.inertia.cwiseProduct(spin - mean);
+        w = R * mean;
+      }
+      w += step * (W * body.torque);
+    }
+  }
+  Eigen::Map<Vec3>(motion.body.v) = v;
+  Eigen::Map<Vec3>(motion.body.w) = w;
+  return motion;
+}
+
+BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& solved, const Vec3& gyroscopic,
+                        double step, bool planar) {
+  BodyState next = state;
+  next.velocity = Eigen::Map<const Vec3>(solved.v);
+  next.angular_velocity = Eigen::Map<const Vec3>(solved.w);
+  next.position += step * next.velocity;
+  const Vec3 half = 0.5 * step * next.angular_velocity;
+  next.orientation = (Quat(1, half.x(), half.y(), half.z()) * state.orientation).normalized();
+  if (body.is_dynamic() && !planar && !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
+    const Mat3 before = state.orientation.toRotationMatrix(), after = next.orientation.toRotationMatrix();
+    const Vec3 momentum = before * body.inertia.cwiseProduct(before.transpose() * next.angular_velocity) + gyroscopic;
+    next.angular_velocity = after * (after.transpose() * momentum).cwiseQuotient(body.inertia);
+  }
+  return next;
+}
+
+}  // namespace unibody

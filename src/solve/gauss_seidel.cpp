@@ -1,0 +1,34 @@
+// Gauss-Seidel: every contact acts on the velocities that the ones before it have left. Coloured, so that the same sweep runs four
+// contacts at a time and on any number of ranks; the sweep's direction alternates, which halves its bias.
+
+#include <mpi.h>
+
+#include "solve/solver.hpp"
+
+namespace unibody {
+
+SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double tolerance) {
+  SolveReport report;
+  const std::size_t colours = system.contacts.group_count();
+  while (report.iterations < iterations && !report.converged) {
+    if (system.before_iteration) {
+      cut.exchange(system.bodies);
+      system.before_iteration();
+    }
+    const bool backwards = report.iterations % 2 == 1;
+    double change = 0;
+    for (std::size_t i = 0; i < colours; ++i) {
+      const std::size_t colour = backwards ? colours - 1 - i : i;
+      cut.exchange_colour(colour, system.bodies);
+      change = std::max(change, system.contacts.relax(colour, backwards, system.bodies));
+    }
+    ++report.iterations;
+    if (tolerance <= 0) continue;
+    MPI_Allreduce(&change, &report.residual, 1, MPI_DOUBLE, MPI_MAX, cut.comm());
+    report.converged = report.residual <= tolerance;
+  }
+  cut.exchange(system.bodies);
+  return report;
+}
+
+}  // namespace unibody

@@ -1,0 +1,54 @@
+// Solvers: each takes a System and makes its multipliers satisfy one stage's rows. One file a solver, one signature, one table.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+#include "constraints/contact_batch.hpp"
+#include "partition/cut.hpp"
+#include "solve/settings.hpp"
+#include "solve/system.hpp"
+
+namespace unibody {
+
+// Everything one step's solve works on. Bodies: homes, guests, statics, and one body that is nobody, for empty lanes.
+struct System {
+  std::size_t homes = 0;
+  std::vector<SolverBody> bodies;
+  std::vector<InverseInertia> inertia;    // of each body
+  std::vector<std::uint8_t> isotropic;    // of each body: SolverBody::inverse_inertia says it all
+  std::vector<Wrench> wrenches;           // of each body; zero between sweeps
+  ContactBatch contacts;
+  std::vector<std::uint8_t> counted;      // of each manifold: this rank counts it in sums over all manifolds
+  std::function<void()> before_iteration; // re-evaluates the gaps at the present velocities; empty where they are frozen
+
+  // Home bodies: u += W wrench. Clears the wrenches. Guests follow by the next exchange.
+  void apply_wrenches();
+};
+
+struct SolveReport {
+  int iterations = 0;
+  int restarts = 0;      // of the momentum
+  double residual = 0;   // m, the solver's own running residual in its last iteration; 0 where it was not asked to stop by it
+  bool converged = false;
+};
+
+// Runs at most `iterations` iterations, fewer if every row changes by less than `tolerance` (m; 0: never stop early).
+// Starts from the multipliers in the batch, whose impulses must have been applied. On return guests are up to date.
+using SolveFunction = SolveReport (*)(System&, const Cut&, int iterations, double tolerance);
+
+SolveReport accelerated_jacobi(System&, const Cut&, int iterations, double tolerance);
+SolveReport jacobi(System&, const Cut&, int iterations, double tolerance);
+SolveReport gauss_seidel(System&, const Cut&, int iterations, double tolerance);
+
+struct Solver {
+  std::string_view name;
+  SolveFunction solve;
+  bool sweeps_by_colour;             // the batch is laid out by colour rather than in key order
+  double (*leak)(int iterations);    // default share of the position stage's multipliers kept by the velocity stage (notes 6.2)
+};
+
+// The solver of that name; the scene reader has checked that there is one.
+const Solver& find_solver(std::string_view name);
+
+}  // namespace unibody

@@ -1,0 +1,48 @@
+// What a step's solve works on: velocities, inverse masses and the batches of constraints, laid out for the inner loop.
+//
+// A contact is linear in the velocities inside a step (its gap is frozen, or linearised anew before each iteration), so the
+// solvers move velocities only: u -> u + W D^T lambda. One cache line a body holds all that a sphere's contact needs.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/simd.hpp"
+#include "core/types.hpp"
+
+namespace unibody {
+
+// Velocity of a body and its inverse mass. A static body has inverse mass and inertia 0: corrections leave it unchanged.
+struct alignas(64) SolverBody {
+  double v[3];              // m/s
+  double inverse_mass;      // 1/kg
+  double w[3];              // rad/s, world frame
+  double inverse_inertia;   // 1/(kg m^2), where it is the same about every axis; else see InverseInertia
+};
+
+// World-frame inverse inertia of a body for which it is no multiple of the identity.
+struct InverseInertia {
+  double xx, yy, zz, yz, xz, xy;
+};
+
+// Sum of the constraint impulses on a body in one sweep: N s and N m s, about its centre.
+struct alignas(64) Wrench {
+  Vec4d force, torque;  // x, y, z, unused
+};
+
+// What one sweep tells the solver. Maxima and fixed-point sums: the same whatever the order or the number of ranks.
+struct SweepSums {
+  std::int64_t gradient = 0;    // sum r . (new - old multiplier), the gradient restart test, in units of `unit`
+  std::int64_t progress = 0;    // sum P |new - y|^2, the residual restart test, in units of `unit`
+  double largest = 0;           // largest single term of the two sums (J): sets the unit of the sweeps that follow
+  double change = 0;            // largest P |new - y| (m): the sweep's own residual, for the stop test
+  double unit = 1;              // J
+};
+
+// Rounds a term to a whole number of units, clamped so that 2^22 terms cannot overflow.
+inline std::int64_t whole_units(double term, double per_unit) {
+  const double scaled = std::min(std::max(term * per_unit, -1.0e12), 1.0e12);
+  return static_cast<std::int64_t>(std::llrint(scaled));
+}
+
+}  // namespace unibody

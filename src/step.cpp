@@ -1,0 +1,210 @@
+#include "step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "partition/migrate.hpp"
+#include "solve/colouring.hpp"
+#include "solve/free_motion.hpp"
+#include "solve/recall.hpp"
+
+namespace unibody {
+
+Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
+    : scene_(scene),
+      clock_(clock),
+      halo_(comm),
+      cut_(halo_, clock),
+      solver_(find_solver(scene.solver.name)),
+      step_(scene.time.step / scene.time.substeps) {
+  collide_settings_.step = step_;
+  collide_settings_.margin = scene.solver.margin;
+  collide_settings_.gravity = scene.gravity;
+  collide_settings_.planar = scene.planar;
+  collide_settings_.friction = scene.friction;
+  collide_settings_.material_count = scene.materials.size();
+}
+
+void Simulation::set_tolerance_from_bodies() {
+  tolerance_ = scene_.solver.tolerance;
+  if (tolerance_ >= 0) return;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < world.homes; ++i) smallest = std::min(smallest, smallest_size(world.properties[i].shape));
+  MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, halo_.comm());
+  tolerance_ = std::isfinite(smallest) ? 1e-4 * smallest : 0;
+}
+
+void Simulation::detect() {
+  if (detected_) return;
+  {
+    const PhaseClock::Scope scope(clock_, Phase::halo);
+    halo_.refresh_guests(world, collide_settings_);
+  }
+  const PhaseClock::Scope scope(clock_, Phase::collide);
+  collider_.collide(world, collide_settings_, contacts);
+  detected_ = true;
+}
+
+StepReport Simulation::step() {
+  detect();
+  const PhaseClock::Scope scope(clock_, Phase::solve);
+  predict();
+  const StepReport report = solve();
+  finalise();
+  detected_ = false;
+  return report;
+}
+
+void Simulation::move_homes(std::span<const int> home) {
+  const PhaseClock::Scope scope(clock_, Phase::partition);
+  migrate(halo_.comm(), world, multipliers, home);
+  halo_.reset();
+  detected_ = false;
+}
+
+// v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits.
+void Simulation::predict() {
+  const std::size_t n = world.size();
+  system_.homes = world.homes;
+  system_.bodies.assign(n + 1, SolverBody{});
+  system_.inertia.assign(n + 1, InverseInertia{});
+  system_.isotropic.assign(n + 1, 1);
+  system_.wrenches.assign(n + 1, Wrench{});
+  gyroscopic_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const FreeMotion motion = predict_motion(world.properties[i], world.state(i), scene_.gravity, step_, scene_.planar);
+    system_.bodies[i] = motion.body;
+    system_.inertia[i] = motion.inverse_inertia;
+    system_.isotropic[i] = motion.isotropic;
+    gyroscopic_[i] = motion.gyroscopic;
+  }
+}
+
+// Lays out the contacts: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow it.
+void Simulation::build_system() {
+  const std::size_t n = contacts.manifolds.size();
+  cut_.build(world, contacts);
+  system_.counted.assign(n, 1);
+  for (std::size_t m = 0; m < n; ++m) {
+    const Manifold& manifold = contacts.manifolds[m];
+    system_.counted[m] = world.is_home(world.is_static(manifold.slot_a) ? manifold.slot_b : manifold.slot_a);
+  }
+  std::vector<std::uint32_t> order(n), groups;
+  std::iota(order.begin(), order.end(), 0);
+  std::vector<std::int32_t> counts;
+  if (!solver_.sweeps_by_colour) {
+    groups = {static_cast<std::uint32_t>(n)};
+    counts.assign(world.size() + 1, 0);
+    for (const Manifold& m : contacts.manifolds) ++counts[m.slot_a], ++counts[m.slot_b];
+    cut_.exchange(std::span(counts));
+  } else if (scene_.solver.order == Order::sequential) {
+    groups.resize(n);
+    std::iota(groups.begin(), groups.end(), 1);
+  } else {
+    const Colouring colouring = colour_manifolds(world, contacts, cut_);
+    const auto& colour = colouring.colour;
+    // Within a colour the longest manifolds first, so that the four lanes of a block have much the same length.
+    const auto rank_of = [&](std::uint32_t m) { return std::pair(colour[m], -static_cast<int>(contacts.manifolds[m].count)); };
+    std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return rank_of(i) < rank_of(j); });
+    groups.assign(colouring.colours, 0);
+    for (const std::int32_t c : colour) ++groups[static_cast<std::size_t>(c)];
+    std::partial_sum(groups.begin(), groups.end(), groups.begin());
+    cut_.set_colours(colour, colouring.colours);
+  }
+  system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
+                         scene_.solver, step_);
+}
+
+SolveReport Simulation::run_stage(Stage::Kind kind, int iterations, std::vector<ContactBatch::Impulse> start) {
+  Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
+  if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
+  system_.contacts.start_stage(stage);
+  system_.contacts.set_impulses(start);
+  if (!start.empty()) {
+    system_.contacts.add_impulses(system_.wrenches);
+    system_.apply_wrenches();
+    cut_.exchange(system_.bodies);
+  }
+  system_.before_iteration = nullptr;
+  if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
+    system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
+  return solver_.solve(system_, cut_, iterations, tolerance_);
+}
+
+std::vector<ContactBatch::Impulse> Simulation::impulses() const {
+  std::vector<ContactBatch::Impulse> all(contacts.points.size());
+  system_.contacts.get_impulses(all);
+  return all;
+}
+
+// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions, from
+// zero. A share of what the second had to add leaks into what the first starts from next time (notes 6.2). Or positions alone.
+StepReport Simulation::solve() {
+  build_system();
+  const int iterations = scene_.solver.iterations;
+  std::vector<ContactBatch::Impulse> start = recall(multipliers, world, contacts, step_), kept;
+  SolveReport velocity, position;
+  if (scene_.solver.stages == Stages::two) {
+    velocity = run_stage(Stage::Kind::velocity, iterations / 2, std::move(start));
+    kept = impulses();
+    position = run_stage(Stage::Kind::position, iterations - iterations / 2, {});
+  } else {
+    for (auto& i : start) i.n *= scene_.solver.warm_start, i.s *= scene_.solver.warm_start, i.t *= scene_.solver.warm_start;
+    position = run_stage(Stage::Kind::position, iterations, std::move(start));
+  }
+  if (system_.before_iteration) system_.before_iteration();
+
+  StepReport report;
+  report.iterations = velocity.iterations + position.iterations;
+  double residual = system_.contacts.residual(system_.bodies);
+  MPI_Allreduce(&residual, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+  report.converged = report.residual <= tolerance_;
+
+  std::vector<ContactBatch::Impulse> last = impulses();
+  if (scene_.solver.stages == Stages::two) {
+    const double leak = scene_.solver.leak >= 0 ? scene_.solver.leak : solver_.leak(iterations);
+    for (std::size_t i = 0; i < last.size(); ++i) {
+      const auto total = ContactBatch::Impulse{kept[i].n + last[i].n, kept[i].s + last[i].s, kept[i].t + last[i].t};
+      kept[i].n += leak * last[i].n, kept[i].s += leak * last[i].s, kept[i].t += leak * last[i].t;
+      last[i] = total;
+    }
+    remember(multipliers, world, contacts, kept, step_);
+  } else {
+    remember(multipliers, world, contacts, last, step_);
+  }
+  report.sliding = count_sliding(last);
+  return report;
+}
+
+std::int64_t Simulation::count_sliding(std::span<const ContactBatch::Impulse> total) const {
+  std::int64_t sliding = 0;
+  for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) {
+    const Manifold& manifold = contacts.manifolds[m];
+    if (!system_.counted[m] || manifold.friction <= 0) continue;
+    for (std::uint32_t p = manifold.first; p < manifold.first + manifold.count; ++p)
+      sliding += total[p].n > 0 && std::hypot(total[p].s, total[p].t) >= 0.999 * manifold.friction * total[p].n;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  return sliding;
+}
+
+// q = q_l (+) h v for home bodies, and for kinematic ones on every rank.
+void Simulation::finalise() {
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (i >= world.homes && i < world.first_static()) continue;
+    if (world.properties[i].motion == Motion::fixed) continue;
+    world.set_state(i, finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic_[i], step_, scene_.planar));
+  }
+}
+
+std::size_t Simulation::bytes() const {
+  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return of(world.id) + of(world.properties) + of(world.position) + of(world.orientation) + of(world.velocity) +
+         of(world.angular_velocity) + of(multipliers.manifolds) + of(multipliers.points) + of(contacts.manifolds) +
+         of(contacts.points) + of(system_.bodies) + of(system_.inertia) + of(system_.isotropic) + of(system_.wrenches) +
+         of(system_.counted) + of(gyroscopic_) + system_.contacts.bytes();
+}
+
+}  // namespace unibody

@@ -1,0 +1,70 @@
+// One step of the simulation: collide -> predict -> solve -> finalise (paper, Algorithm 1; notes of each phase in step.cpp).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "collide/collide.hpp"
+#include "constraints/multipliers.hpp"
+#include "core/phases.hpp"
+#include "partition/cut.hpp"
+#include "partition/halo.hpp"
+#include "scene/scene.hpp"
+#include "solve/solver.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+struct StepReport {
+  int iterations = 0;
+  double residual = 0;       // m, natural residual at the end of the step, max over ranks
+  bool converged = false;    // the residual is within the tolerance
+  std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
+};
+
+// This rank's part of a running scene. All members are collective.
+class Simulation {
+ public:
+  Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock);
+
+  // Takes the simulation one step of time.step / time.substeps further.
+  StepReport step();
+
+  // Guests and contacts at the present state: of the state that step() left, and what the next step() starts from.
+  void detect();
+
+  // Moves every home body to its new home rank.
+  void move_homes(std::span<const int> home);
+
+  World world;
+  Multipliers multipliers;  // of the velocity stage, or of the only stage; history, checkpointed
+  Contacts contacts;        // valid after detect()
+
+  const Halo& halo() const { return halo_; }
+  double tolerance() const { return tolerance_; }
+  void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"
+  std::size_t bytes() const;         // of this rank's arrays
+
+ private:
+  void predict();
+  void build_system();
+  StepReport solve();
+  SolveReport run_stage(Stage::Kind kind, int iterations, std::vector<ContactBatch::Impulse> start);
+  std::vector<ContactBatch::Impulse> impulses() const;
+  std::int64_t count_sliding(std::span<const ContactBatch::Impulse> impulses) const;
+  void finalise();
+
+  const Scene& scene_;
+  PhaseClock& clock_;
+  Halo halo_;
+  Cut cut_;
+  Collider collider_;
+  CollideSettings collide_settings_;
+  System system_;
+  const Solver& solver_;
+  double step_ = 0, tolerance_ = 0;
+  bool detected_ = false;
+  std::vector<Vec3> gyroscopic_;  // kg m^2/s, of each home body: momentum that the predicted spin leaves out
+};
+
+}  // namespace unibody
