@@ -20,5 +20,6 @@ mpi_environment() {
   if [[ -e /.dockerenv || -e /run/.containerenv ]]; then export OMPI_MCA_btl_vader_single_copy_mechanism=none; fi
   if ((ranks > cores)); then export OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_hwloc_base_binding_policy=none; fi
   if ((ranks > threads)); then export OMPI_MCA_mpi_yield_when_idle=1; fi
+  export OMPI_MCA_orte_execute_quiet=1  # the program has said what is wrong
   export OMP_NUM_THREADS=${OMP_NUM_THREADS:-1}
 }

@@ -19,7 +19,8 @@ int main(int argc, char** argv) {
       for (int t = 0; t < suite.total_test_count(); ++t) {
         const auto& info = *suite.GetTestInfo(t);
         if (info.should_run() && info.result()->Failed())
-          fprintf(stderr, "rank %d: %s.%s failed: %s\n", rank, suite.name(), info.name(), info.result()->GetTestPartResult(0).message());
+          fprintf(stderr, "rank %d: %s.%s failed: %s\n", rank, suite.name(), info.name(),
+                  info.result()->GetTestPartResult(0).message());
       }
     }
   }
