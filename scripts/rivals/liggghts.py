@@ -104,8 +104,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         with open(os.path.join(folder, 'deck'), 'w') as file:
             file.write(deck(arguments, scene, steps, 'dump'))
+        allowed = {f'OMPI_ALLOW_RUN_AS_ROOT{end}': '1' for end in ('', '_CONFIRM')} if os.geteuid() == 0 else {}
         done = subprocess.run(['mpirun', '-n', str(arguments.ranks), 'liggghts', '-in', 'deck'], cwd=folder, text=True,
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+                              env=os.environ | allowed, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
         times = {key: float(value) for key, value in re.findall(r'^(Loop|Outpt) +time[^0-9]*(?:of )?([0-9.e+-]+)', done.stdout, re.M)}
         if done.returncode != 0 or 'Loop' not in times:
             sys.exit('liggghts.py: LIGGGHTS failed:\n' + done.stdout[-3000:])
