@@ -204,7 +204,7 @@ void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
       for (std::uint32_t p = 0; p < m.count; ++p) {
         const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[m.first + p];
         Point& point = points[block.first_point + p];
-        point.lambda[l] = point.y[l] = impulse.n;
+        point.lambda[l] = point.y[l] = impulse.n, point.kept[l] = 0;
         if (block.first_tangent < 0) continue;
         Tangents& tangent = tangents[block.first_tangent + p];
         tangent.lambda_s[l] = tangent.y_s[l] = impulse.s, tangent.lambda_t[l] = tangent.y_t[l] = impulse.t;
@@ -225,6 +225,38 @@ void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
         impulse.s = tangent.lambda_s[l], impulse.t = tangent.lambda_t[l];
       }
     }
+}
+
+void ContactBatch::keep_impulses() {
+  const Vec4d zero = broadcast(0);
+  for (Point& p : points) p.kept = p.lambda, p.lambda = p.y = zero;
+  for (Tangents& t : tangents) {
+    t.kept_s = t.lambda_s, t.kept_t = t.lambda_t;
+    t.lambda_s = t.lambda_t = t.y_s = t.y_t = zero;
+  }
+}
+
+void ContactBatch::leak_impulses(double leak) {
+  const Vec4d share = broadcast(leak);
+  for (Point& p : points) p.lambda = p.kept + share * p.lambda;
+  for (Tangents& t : tangents) t.lambda_s = t.kept_s + share * t.lambda_s, t.lambda_t = t.kept_t + share * t.lambda_t;
+}
+
+std::int64_t ContactBatch::sliding(std::span<const std::uint8_t> counted) const {
+  std::int64_t sliding = 0;
+  for (const Block& block : blocks) {
+    if (block.first_tangent < 0) continue;
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const Point& p = points[block.first_point + k];
+      const Tangents& tangent = tangents[block.first_tangent + k];
+      const Vec4d limit = broadcast(0.999) * block.friction * (p.kept + p.lambda);
+      const Vec4d s = tangent.kept_s + tangent.lambda_s, t = tangent.kept_t + tangent.lambda_t;
+      const Mask4 at_limit = (limit > broadcast(0)) & (s * s + t * t >= limit * limit);
+      for (std::size_t l = 0; l < lanes; ++l)
+        sliding += at_limit[l] != 0 && block.manifold[l] >= 0 && counted[block.manifold[l]];
+    }
+  }
+  return sliding;
 }
 
 std::size_t ContactBatch::bytes() const {

@@ -3,7 +3,7 @@
 // Rows of a point: normal r_n = bias + n.u, tangents r_s = s.u, r_t = t.u, with u the relative velocity of the two bodies at the
 // point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
 // A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
-// The grouping into blocks changes no result. A point costs 96 bytes, its tangents 56 more, a manifold 68, general inertia 96.
+// The grouping into blocks changes no result. A point costs 104 bytes, its tangents 80 more, a manifold 76, general inertia 96.
 #pragma once
 
 #include <algorithm>
@@ -57,12 +57,13 @@ class ContactBatch {
     Vec4d inverse_scale;    // 1/P_n, kg
     Vec4d mobility;         // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
     Vec4d lambda, y;        // N s; y: the extrapolated one (accelerated Jacobi)
+    Vec4d kept;             // N s, of the stage before
   };
   struct Tangents {
     Vec4d inverse_scale;    // 1/P_T, kg
     Vec4d mobility;         // 1/kg
     Vec4d K_ns, K_nt;       // 1/kg, coupling of the normal impulse to the tangential velocities (Gauss-Seidel)
-    Vec4d lambda_s, lambda_t, y_s, y_t;
+    Vec4d lambda_s, lambda_t, y_s, y_t, kept_s, kept_t;
   };
   struct Inertia {
     Vec4d a[6], b[6];  // xx, yy, zz, yz, xz, xy
@@ -100,6 +101,13 @@ class ContactBatch {
   };
   void set_impulses(std::span<const Impulse> impulses);
   void get_impulses(std::span<Impulse> impulses) const;
+
+  // Between the stages: keep_impulses() puts the multipliers aside and starts the next stage from zero; leak_impulses() then makes
+  // them kept + leak * lambda. sliding() counts the points whose multipliers of both stages together are at friction's limit; call
+  // it between the two.
+  void keep_impulses();
+  void leak_impulses(double leak);
+  std::int64_t sliding(std::span<const std::uint8_t> counted) const;
 
   std::size_t group_count() const { return group_end_.size(); }
   std::size_t bytes() const;

@@ -23,7 +23,7 @@ struct Side {
   Vec4d inertia;
 };
 
-Side gather(const Slot (&slot)[lanes], std::span<const SolverBody> bodies) {
+[[gnu::always_inline]] inline Side gather(const Slot (&slot)[lanes], std::span<const SolverBody> bodies) {
   const SolverBody *b0 = &bodies[slot[0]], *b1 = &bodies[slot[1]], *b2 = &bodies[slot[2]], *b3 = &bodies[slot[3]];
   const auto row = [](const double* from) { return Vec4d(*reinterpret_cast<const Vec4dView*>(from)); };
   Side s{{row(b0->v), row(b1->v), row(b2->v)}, row(b3->v), {row(b0->w), row(b1->w), row(b2->w)}, row(b3->w)};
@@ -32,7 +32,7 @@ Side gather(const Slot (&slot)[lanes], std::span<const SolverBody> bodies) {
   return s;
 }
 
-void scatter(const Slot (&slot)[lanes], Side s, std::span<SolverBody> bodies) {
+[[gnu::always_inline]] inline void scatter(const Slot (&slot)[lanes], Side s, std::span<SolverBody> bodies) {
   transpose(s.v.x, s.v.y, s.v.z, s.mass);
   transpose(s.w.x, s.w.y, s.w.z, s.inertia);
   const Vec4d v[lanes] = {s.v.x, s.v.y, s.v.z, s.mass}, w[lanes] = {s.w.x, s.w.y, s.w.z, s.inertia};
