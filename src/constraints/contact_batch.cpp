@@ -125,7 +125,8 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     const Vec3x4 wan = w.turn_a(an), wbn = w.turn_b(bn);
     const Vec4d K_nn = linear + dot(an, wan) + dot(bn, wbn);
     point.mobility = K_nn * in_use;
-    point.inverse_scale = inverse_or_zero(point.mobility);
+    point.scale = point.mobility;
+    point.inverse_scale = inverse_or_zero(point.scale);
     if (block.first_tangent < 0) continue;
     Tangents& tangent = tangents[block.first_tangent + p];
     const Vec3x4 as = cross(point.arm_a, block.s), bs = cross(point.arm_b, block.s);
@@ -138,9 +139,11 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     if (uses_cone_projection(friction_)) {
       const Vec4d coupling = abs(tangent.K_ns) + abs(tangent.K_nt);
       const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(tangent.K_ns), K_tt + abs(K_st) + abs(tangent.K_nt)));
-      tangent.inverse_scale = point.inverse_scale = inverse_or_zero(bound * in_use);
+      tangent.scale = point.scale = bound * in_use;
+      tangent.inverse_scale = point.inverse_scale = inverse_or_zero(point.scale);
     } else {
-      tangent.inverse_scale = inverse_or_zero(tangent.mobility);
+      tangent.scale = tangent.mobility;
+      tangent.inverse_scale = inverse_or_zero(tangent.scale);
     }
   }
 }
@@ -184,19 +187,19 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     const std::uint32_t i = rows_a_point * p;
     Point& point = points[block.first_point + p];
     if (rows_a_point == 1) {
-      point.inverse_scale = inverse_or_zero(sum[i]);
+      point.scale = sum[i], point.inverse_scale = inverse_or_zero(sum[i]);
       continue;
     }
     Vec4d tangential = max(sum[i + 1], sum[i + 2]), normal = sum[i];
     if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
-    point.inverse_scale = inverse_or_zero(normal);
-    tangents[block.first_tangent + p].inverse_scale = inverse_or_zero(tangential);
+    Tangents& tangent = tangents[block.first_tangent + p];
+    point.scale = normal, point.inverse_scale = inverse_or_zero(normal);
+    tangent.scale = tangential, tangent.inverse_scale = inverse_or_zero(tangential);
   }
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
-  for (Point& p : points)
-    for (std::size_t l = 0; l < lanes; ++l) p.bias[l] = stage.bias(p.gap[l]);
+  for (Point& p : points) p.bias = stage.bias(p.gap);
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
