@@ -83,7 +83,8 @@ void Simulation::predict() {
 
 // Manifold numbers colour by colour, and within a colour by length, so that the four lanes of a block have much the same length.
 // A counting sort: stable, so that equal ones stay in key order.
-std::vector<std::uint32_t> Simulation::by_colour_and_length(const Colouring& colouring, std::vector<std::uint32_t>& groups) const {
+std::vector<std::uint32_t> Simulation::by_colour_and_length(const Colouring& colouring,
+                                                            std::vector<std::uint32_t>& groups) const {
   constexpr std::size_t lengths = 9;
   const std::size_t n = contacts.manifolds.size();
   const auto bucket = [&](std::size_t m) {
@@ -151,8 +152,9 @@ void Simulation::warm_start(double share) {
   cut_.exchange(system_.bodies);
 }
 
-// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions, from
-// zero. A share of what the second had to add leaks into what the first starts from next time (notes 6.2). Or positions alone.
+// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions,
+// from zero. A share of what the second had to add leaks into what the first starts from next time (notes 6.2). Or positions
+// alone.
 StepReport Simulation::solve() {
   build_system();
   const SolverSettings& settings = scene_.solver;
@@ -185,7 +187,8 @@ void Simulation::finalise() {
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (i >= world.homes && i < world.first_static()) continue;
     if (world.properties[i].motion == Motion::fixed) continue;
-    world.set_state(i, finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic_[i], step_, scene_.planar));
+    world.set_state(i,
+                    finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic_[i], step_, scene_.planar));
   }
 }
 

@@ -45,9 +45,14 @@ constexpr Cell table[4][4] = {
 void tidy(PairManifold& m, double margin) {
   ContactPoint* p = m.points;
   m.count = static_cast<int>(std::remove_if(p, p + m.count, [&](const ContactPoint& q) { return !(q.gap <= margin); }) - p);
-  std::sort(p, p + m.count, [](const ContactPoint& a, const ContactPoint& b) { return a.feature < b.feature; });
-  m.count = static_cast<int>(
-      std::unique(p, p + m.count, [](const ContactPoint& a, const ContactPoint& b) { return a.feature == b.feature; }) - p);
+  for (int i = 1; i < m.count; ++i) {  // few: by insertion
+    const ContactPoint q = p[i];
+    int hole = i;
+    for (; hole > 0 && q.feature < p[hole - 1].feature; --hole) p[hole] = p[hole - 1];
+    p[hole] = q;
+  }
+  const auto same = [](const ContactPoint& a, const ContactPoint& b) { return a.feature == b.feature; };
+  m.count = static_cast<int>(std::unique(p, p + m.count, same) - p);
   while (m.count > PairManifold::kept) {  // of the two points that are nearest to each other, the shallower goes
     int remove = 0;
     double nearest = HUGE_VAL;
@@ -113,6 +118,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;
   p.dynamic = body.is_dynamic();
+  p.fall = p.dynamic ? settings.gravity.norm() * settings.step * settings.step : 0;
   p.material = body.material;
   p.slot = static_cast<Slot>(slot);
   p.id = world.id[slot];
@@ -120,8 +126,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
 }
 
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
-  const double fall = settings.gravity.norm() * settings.step * settings.step;
-  return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + fall;
+  return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + std::max(a.fall, b.fall);
 }
 
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& m) {

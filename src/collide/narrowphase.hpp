@@ -18,6 +18,7 @@ struct Proxy {
   double radius;      // m, bounding radius
   double speed;       // m/s
   double spin_reach;  // m, how far a rotation can carry a surface point in the step; 0 where it cannot change the shape
+  double fall;        // m, |g| h^2 of a dynamic body: what its weight adds in the step
   double half_size;   // m, half of the smallest size
   ShapeKind kind;
   bool home, dynamic;

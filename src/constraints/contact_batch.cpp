@@ -33,7 +33,8 @@ struct LaneMasses {
   Vec3x4 turn_b(const Vec3x4& torque) const { return general ? multiply(general->b, torque) : torque * inertia_b; }
 };
 
-LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const SolverBody> bodies, const ContactBatch::Inertia* general) {
+LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const SolverBody> bodies,
+                         const ContactBatch::Inertia* general) {
   LaneMasses m{};
   for (std::size_t l = 0; l < lanes; ++l) {
     const auto &a = bodies[block.slot_a[l]], &b = bodies[block.slot_b[l]];
@@ -44,7 +45,9 @@ LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const Solve
   return m;
 }
 
-Vec4d inverse_or_zero(Vec4d x) { return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0)); }
+Vec4d inverse_or_zero(Vec4d x) {
+  return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0));
+}
 
 }  // namespace
 
@@ -252,8 +255,7 @@ std::int64_t ContactBatch::sliding(std::span<const std::uint8_t> counted) const 
       const Vec4d limit = broadcast(0.999) * block.friction * (p.kept + p.lambda);
       const Vec4d s = tangent.kept_s + tangent.lambda_s, t = tangent.kept_t + tangent.lambda_t;
       const Mask4 at_limit = (limit > broadcast(0)) & (s * s + t * t >= limit * limit);
-      for (std::size_t l = 0; l < lanes; ++l)
-        sliding += at_limit[l] != 0 && block.manifold[l] >= 0 && counted[block.manifold[l]];
+      for (std::size_t l = 0; l < lanes; ++l) sliding += at_limit[l] != 0 && block.manifold[l] >= 0 && counted[block.manifold[l]];
     }
   }
   return sliding;

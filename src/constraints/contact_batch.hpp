@@ -51,18 +51,18 @@ class ContactBatch {
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
   };
   struct Point {
-    Vec3x4 arm_a, arm_b;    // m, from the centres
-    Vec4d gap;              // m, at the start of the step
-    Vec4d bias;             // m/s
-    Vec4d inverse_scale;    // 1/P_n, kg
-    Vec4d mobility;         // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
-    Vec4d lambda, y;        // N s; y: the extrapolated one (accelerated Jacobi)
-    Vec4d kept;             // N s, of the stage before
+    Vec3x4 arm_a, arm_b;  // m, from the centres
+    Vec4d gap;            // m, at the start of the step
+    Vec4d bias;           // m/s
+    Vec4d inverse_scale;  // 1/P_n, kg
+    Vec4d mobility;       // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
+    Vec4d lambda, y;      // N s; y: the extrapolated one (accelerated Jacobi)
+    Vec4d kept;           // N s, of the stage before
   };
   struct Tangents {
-    Vec4d inverse_scale;    // 1/P_T, kg
-    Vec4d mobility;         // 1/kg
-    Vec4d K_ns, K_nt;       // 1/kg, coupling of the normal impulse to the tangential velocities (Gauss-Seidel)
+    Vec4d inverse_scale;  // 1/P_T, kg
+    Vec4d mobility;       // 1/kg
+    Vec4d K_ns, K_nt;     // 1/kg, coupling of the normal impulse to the tangential velocities (Gauss-Seidel)
     Vec4d lambda_s, lambda_t, y_s, y_t, kept_s, kept_t;
   };
   struct Inertia {
@@ -74,11 +74,13 @@ class ContactBatch {
   // scaling; empty for Gauss-Seidel, whose scale is the point's own block.
   void build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
              const std::vector<Vec3>& position, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings, double step);
+             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings,
+             double step);
 
   void start_stage(const Stage& stage);
 
-  // Before an iteration: gaps, and normals between round bodies, at the present velocities. The kernels then work on their linearisation.
+  // Before an iteration: gaps, and normals between round bodies, at the present velocities. The kernels then work on their
+  // linearisation.
   void reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage);
 
   // One Jacobi sweep over all blocks in key order: evaluate, project, extrapolate with `beta`, add the impulses to `wrenches`.
@@ -102,9 +104,9 @@ class ContactBatch {
   void set_impulses(std::span<const Impulse> impulses);
   void get_impulses(std::span<Impulse> impulses) const;
 
-  // Between the stages: keep_impulses() puts the multipliers aside and starts the next stage from zero; leak_impulses() then makes
-  // them kept + leak * lambda. sliding() counts the points whose multipliers of both stages together are at friction's limit; call
-  // it between the two.
+  // Between the stages: keep_impulses() puts the multipliers aside and starts the next stage from zero; leak_impulses() then
+  // makes them kept + leak * lambda. sliding() counts the points whose multipliers of both stages together are at friction's
+  // limit; call it between the two.
   void keep_impulses();
   void leak_impulses(double leak);
   std::int64_t sliding(std::span<const std::uint8_t> counted) const;

@@ -1,7 +1,7 @@
 // The inner loops over contacts. Everything that is hot in a rigid scene is in this file.
 //
-// Per block: gather the four pairs' velocities (two transposes a body), run over the points, scatter. Both bodies' arms reach the same
-// point, so linear and angular momentum are kept to round-off whatever the multipliers are.
+// Per block: gather the four pairs' velocities (two transposes a body), run over the points, scatter. Both bodies' arms reach the
+// same point, so linear and angular momentum are kept to round-off whatever the multipliers are.
 
 #include "constraints/contact_batch.hpp"
 #include "constraints/friction.hpp"
@@ -80,8 +80,9 @@ ConeForce project_step(const Block& block, const Point& p, const Tangents* tange
   if constexpr (!tangential) return {max(broadcast(0), from.n - p.inverse_scale * (u.n + p.bias)), broadcast(0), broadcast(0)};
   Vec4d r = u.n + p.bias;
   if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
-  return project<model>({from.n - p.inverse_scale * r, from.s - tangent->inverse_scale * u.s, from.t - tangent->inverse_scale * u.t},
-                        block.friction);
+  return project<model>(
+      {from.n - p.inverse_scale * r, from.s - tangent->inverse_scale * u.s, from.t - tangent->inverse_scale * u.t},
+      block.friction);
 }
 
 // The natural residual's own step, 1/K of the point alone, so that it does not depend on the solver's scaling.
@@ -207,11 +208,16 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
 template <typename F>
 auto with_model(FrictionModel model, F&& f) {
   switch (model) {
-    case FrictionModel::cone: return f.template operator()<FrictionModel::cone>();
-    case FrictionModel::saxce: return f.template operator()<FrictionModel::saxce>();
-    case FrictionModel::box: return f.template operator()<FrictionModel::box>();
-    case FrictionModel::none: return f.template operator()<FrictionModel::none>();
-    case FrictionModel::disc: break;
+    case FrictionModel::cone:
+      return f.template operator()<FrictionModel::cone>();
+    case FrictionModel::saxce:
+      return f.template operator()<FrictionModel::saxce>();
+    case FrictionModel::box:
+      return f.template operator()<FrictionModel::box>();
+    case FrictionModel::none:
+      return f.template operator()<FrictionModel::none>();
+    case FrictionModel::disc:
+      break;
   }
   return f.template operator()<FrictionModel::disc>();
 }
@@ -245,10 +251,9 @@ void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wr
     Vec4d change = broadcast(0), largest = broadcast(0);
     for (const Block& block : blocks) {
       Point* first = &points[block.first_point];
-      const SweepTerms terms =
-          block.first_tangent < 0
-              ? sweep_block<model, false>(block, first, nullptr, beta, bodies, wrenches)
-              : sweep_block<model, true>(block, first, &tangents[block.first_tangent], beta, bodies, wrenches);
+      const SweepTerms terms = block.first_tangent < 0 ? sweep_block<model, false>(block, first, nullptr, beta, bodies, wrenches)
+                                                       : sweep_block<model, true>(block, first, &tangents[block.first_tangent],
+                                                                                  beta, bodies, wrenches);
       change = max(change, terms.change);
       largest = max(largest, max(abs(terms.gradient), terms.progress));
       for (std::size_t l = 0; l < lanes; ++l) {

@@ -81,7 +81,7 @@ double median(std::vector<double> values) {
 
 Json timings(const Summary& summary) {
   Json phases = Json::object();
-  for (const Phase& p : summary.phases)
+  for (const PhaseTimes& p : summary.phases)
     phases.set(p.name, Json::object()
                            .set("total (s)", std::accumulate(p.seconds.begin(), p.seconds.end(), 0.0))
                            .set("median a frame (s)", median(p.seconds)));

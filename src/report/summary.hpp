@@ -12,7 +12,7 @@
 namespace unibody {
 
 // The wall times of one phase, a figure a frame.
-struct Phase {
+struct PhaseTimes {
   std::string name;
   std::vector<double> seconds;
 };
@@ -22,7 +22,7 @@ struct Summary {
   std::string restarted_from;  // path of the checkpoint; empty: none
   std::int64_t first_frame = 0, last_frame = 0;
   double wall_total = 0;  // s, of the whole run
-  std::vector<Phase> phases;
+  std::vector<PhaseTimes> phases;
   FrameReport final;
   std::vector<std::string> files;  // written, in the order of mention
   std::uint64_t state_hash = 0;

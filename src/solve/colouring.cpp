@@ -184,7 +184,8 @@ class Colourer {
           Offer& offer = offers[k][static_cast<std::size_t>(in[i][at])];
           const auto count = static_cast<std::size_t>(in[i][at + 1]);
           offer.there = true;
-          offer.taken.assign(in[i].begin() + static_cast<std::ptrdiff_t>(at + 2), in[i].begin() + static_cast<std::ptrdiff_t>(at + 2 + count));
+          offer.taken.assign(in[i].begin() + static_cast<std::ptrdiff_t>(at + 2),
+                             in[i].begin() + static_cast<std::ptrdiff_t>(at + 2 + count));
           at += 2 + count;
         }
         for (std::size_t j = 0; j < shared.size(); ++j)
@@ -203,10 +204,10 @@ class Colourer {
   Lines lines_;
   Taken taken_;
   Colouring result_;
-  std::vector<std::int32_t> remote_;                  // neighbour of each manifold across the cut; -1: local
-  std::vector<std::uint8_t> queued_;                  // those of them that were first in line here
-  std::vector<std::uint32_t> ready_;                  // may be first in line
-  std::vector<std::vector<std::uint32_t>> waiting_;   // first in line here, not yet told to the neighbour
+  std::vector<std::int32_t> remote_;                 // neighbour of each manifold across the cut; -1: local
+  std::vector<std::uint8_t> queued_;                 // those of them that were first in line here
+  std::vector<std::uint32_t> ready_;                 // may be first in line
+  std::vector<std::vector<std::uint32_t>> waiting_;  // first in line here, not yet told to the neighbour
 };
 
 }  // namespace

@@ -70,7 +70,8 @@ BodyState finish_motion(const BodyProperties& body, const BodyState& state, cons
   next.position += step * next.velocity;
   const Vec3 half = 0.5 * step * next.angular_velocity;
   next.orientation = (Quat(1, half.x(), half.y(), half.z()) * state.orientation).normalized();
-  if (body.is_dynamic() && !planar && !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
+  if (body.is_dynamic() && !planar &&
+      !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
     const Mat3 before = state.orientation.toRotationMatrix(), after = next.orientation.toRotationMatrix();
     const Vec3 momentum = before * body.inertia.cwiseProduct(before.transpose() * next.angular_velocity) + gyroscopic;
     next.angular_velocity = after * (after.transpose() * momentum).cwiseQuotient(body.inertia);

@@ -18,8 +18,8 @@ Vec3 place_of(const World& world, Slot body, const Vec3& position) {
   return world.orientation[body].conjugate() * (position - world.position[body]);
 }
 
-void recall_pair(const World& world, const Contacts& contacts, const Manifold& m, std::span<const RememberedPoint> old, double step,
-                 std::vector<ContactBatch::Impulse>& impulses) {
+void recall_pair(const World& world, const Contacts& contacts, const Manifold& m, std::span<const RememberedPoint> old,
+                 double step, std::vector<ContactBatch::Impulse>& impulses) {
   const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;
   const double size = reach * std::min(bounding_radius(a), bounding_radius(b));
   const bool one_point = is_round(a) || is_round(b);  // it rolls about its body, but it is the same contact
@@ -43,7 +43,8 @@ void recall_pair(const World& world, const Contacts& contacts, const Manifold& m
 
 }  // namespace
 
-std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step) {
+std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts,
+                                          double step) {
   std::vector<ContactBatch::Impulse> impulses(contacts.points.size(), {0, 0, 0});
   auto old = multipliers.manifolds.begin();
   for (const Manifold& m : contacts.manifolds) {
