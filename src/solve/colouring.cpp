@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
+#include <unordered_map>
 
 #include "partition/messages.hpp"
 
@@ -17,200 +19,173 @@ std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
   return x ^ (x >> 31);
 }
 
-std::uint64_t priority_of(const Manifold& m) {
-  return mix(mix(static_cast<std::uint64_t>(m.id_a) + 0x9e3779b97f4a7c15ULL) + static_cast<std::uint64_t>(m.id_b));
+std::uint32_t priority_of(const Manifold& m) {
+  return static_cast<std::uint32_t>(
+      mix(mix(static_cast<std::uint64_t>(m.id_a) + 0x9e3779b97f4a7c15ULL) + static_cast<std::uint64_t>(m.id_b)) >> 32);
 }
 
-// The waiting lines: for each home body its manifolds, first in line first.
-class Lines {
+// Manifold numbers in the order of their priorities; ties by number, that is by key. A radix sort.
+std::vector<std::uint32_t> by_priority(const std::vector<Manifold>& manifolds) {
+  using Entry = std::pair<std::uint32_t, std::uint32_t>;
+  constexpr int digit = 11;
+  std::vector<Entry> from(manifolds.size()), to(manifolds.size());
+  for (std::uint32_t m = 0; m < from.size(); ++m) from[m] = {priority_of(manifolds[m]), m};
+  for (int shift = 0; shift < 32; shift += digit) {
+    std::uint32_t begin[(1 << digit) + 1] = {};
+    const auto digit_of = [&](const Entry& e) { return e.first >> shift & ((1u << digit) - 1); };
+    for (const Entry& e : from) ++begin[digit_of(e) + 1];
+    std::partial_sum(std::begin(begin), std::end(begin), std::begin(begin));
+    for (const Entry& e : from) to[begin[digit_of(e)]++] = e;
+    std::swap(from, to);
+  }
+  std::vector<std::uint32_t> order(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) order[i] = from[i].second;
+  return order;
+}
+
+// The colours taken at each home body: 64 in place, more for the few bodies that many others touch.
+class TakenColours {
  public:
-  Lines(const World& world, const Contacts& contacts) : world_(world), manifolds_(contacts.manifolds) {
-    const std::size_t n = manifolds_.size();
-    std::vector<std::uint64_t> priority(n);
-    begin_.assign(world.homes + 1, 0);
-    for (std::uint32_t m = 0; m < n; ++m) {
-      priority[m] = priority_of(manifolds_[m]);
-      for (const Slot s : {manifolds_[m].slot_a, manifolds_[m].slot_b})
-        if (world.is_home(s)) ++begin_[static_cast<std::size_t>(s) + 1];
-    }
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    line_.resize(begin_.back());
-    head_.assign(begin_.begin(), begin_.end() - 1);
-    std::vector<std::uint32_t> fill(head_);
-    for (std::uint32_t m = 0; m < n; ++m)
-      for (const Slot s : {manifolds_[m].slot_a, manifolds_[m].slot_b})
-        if (world.is_home(s)) line_[fill[static_cast<std::size_t>(s)]++] = m;
-    for (std::size_t i = 0; i < world.homes; ++i)  // ties: by manifold number, that is by key
-      std::sort(line_.begin() + begin_[i], line_.begin() + begin_[i + 1],
-                [&](auto x, auto y) { return std::pair(priority[x], x) < std::pair(priority[y], y); });
-  }
+  using Words = std::span<const std::uint64_t>;
 
-  bool first_in_line(Slot s, std::uint32_t m) const { return line_[head_[static_cast<std::size_t>(s)]] == m; }
+  explicit TakenColours(std::size_t homes) : first_(homes, 0) {}
 
-  // Moves the body's line on and returns the manifold that is first now, or -1.
-  std::int64_t advance(Slot s) {
-    const auto i = static_cast<std::size_t>(s);
-    return ++head_[i] < begin_[i + 1] ? static_cast<std::int64_t>(line_[head_[i]]) : -1;
-  }
-
-  // The manifolds of a body that have their colour already.
-  std::span<const std::uint32_t> served(Slot s) const {
-    const auto i = static_cast<std::size_t>(s);
-    return {line_.data() + begin_[i], head_[i] - begin_[i]};
-  }
-
- private:
-  const World& world_;
-  const std::vector<Manifold>& manifolds_;
-  std::vector<std::uint32_t> begin_, head_, line_;
-};
-
-// Which colours are taken, as a growing bit set.
-class Taken {
- public:
-  void clear() { bits_.clear(); }
-  void add(std::int32_t colour) {
+  void take(Slot s, std::int32_t colour) {
     const auto word = static_cast<std::size_t>(colour) / 64;
-    if (word >= bits_.size()) bits_.resize(word + 1, 0);
-    bits_[word] |= std::uint64_t{1} << (colour % 64);
+    const std::uint64_t bit = std::uint64_t{1} << (colour % 64);
+    if (word == 0) {
+      first_[static_cast<std::size_t>(s)] |= bit;
+      return;
+    }
+    auto& more = more_[s];
+    if (more.size() < word) more.resize(word, 0);
+    more[word - 1] |= bit;
   }
-  std::int32_t smallest_free() const {
-    for (std::size_t w = 0; w < bits_.size(); ++w)
-      if (~bits_[w] != 0) return static_cast<std::int32_t>(64 * w) + __builtin_ctzll(~bits_[w]);
-    return static_cast<std::int32_t>(64 * bits_.size());
+  std::uint64_t word(Slot s, std::size_t i) const {
+    if (i == 0) return first_[static_cast<std::size_t>(s)];
+    const auto it = more_.find(s);
+    return it != more_.end() && i <= it->second.size() ? it->second[i - 1] : 0;
+  }
+  std::size_t words(Slot s) const {
+    if (more_.empty()) return 1;
+    const auto it = more_.find(s);
+    return it == more_.end() ? 1 : 1 + it->second.size();
   }
 
  private:
-  std::vector<std::uint64_t> bits_;
+  std::vector<std::uint64_t> first_;
+  std::unordered_map<Slot, std::vector<std::uint64_t>> more_;
 };
 
+// Takes the manifolds in the order of their priorities, pass after pass. A manifold across the cut has to wait for the other
+// rank's offer: the colours taken at the body there, sent when it is first in line there. While it waits, so do those behind it.
 class Colourer {
  public:
   Colourer(const World& world, const Contacts& contacts, const Cut& cut)
-      : world_(world), contacts_(contacts), cut_(cut), lines_(world, contacts) {
-    result_.colour.assign(contacts.manifolds.size(), -1);
-    remote_.assign(contacts.manifolds.size(), -1);
-    queued_.assign(contacts.manifolds.size(), 0);
+      : world_(world), manifolds_(contacts.manifolds), cut_(cut), taken_(world.homes), waiting_(by_priority(contacts.manifolds)) {
+    result_.colour.assign(manifolds_.size(), -1);
     for (std::size_t k = 0; k < cut.neighbours().size(); ++k)
       for (std::size_t i = 0; i < cut.neighbours()[k].manifolds.size(); ++i)
-        remote_[cut.neighbours()[k].manifolds[i]] = static_cast<std::int32_t>(k);
-    waiting_.resize(cut.neighbours().size());
+        shared_.emplace(cut.neighbours()[k].manifolds[i], Shared{k, i, false, {}});
   }
 
   Colouring run() {
-    for (std::uint32_t m = 0; m < contacts_.manifolds.size(); ++m) ready_.push_back(m);
-    colour_ready();
-    exchange_until_done();
+    std::vector<std::size_t> left(cut_.neighbours().size());
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] = cut_.neighbours()[k].manifolds.size();
+    offers_.resize(left.size());
+    pass();
+    while (std::any_of(left.begin(), left.end(), [](auto n) { return n > 0; })) {
+      exchange_offers(left);
+      pass();
+    }
     for (const std::int32_t c : result_.colour) result_.colours = std::max(result_.colours, static_cast<std::size_t>(c) + 1);
     return std::move(result_);
   }
 
  private:
-  bool first_at_home_bodies(std::uint32_t m) const {
-    const Manifold& manifold = contacts_.manifolds[m];
-    for (const Slot s : {manifold.slot_a, manifold.slot_b})
-      if (world_.is_home(s) && !lines_.first_in_line(s, m)) return false;
+  struct Shared {
+    std::size_t neighbour, place;            // place in the list that both ranks have
+    bool offered;                            // by this rank
+    std::vector<std::uint64_t> taken_there;  // empty: no offer yet
+  };
+
+  void pass() {
+    std::vector<std::uint8_t> blocked(world_.homes, 0);
+    std::size_t kept = 0;
+    for (const std::uint32_t m : waiting_) {
+      const Slot ends[2] = {manifolds_[m].slot_a, manifolds_[m].slot_b};
+      bool ready = true;
+      for (const Slot s : ends) ready &= !world_.is_home(s) || !blocked[static_cast<std::size_t>(s)];
+      if (ready && give_colour(m, ends)) continue;
+      for (const Slot s : ends)
+        if (world_.is_home(s)) blocked[static_cast<std::size_t>(s)] = 1;
+      waiting_[kept++] = m;
+    }
+    waiting_.resize(kept);
+  }
+
+  // The smallest colour free at both bodies; false where the other rank has not said what is free at its own.
+  bool give_colour(std::uint32_t m, const Slot (&ends)[2]) {
+    const bool across = is_guest(ends[0]) || is_guest(ends[1]);
+    Shared* shared = across ? &shared_.at(m) : nullptr;
+    if (shared && !shared->offered) offer(*shared, is_guest(ends[0]) ? ends[1] : ends[0]);
+    if (shared && shared->taken_there.empty()) return false;
+    std::int32_t colour = 0;
+    for (std::size_t w = 0;; ++w) {
+      std::uint64_t taken = shared && w < shared->taken_there.size() ? shared->taken_there[w] : 0;
+      for (const Slot s : ends)
+        if (world_.is_home(s)) taken |= taken_.word(s, w);
+      if (~taken == 0) continue;
+      colour = static_cast<std::int32_t>(64 * w) + __builtin_ctzll(~taken);
+      break;
+    }
+    result_.colour[m] = colour;
+    for (const Slot s : ends)
+      if (world_.is_home(s)) taken_.take(s, colour);
     return true;
   }
 
-  void colour_ready() {
-    while (!ready_.empty()) {
-      const std::uint32_t m = ready_.back();
-      ready_.pop_back();
-      if (result_.colour[m] >= 0 || !first_at_home_bodies(m)) continue;
-      if (remote_[m] < 0) {
-        give_colour(m, {});
-      } else if (!queued_[m]) {
-        queued_[m] = 1;
-        waiting_[static_cast<std::size_t>(remote_[m])].push_back(m);
-      }
-    }
+  bool is_guest(Slot s) const { return !world_.is_home(s) && !world_.is_static(s); }
+
+  // Message: for each manifold newly first in line here its place, the number of words, and the words of the colours taken.
+  void offer(Shared& shared, Slot home) {
+    auto& message = offers_[shared.neighbour];
+    const std::size_t words = taken_.words(home);
+    message.push_back(shared.place), message.push_back(words);
+    for (std::size_t w = 0; w < words; ++w) message.push_back(taken_.word(home, w));
+    shared.offered = true;
   }
 
-  void give_colour(std::uint32_t m, std::span<const std::int32_t> taken_elsewhere) {
-    taken_.clear();
-    const Manifold& manifold = contacts_.manifolds[m];
-    for (const std::int32_t c : taken_elsewhere) taken_.add(c);
-    for (const Slot s : {manifold.slot_a, manifold.slot_b})
-      if (world_.is_home(s))
-        for (const std::uint32_t other : lines_.served(s)) taken_.add(result_.colour[other]);
-    result_.colour[m] = taken_.smallest_free();
-    for (const Slot s : {manifold.slot_a, manifold.slot_b})
-      if (world_.is_home(s))
-        if (const std::int64_t next = lines_.advance(s); next >= 0) ready_.push_back(static_cast<std::uint32_t>(next));
-  }
-
-  // Message of one round to a neighbour: for each manifold newly first in line here, its place in the shared list, the number of
-  // colours taken at this rank's body, and those colours.
-  std::vector<std::int32_t> message(std::size_t k, std::vector<std::uint32_t>& told) {
-    std::vector<std::int32_t> out;
-    const auto& shared = cut_.neighbours()[k].manifolds;
-    for (const std::uint32_t m : waiting_[k]) {
-      const auto served = lines_.served(cut_.ends(m).home);
-      out.push_back(static_cast<std::int32_t>(std::lower_bound(shared.begin(), shared.end(), m) - shared.begin()));
-      out.push_back(static_cast<std::int32_t>(served.size()));
-      for (const std::uint32_t other : served) out.push_back(result_.colour[other]);
-      told.push_back(m);
-    }
-    waiting_[k].clear();
-    return out;
-  }
-
-  // Rounds with the neighbours that still share an uncoloured manifold. Both sides of a pair count alike, so both stop together.
-  void exchange_until_done() {
-    const std::size_t n = cut_.neighbours().size();
-    if (n == 0) return;
+  // With the neighbours that still share an uncoloured manifold. A shared manifold gets its colour on both ranks in the pass
+  // after both have offered, so the two count alike and stop together.
+  void exchange_offers(std::vector<std::size_t>& left) {
     const PhaseClock::Scope scope(cut_.clock(), Phase::halo);
-    struct Offer {
-      bool here = false, there = false;
-      std::vector<std::int32_t> taken;
-    };
-    std::vector<std::vector<Offer>> offers(n);
-    std::vector<std::size_t> left(n);
-    for (std::size_t k = 0; k < n; ++k) offers[k].resize(left[k] = cut_.neighbours()[k].manifolds.size());
-    for (;;) {
-      std::vector<int> ranks;
-      std::vector<std::size_t> who;
-      std::vector<std::vector<std::int32_t>> out;
-      std::vector<std::vector<std::uint32_t>> told(n);
-      for (std::size_t k = 0; k < n; ++k)
-        if (left[k] > 0) ranks.push_back(cut_.neighbours()[k].rank), who.push_back(k), out.push_back(message(k, told[k]));
-      if (who.empty()) return;
-      const auto in = exchange_with(cut_.comm(), ranks, out, tag_colours);
-      for (std::size_t i = 0; i < who.size(); ++i) {
-        const std::size_t k = who[i];
-        const auto& shared = cut_.neighbours()[k].manifolds;
-        for (const std::uint32_t m : told[k]) {
-          offers[k][static_cast<std::size_t>(std::lower_bound(shared.begin(), shared.end(), m) - shared.begin())].here = true;
-        }
-        for (std::size_t at = 0; at < in[i].size();) {
-          Offer& offer = offers[k][static_cast<std::size_t>(in[i][at])];
-          const auto count = static_cast<std::size_t>(in[i][at + 1]);
-          offer.there = true;
-          offer.taken.assign(in[i].begin() + static_cast<std::ptrdiff_t>(at + 2),
-                             in[i].begin() + static_cast<std::ptrdiff_t>(at + 2 + count));
-          at += 2 + count;
-        }
-        for (std::size_t j = 0; j < shared.size(); ++j)
-          if (offers[k][j].here && offers[k][j].there && result_.colour[shared[j]] < 0) {
-            give_colour(shared[j], offers[k][j].taken);
-            --left[k];
-          }
+    std::vector<int> ranks;
+    std::vector<std::size_t> who;
+    std::vector<std::vector<std::uint64_t>> out;
+    for (std::size_t k = 0; k < left.size(); ++k)
+      if (left[k] > 0)
+        ranks.push_back(cut_.neighbours()[k].rank), who.push_back(k), out.push_back(std::move(offers_[k])), offers_[k] = {};
+    const auto in = exchange_with(cut_.comm(), ranks, out, tag_colours);
+    for (std::size_t i = 0; i < who.size(); ++i) {
+      const auto& list = cut_.neighbours()[who[i]].manifolds;
+      for (std::size_t at = 0; at < in[i].size(); at += 2 + in[i][at + 1]) {
+        const auto begin = in[i].begin() + static_cast<std::ptrdiff_t>(at + 2);
+        shared_.at(list[in[i][at]]).taken_there.assign(begin, begin + static_cast<std::ptrdiff_t>(in[i][at + 1]));
       }
-      colour_ready();
+      left[who[i]] = 0;
+      for (const std::uint32_t m : list) left[who[i]] += !shared_.at(m).offered || shared_.at(m).taken_there.empty();
     }
   }
 
   const World& world_;
-  const Contacts& contacts_;
+  const std::vector<Manifold>& manifolds_;
   const Cut& cut_;
-  Lines lines_;
-  Taken taken_;
+  TakenColours taken_;
+  std::vector<std::uint32_t> waiting_;                // in the order of their priorities
+  std::unordered_map<std::uint32_t, Shared> shared_;  // manifolds across the cut
+  std::vector<std::vector<std::uint64_t>> offers_;    // to be sent, by neighbour
   Colouring result_;
-  std::vector<std::int32_t> remote_;                 // neighbour of each manifold across the cut; -1: local
-  std::vector<std::uint8_t> queued_;                 // those of them that were first in line here
-  std::vector<std::uint32_t> ready_;                 // may be first in line
-  std::vector<std::vector<std::uint32_t>> waiting_;  // first in line here, not yet told to the neighbour
 };
 
 }  // namespace

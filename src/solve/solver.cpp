@@ -10,13 +10,13 @@ namespace unibody {
 
 namespace {
 
-// The leak is integral feedback on the position error and needs a stage that contracts well (measured on piles and towers).
+// The leak is integral feedback on the position error and needs a stage that contracts well: with the Jacobi solvers towers
+// tremble at any leak, with Gauss-Seidel piles come to rest.
 double leak_of_gauss_seidel(int iterations) { return iterations >= 8 ? 0.3 : 0.15; }
-double leak_of_accelerated_jacobi(int iterations) { return iterations >= 40 ? 0.2 : 0; }
 double no_leak(int) { return 0; }
 
 constexpr Solver solvers[] = {
-    {"accelerated_jacobi", accelerated_jacobi, false, leak_of_accelerated_jacobi},
+    {"accelerated_jacobi", accelerated_jacobi, false, no_leak},
     {"jacobi", jacobi, false, no_leak},
     {"gauss_seidel", gauss_seidel, true, leak_of_gauss_seidel},
 };
