@@ -34,7 +34,7 @@ class PetscSession {
     argv_.push_back(nullptr);
     int argc = static_cast<int>(words_.size());
     char** argv = argv_.data();
-    PetscInitialize(&argc, &argv, nullptr, nullptr);
+    if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) throw InputError("PETSc does not take its options: see above");
   }
   ~PetscSession() { PetscFinalize(); }
   PetscSession(const PetscSession&) = delete;
@@ -118,7 +118,7 @@ std::string describe_bad_body(const Scene& scene, const Simulation& simulation, 
 
 // Stops the run, naming the body with the smallest id of those that went wrong. Its home rank knows its contacts.
 [[noreturn]] void stop_at_bad_body(MPI_Comm comm, const Scene& scene, const Simulation& simulation, Id bad, std::int64_t frame) {
-  int rank = 0, teller = -1;
+  int rank = 0, teller = 0;  // rank 0 tells of a kinematic body, which is home nowhere
   MPI_Comm_rank(comm, &rank);
   const auto homes_end = simulation.world.id.begin() + static_cast<std::ptrdiff_t>(simulation.world.homes);
   if (std::binary_search(simulation.world.id.begin(), homes_end, bad)) teller = rank;
@@ -173,6 +173,8 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     report.converged = true;
     for (int s = 0; s < scene.time.substeps; ++s) {
       const StepReport step = simulation.step();
+      // Before anything looks for contacts among such bodies.
+      if (const Id bad = first_bad_body(comm, simulation.world); bad >= 0) stop_at_bad_body(comm, scene, simulation, bad, frame);
       report.iterations += step.iterations, report.sliding_contacts = step.sliding;
       report.natural_residual = std::max(report.natural_residual, step.residual);
       report.converged &= step.converged;
@@ -180,7 +182,6 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     simulation.detect();
     report.measures =
         measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
-    if (report.measures.bad_body >= 0) stop_at_bad_body(comm, scene, simulation, report.measures.bad_body, frame);
     report.imbalance = balance.imbalance(simulation.world, simulation.contacts);
     write(frame);
     times.frame_done(report);
