@@ -140,6 +140,9 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     simulation.world = build_world(comm, scene);
   else
     summary.first_frame = restore(comm, scene, options, simulation);
+  if (summary.first_frame > scene.time.frames)
+    throw InputError("'" + options.restart + "' is of frame " + std::to_string(summary.first_frame) +
+                     ": key 'time.frames': found " + std::to_string(scene.time.frames) + ", expected no fewer");
   simulation.set_tolerance_from_bodies();
   Balance balance(comm, options.random_partition, options.rebalance);
   simulation.move_homes(balance.homes(simulation.world, {}));

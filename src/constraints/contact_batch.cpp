@@ -194,7 +194,8 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     Vec4d tangential = max(sum[i + 1], sum[i + 2]), normal = sum[i];
     if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
     point.inverse_scale = inverse_or_zero(normal);
-    tangents[block.first_tangent + p].inverse_scale = inverse_or_zero(tangential);
+    tangents[block.first_tangent + p].inverse_scale =
+        select(block.friction > broadcast(0), inverse_or_zero(tangential), broadcast(0));
   }
 }
 
