@@ -4,6 +4,8 @@ and nothing is written. tests/scene holds the reader's messages word for word; h
 import os
 import unittest
 
+import h5py
+
 from unibody_runs import MPIEXEC, PROGRAM, ProgramTest, contents, execute, tree, unibody
 
 GOOD = """\
@@ -232,10 +234,8 @@ class ImpossibleStates(ProgramTest):
         self.stops(GOOD.replace("sphere: {radius: 0.1}", "box: {size: [0.1, 0.2, 0.3]}")
                    .replace("mass: 1", "mass: 1\n    angular_velocity: [1.0e200, 1.0e200, 1]"), says=["frame ", "body 1"])
 
-    def test_in_a_pile(self):
-        """Touching when it goes wrong: the constraint is named. The checkpoint of the frame before can be gone on from."""
-        text = """\
-time: {frames: 20}
+    PILE = """\
+time: {frames: 40, substeps: 2}
 output: {checkpoint_every: 1}
 bodies:
   - {name: ground, shape: {plane: {normal: [0, 0, 1]}}}
@@ -243,12 +243,27 @@ bodies:
     lattice: {count: 20, columns: [2, 2], spacing: [0.3, 0.3, 0.21], height: 0.1}
     shape: {box: {size: [0.2, 0.2, 0.2]}}
     mass: 1
-  - {name: ram, shape: {sphere: {radius: 0.1}}, mass: 1.0e-300, position: [0, 0, 4], force: [0, 0, -1.0e9]}
+  - {name: ram, shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 0.05, position: [0.5, 3, 0.1], force: FORCE}
 """
-        run = self.stops(text, says=["frame ", "body ", "("])
-        for n in (2, 1):
-            left = tree(self.folder / f"results_{n}")
-            self.assertNotIn("checkpoint.h5.part", left)
+
+    def test_in_contact(self):
+        """The message names body, frame and constraint. The last checkpoint is whole: from there the same happens again."""
+        text = self.PILE.replace("FORCE", "[0, 1.0e308, 0]")
+        run = self.stops(text, says=["frame ", "body 21 (ram)", "contact with body 0 (ground)"])
+        frame = int(run.message[0].split("frame ")[1].split(",")[0].split(":")[0])
+        self.assertGreater(frame, 1)
+        for n in (1, 2):
+            checkpoint = self.folder / f"results_{n}" / "checkpoint.h5"
+            with h5py.File(checkpoint, "r") as file:
+                self.assertEqual(file.attrs["frame"], frame - 1)
+            self.assertFalse(checkpoint.with_suffix(".h5.part").exists())
+            again = unibody(self.folder / "scene.yaml", "-output", self.folder / f"again_{n}", "-restart", checkpoint, ranks=3 - n)
+            self.assertEqual((again.code, again.message), (3, run.message))
+
+    # A body that is nowhere must not be looked for contacts: this ended never.
+    def test_from_one_step_to_the_next(self):
+        text = self.PILE.replace("FORCE", "[0, 0, -1.0e9]").replace("mass: 0.05", "mass: 1.0e-300")
+        self.stops(text, says=["frame 1, step 1 of 2: ", "body 21 (ram)"])
 
 
 if __name__ == "__main__":
