@@ -67,9 +67,10 @@ void tidy(PairManifold& m, double margin) {
 }
 
 // The manifold where the bodies are.
-void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, const PairSettings& settings, PairManifold& m) {
-  cell.function(first, second, settings, m);
-  tidy(m, settings.margin);
+void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
+                PairManifold& m) {
+  cell.function(first, second, {margin, settings.planar}, m);
+  tidy(m, std::min(margin, margin_along(m.normal, first, second, settings)));
   for (int i = 0; i < m.count; ++i) m.points[i].position += first.position;
 }
 
@@ -80,9 +81,8 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
   const Vec3 velocity = first.velocity - second.velocity;
   Impact impact;
   const Sweep sweep = cell.sweep(first, second, velocity, margin / velocity.norm(), impact);
-  if (sweep == Sweep::overlap) return collide_at(cell, first, second, {margin, settings.planar}, m);
-  if (sweep == Sweep::miss)
-    return collide_at(cell, first, second, {margin - settings.step * fastest(first, second), settings.planar}, m);
+  if (sweep == Sweep::overlap) return collide_at(cell, first, second, margin, settings, m);
+  if (sweep == Sweep::miss) return collide_at(cell, first, second, margin - settings.step * fastest(first, second), settings, m);
 
   Proxy a = first, b = second;
   a.position += impact.time * a.velocity;
@@ -125,6 +125,13 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   return p;
 }
 
+double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const CollideSettings& settings) {
+  const double va = normal.dot(a.velocity), vb = normal.dot(b.velocity);
+  const double fastest_along = std::max({std::abs(va), std::abs(vb), std::abs(va - vb)});
+  const double fall = std::abs(normal.dot(settings.gravity)) * settings.step * settings.step;
+  return settings.margin + settings.step * fastest_along + (a.spin_reach + b.spin_reach) + fall;
+}
+
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
   return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + std::max(a.fall, b.fall);
 }
@@ -142,7 +149,7 @@ void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& setting
   if (cell.sweep && travel > std::min(a.half_size, b.half_size))
     collide_fast(cell, first, second, margin, settings, m);
   else
-    collide_at(cell, first, second, {margin, settings.planar}, m);
+    collide_at(cell, first, second, margin, settings, m);
   if (cell.swapped) m.normal = -m.normal;
 }
 

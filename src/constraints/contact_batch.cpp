@@ -127,7 +127,8 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     const Vec3x4 wan = w.turn_a(an), wbn = w.turn_b(bn);
     const Vec4d K_nn = linear + dot(an, wan) + dot(bn, wbn);
     point.mobility = K_nn * in_use;
-    point.inverse_scale = inverse_or_zero(point.mobility);
+    point.scale = point.mobility;
+    point.inverse_scale = inverse_or_zero(point.scale);
     if (block.first_tangent < 0) continue;
     Tangents& tangent = tangents[block.first_tangent + p];
     const Vec3x4 as = cross(point.arm_a, block.s), bs = cross(point.arm_b, block.s);
@@ -140,10 +141,12 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     if (uses_cone_projection(friction_)) {
       const Vec4d coupling = abs(tangent.K_ns) + abs(tangent.K_nt);
       const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(tangent.K_ns), K_tt + abs(K_st) + abs(tangent.K_nt)));
-      point.inverse_scale = inverse_or_zero(select(rough, bound, K_nn) * in_use);
-      tangent.inverse_scale = select(rough, point.inverse_scale, broadcast(0));
+      point.scale = select(rough, bound, K_nn) * in_use;
+      tangent.scale = select(rough, point.scale, broadcast(0));
+      point.inverse_scale = inverse_or_zero(point.scale), tangent.inverse_scale = inverse_or_zero(tangent.scale);
     } else {
-      tangent.inverse_scale = inverse_or_zero(tangent.mobility);
+      tangent.scale = tangent.mobility;
+      tangent.inverse_scale = inverse_or_zero(tangent.scale);
     }
   }
 }
@@ -188,20 +191,20 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     const std::uint32_t i = rows_a_point * p;
     Point& point = points[block.first_point + p];
     if (rows_a_point == 1) {
-      point.inverse_scale = inverse_or_zero(sum[i]);
+      point.scale = sum[i], point.inverse_scale = inverse_or_zero(sum[i]);
       continue;
     }
     Vec4d tangential = max(sum[i + 1], sum[i + 2]), normal = sum[i];
     if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
-    point.inverse_scale = inverse_or_zero(normal);
-    tangents[block.first_tangent + p].inverse_scale =
-        select(block.friction > broadcast(0), inverse_or_zero(tangential), broadcast(0));
+    Tangents& tangent = tangents[block.first_tangent + p];
+    point.scale = normal, point.inverse_scale = inverse_or_zero(normal);
+    tangent.scale = select(block.friction > broadcast(0), tangential, broadcast(0));
+    tangent.inverse_scale = inverse_or_zero(tangent.scale);
   }
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
-  for (Point& p : points)
-    for (std::size_t l = 0; l < lanes; ++l) p.bias[l] = stage.bias(p.gap[l]);
+  for (Point& p : points) p.bias = stage.bias(p.gap);
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {

@@ -179,10 +179,9 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
     if constexpr (tangential) from.s = tangent->y_s, from.t = tangent->y_t;
     const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
 
-    const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d inverse_scale) {
-      const Vec4d step = new_lambda - y, forward = new_lambda - lambda;
+    const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
+      const Vec4d step = new_lambda - y, forward = new_lambda - lambda, scaled = scale * step;
       const Vec4d new_y = new_lambda + momentum * forward;
-      const Vec4d scaled = select(inverse_scale > zero, step / select(inverse_scale > zero, inverse_scale, broadcast(1)), zero);
       sums.gradient += r * forward;
       sums.progress += scaled * step;
       sums.change = max(sums.change, abs(scaled));
@@ -191,11 +190,11 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
       y = new_y;
       return dy;
     };
-    const Vec4d dn = advance(p.lambda, p.y, next.n, u.n + p.bias, p.inverse_scale);
+    const Vec4d dn = advance(p.lambda, p.y, next.n, u.n + p.bias, p.scale);
     Vec4d ds = zero, dt = zero;
     if constexpr (tangential) {
-      ds = advance(tangent->lambda_s, tangent->y_s, next.s, u.s, tangent->inverse_scale);
-      dt = advance(tangent->lambda_t, tangent->y_t, next.t, u.t, tangent->inverse_scale);
+      ds = advance(tangent->lambda_s, tangent->y_s, next.s, u.s, tangent->scale);
+      dt = advance(tangent->lambda_t, tangent->y_t, next.t, u.t, tangent->scale);
     }
     const Vec3x4 f = impulse_vector<tangential>(block, t, dn, ds, dt);
     force = force + f, torque_a = torque_a + cross(p.arm_a, f), torque_b = torque_b + cross(p.arm_b, f);

@@ -52,11 +52,12 @@ std::string Json::text(int indent) const {
   const char end = kind_ == '{' ? '}' : ']';
   std::string result(1, kind_);
   for (std::size_t k = 0; k < values_.size(); ++k) {
-    result += (k == 0 ? "\n" : ",\n") + std::string(static_cast<std::size_t>(indent) + 2, ' ');
+    result += k == 0 ? "\n" : ",\n";
+    result.append(static_cast<std::size_t>(indent) + 2, ' ');
     if (kind_ == '{') result += keys_[k] + ": ";
     result += values_[k].text(indent + 2);
   }
-  if (!values_.empty()) result += "\n" + std::string(static_cast<std::size_t>(indent), ' ');
+  if (!values_.empty()) result.append(1, '\n').append(static_cast<std::size_t>(indent), ' ');
   return result + end;
 }
 

@@ -54,7 +54,7 @@ const std::array columns{
 
 std::string report_header() {
   std::string line;
-  for (const Column& c : columns) line += (line.empty() ? "" : ",") + std::string(c.name);
+  for (const Column& c : columns) line.append(line.empty() ? "" : ",").append(c.name);
   return line;
 }
 
@@ -63,7 +63,7 @@ std::string report_row(const FrameReport& report) {
   for (const Column& c : columns) {
     std::array<char, 40> text{};
     std::snprintf(text.data(), text.size(), "%.17g", c.value(report));
-    line += (line.empty() ? "" : ",") + std::string(text.data());
+    line.append(line.empty() ? "" : ",").append(text.data());
   }
   return line;
 }
