@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <fstream>
 
 #include "core/errors.hpp"
 
@@ -62,6 +63,8 @@ Options parse_options(int argc, char** argv) {
       options.petsc.push_back(word);
       if (i + 1 < argc && argv[i + 1][0] != '-' && std::string_view(argv[i + 1]).find(".yaml") == std::string_view::npos)
         options.petsc.push_back(argv[++i]);
+      if (word == "-options_file" && !std::ifstream(options.petsc.back()))
+        throw InputError("option -options_file: cannot read '" + options.petsc.back() + "'");
     } else if (word.starts_with("-")) {
       throw InputError("unknown option " + word + " (-help lists them all)");
     } else if (options.scene.empty()) {

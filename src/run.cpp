@@ -34,7 +34,7 @@ class PetscSession {
     argv_.push_back(nullptr);
     int argc = static_cast<int>(words_.size());
     char** argv = argv_.data();
-    PetscInitialize(&argc, &argv, nullptr, nullptr);
+    if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) throw InputError("PETSc does not take its options: see above");
   }
   ~PetscSession() { PetscFinalize(); }
   PetscSession(const PetscSession&) = delete;
@@ -105,9 +105,8 @@ class FrameTimes {
   std::array<double, phase_names.size()> before_;
 };
 
-std::string describe_bad_body(const Scene& scene, const Simulation& simulation, Id id, std::int64_t frame) {
-  std::string text = "frame " + std::to_string(frame) + ": the state of body " + std::to_string(id) + " (" + scene.body_name(id) +
-                     ") is no longer finite; ";
+std::string describe_bad_body(const Scene& scene, const Simulation& simulation, Id id, const std::string& when) {
+  std::string text = when + ": the state of body " + std::to_string(id) + " (" + scene.body_name(id) + ") is no longer finite; ";
   const auto touches = [&](const Manifold& m) { return m.id_a == id || m.id_b == id; };
   const Contacts& contacts = simulation.contacts;
   const auto it = std::find_if(contacts.manifolds.begin(), contacts.manifolds.end(), touches);
@@ -117,13 +116,16 @@ std::string describe_bad_body(const Scene& scene, const Simulation& simulation, 
 }
 
 // Stops the run, naming the body with the smallest id of those that went wrong. Its home rank knows its contacts.
-[[noreturn]] void stop_at_bad_body(MPI_Comm comm, const Scene& scene, const Simulation& simulation, Id bad, std::int64_t frame) {
-  int rank = 0, teller = -1;
+[[noreturn]] void stop_at_bad_body(MPI_Comm comm, const Scene& scene, const Simulation& simulation, Id bad, std::int64_t frame,
+                                   int substep) {
+  int rank = 0, teller = 0;  // rank 0 tells of a kinematic body, which is home nowhere
   MPI_Comm_rank(comm, &rank);
   const auto homes_end = simulation.world.id.begin() + static_cast<std::ptrdiff_t>(simulation.world.homes);
   if (std::binary_search(simulation.world.id.begin(), homes_end, bad)) teller = rank;
   std::array<char, 512> text{};
-  if (teller == rank) describe_bad_body(scene, simulation, bad, frame).copy(text.data(), text.size() - 1);
+  std::string when = "frame " + std::to_string(frame);
+  if (scene.time.substeps > 1) when += ", step " + std::to_string(substep + 1) + " of " + std::to_string(scene.time.substeps);
+  if (teller == rank) describe_bad_body(scene, simulation, bad, when).copy(text.data(), text.size() - 1);
   MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MAX, comm);
   MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, teller, comm);
   throw RunError(text.data());
@@ -140,6 +142,9 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     simulation.world = build_world(comm, scene);
   else
     summary.first_frame = restore(comm, scene, options, simulation);
+  if (summary.first_frame > scene.time.frames)
+    throw InputError("'" + options.restart + "' is of frame " + std::to_string(summary.first_frame) +
+                     ": key 'time.frames': found " + std::to_string(scene.time.frames) + ", expected no fewer");
   simulation.set_tolerance_from_bodies();
   Balance balance(comm, options.random_partition, options.rebalance);
   simulation.move_homes(balance.homes(simulation.world, {}));
@@ -173,6 +178,9 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     report.converged = true;
     for (int s = 0; s < scene.time.substeps; ++s) {
       const StepReport step = simulation.step();
+      // Before anything looks for contacts among such bodies.
+      if (const Id bad = first_bad_body(comm, simulation.world); bad >= 0)
+        stop_at_bad_body(comm, scene, simulation, bad, frame, s);
       report.iterations += step.iterations, report.sliding_contacts = step.sliding;
       report.natural_residual = std::max(report.natural_residual, step.residual);
       report.converged &= step.converged;
@@ -180,7 +188,6 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     simulation.detect();
     report.measures =
         measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
-    if (report.measures.bad_body >= 0) stop_at_bad_body(comm, scene, simulation, report.measures.bad_body, frame);
     report.imbalance = balance.imbalance(simulation.world, simulation.contacts);
     write(frame);
     times.frame_done(report);

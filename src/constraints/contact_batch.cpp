@@ -113,11 +113,13 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   }
 }
 
-// Gauss-Seidel: each point's own 3 x 3 block; for cone projections one scalar for its three rows (notes 1.5).
+// Gauss-Seidel: each point's own 3 x 3 block; for cone projections one scalar for its three rows (notes 1.5). A contact without
+// friction has no tangents, also beside others in its block: who they are depends on the rank.
 void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies) {
   const LaneMasses w = gather_masses(block, bodies, block.inertia < 0 ? nullptr : &inertias[block.inertia]);
   const Vec3x4 t = cross(block.n, block.s);
   const Vec4d linear = w.mass_a + w.mass_b;
+  const Mask4 rough = block.friction > broadcast(0);
   for (std::uint32_t p = 0; p < block.count; ++p) {
     Point& point = points[block.first_point + p];
     const Vec4d in_use = point.mobility;
@@ -135,12 +137,13 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     const Vec4d K_ss = linear + dot(as, was) + dot(bs, wbs), K_tt = linear + dot(at, wat) + dot(bt, wbt);
     const Vec4d K_st = dot(as, wat) + dot(bs, wbt);
     tangent.K_ns = dot(as, wan) + dot(bs, wbn), tangent.K_nt = dot(at, wan) + dot(bt, wbn);
-    tangent.mobility = max(K_ss + abs(K_st), K_tt + abs(K_st)) * in_use;
+    tangent.mobility = select(rough, max(K_ss + abs(K_st), K_tt + abs(K_st)) * in_use, broadcast(0));
     if (uses_cone_projection(friction_)) {
       const Vec4d coupling = abs(tangent.K_ns) + abs(tangent.K_nt);
       const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(tangent.K_ns), K_tt + abs(K_st) + abs(tangent.K_nt)));
-      tangent.scale = point.scale = bound * in_use;
-      tangent.inverse_scale = point.inverse_scale = inverse_or_zero(point.scale);
+      point.scale = select(rough, bound, K_nn) * in_use;
+      tangent.scale = select(rough, point.scale, broadcast(0));
+      point.inverse_scale = inverse_or_zero(point.scale), tangent.inverse_scale = inverse_or_zero(tangent.scale);
     } else {
       tangent.scale = tangent.mobility;
       tangent.inverse_scale = inverse_or_zero(tangent.scale);
@@ -172,6 +175,7 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
       a[i] = cross(point.arm_a, axes[d]), b[i] = cross(point.arm_b, axes[d]);
       wa[i] = w.turn_a(a[i]) * split_a, wb[i] = w.turn_b(b[i]) * split_b;
       in_use[i] = select(point.mobility > broadcast(0), broadcast(1), broadcast(0));
+      if (d > 0) in_use[i] = select(block.friction > broadcast(0), in_use[i], broadcast(0));
       sum[i] = broadcast(0);
     }
   }
@@ -194,7 +198,8 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
     Tangents& tangent = tangents[block.first_tangent + p];
     point.scale = normal, point.inverse_scale = inverse_or_zero(normal);
-    tangent.scale = tangential, tangent.inverse_scale = inverse_or_zero(tangential);
+    tangent.scale = select(block.friction > broadcast(0), tangential, broadcast(0));
+    tangent.inverse_scale = inverse_or_zero(tangent.scale);
   }
 }
 

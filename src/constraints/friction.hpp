@@ -33,7 +33,7 @@ inline void clamp_box(Vec4d& s, Vec4d& t, Vec4d limit) {
 inline ConeForce project_cone(ConeForce y, Vec4d mu) {
   const Vec4d tangential = sqrt(y.s * y.s + y.t * y.t);
   const Vec4d zero = broadcast(0);
-  const Mask4 inside = tangential <= mu * y.n;
+  const Mask4 inside = (tangential <= mu * y.n) & (y.n >= zero);  // mu may be 0
   const Mask4 polar = mu * tangential <= -y.n;
   const Vec4d n = (y.n + mu * tangential) / (broadcast(1) + mu * mu);
   const Vec4d scale = mu * n / select(tangential > zero, tangential, broadcast(1));

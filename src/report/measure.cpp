@@ -42,7 +42,6 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
   std::array<ExactSum, sum_count> sums;
   std::array<std::int64_t, integer_count> counts{};
   double deepest_of_all = 0;
-  Id bad = std::numeric_limits<Id>::max();
 
   for (const Manifold& m : contacts.manifolds) {
     if (!counts_here(world, m)) continue;
@@ -52,18 +51,13 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
     counts[penetrating] += depth > 0 ? 1 : 0;
     counts[pairs] += 1, counts[points] += m.count;
   }
-  for (std::size_t slot = 0; slot < world.homes; ++slot) {
-    const BodyState s = world.state(slot);
-    add_body(world.properties[slot], s, gravity, sums);
-    if (!is_finite(s)) bad = std::min(bad, world.id[slot]);
-  }
+  for (std::size_t slot = 0; slot < world.homes; ++slot) add_body(world.properties[slot], world.state(slot), gravity, sums);
   counts[bodies] = static_cast<std::int64_t>(world.homes);
   counts[bytes] = static_cast<std::int64_t>(bytes_here);
 
   const auto total = all_sums(comm, sums);
   MPI_Allreduce(MPI_IN_PLACE, counts.data(), integer_count, MPI_INT64_T, MPI_SUM, comm);
   MPI_Allreduce(MPI_IN_PLACE, &deepest_of_all, 1, MPI_DOUBLE, MPI_MAX, comm);
-  MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, comm);
 
   Measures result;
   result.penetration_max = deepest_of_all;
@@ -74,8 +68,16 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
   result.kinetic_energy = total[kinetic], result.potential_energy = total[potential];
   result.linear_momentum = Vec3(total.data() + linear), result.angular_momentum = Vec3(total.data() + angular);
   if (counts[bodies] > 0) result.bytes_per_body = static_cast<double>(counts[bytes]) / static_cast<double>(counts[bodies]);
-  if (bad != std::numeric_limits<Id>::max()) result.bad_body = bad;
   return result;
+}
+
+Id first_bad_body(MPI_Comm comm, const World& world) {
+  constexpr Id none = std::numeric_limits<Id>::max();
+  Id bad = none;
+  for (std::size_t slot = 0; slot < world.size(); ++slot)
+    if (!is_finite(world.state(slot))) bad = std::min(bad, world.id[slot]);
+  MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, comm);
+  return bad == none ? -1 : bad;
 }
 
 }  // namespace unibody

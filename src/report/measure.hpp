@@ -20,11 +20,13 @@ struct Measures {
   Vec3 angular_momentum = Vec3::Zero();  // kg m^2/s, about the origin
 
   double bytes_per_body = 0;  // of all ranks' `bytes_here`
-  Id bad_body = -1;           // the smallest id whose state holds a NaN or an infinity; -1: none
 };
 
 // `bytes_here`: what this rank's arrays occupy (of bodies, contacts, solver, halo). Collective.
 Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here = 0);
+
+// The smallest id whose state holds a NaN or an infinity; -1: none. Collective.
+Id first_bad_body(MPI_Comm comm, const World& world);
 
 // Whether this rank is the one that counts a manifold: its first dynamic body is home here.
 inline bool counts_here(const World& world, const Manifold& m) {

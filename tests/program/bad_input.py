@@ -1,0 +1,275 @@
+#!/usr/bin/python3
+"""What a user can get wrong: every fault ends the program at once, on every rank, with a message that says what to change,
+and nothing is written. tests/scene holds the reader's messages word for word; here it is the whole program on two ranks."""
+import os
+import unittest
+
+import h5py
+
+from unibody_runs import MPIEXEC, PROGRAM, ProgramTest, contents, execute, tree, unibody
+
+GOOD = """\
+title: a ball on the ground
+time: {frames: 5}
+bodies:
+  - shape: {plane: {normal: [0, 0, 1]}}
+  - shape: {sphere: {radius: 0.1}}
+    mass: 1
+    position: [0, 0, 0.3]
+"""
+
+
+class RefusedTest(ProgramTest):
+    def refused(self, scene, *options, ranks=2, says=(), output="results/deep"):
+        """The program must end with code 2 and one message that holds all of `says`; it must have written nothing."""
+        before = tree(self.folder)
+        run = unibody(scene, "-output", self.folder / output, *options, ranks=ranks, timeout=60, folder=self.folder)
+        self.assertEqual(run.code, 2, run.err)
+        self.assertEqual(len(run.message), 1, run.err)
+        for text in says:
+            self.assertIn(text, run.message[0])
+        self.assertIsNone(run.state)
+        self.assertEqual(tree(self.folder), before, "something was written")
+        return run
+
+
+class BadScenes(RefusedTest):
+    def bad(self, change, line, key, found, expected):
+        """The good scene with one text changed for another one."""
+        text = GOOD.replace(*change)
+        self.assertNotEqual(text, GOOD)
+        scene = self.scene(text)
+        expected_place = f"{scene}:{line}:" if line else str(scene)
+        self.refused(scene, says=[expected_place, f"key '{key}'", f"found {found}", f"expected {expected}"])
+
+    def test_the_good_scene_is_good(self):
+        self.good(self.scene(GOOD), "results")
+
+    def test_unknown_key(self):
+        self.bad(("    mass: 1\n", "    mass: 1\n    colour: red\n"), 7, "bodies[1].colour", "an unknown key", "name, material")
+
+    def test_wrong_type(self):
+        self.bad(("mass: 1", "mass: heavy"), 6, "bodies[1].mass", "heavy", "a number > 0 (kg)")
+
+    def test_map_for_a_number(self):
+        self.bad(("frames: 5", "frames: {number: 5}"), 2, "time.frames", "a map", "an integer")
+
+    def test_missing_value(self):
+        self.bad(("mass: 1", "mass:"), 6, "bodies[1].mass", "nothing", "a number > 0 (kg)")
+
+    def test_missing_key(self):
+        self.bad(("    mass: 1\n", ""), 5, "bodies[1].mass", "nothing", "")
+
+    def test_negative_mass(self):
+        self.bad(("mass: 1", "mass: -1"), 6, "bodies[1].mass", "-1", "a number > 0 (kg)")
+
+    def test_nan(self):
+        self.bad(("0.3]", ".nan]"), 7, "bodies[1].position[2]", ".nan", "a finite number (m)")
+
+    def test_infinity(self):
+        self.bad(("mass: 1", "mass: .inf"), 6, "bodies[1].mass", ".inf", "a number > 0 (kg)")
+
+    def test_overflow(self):
+        self.bad(("mass: 1", "mass: 1e999"), 6, "bodies[1].mass", "1e999", "a number > 0 (kg)")
+
+    def test_plane_normal_without_unit_length(self):
+        self.bad(("[0, 0, 1]", "[0, 0, 2]"), 4, "bodies[0].shape.plane.normal", "[0, 0, 2]", "")
+
+    def test_quaternion_without_unit_length(self):
+        self.bad(("    mass: 1\n", "    mass: 1\n    orientation: [1, 1, 0, 0]\n"), 7, "bodies[1].orientation", "[1, 1, 0, 0]", "")
+
+    def test_axis_without_unit_length(self):
+        self.bad(("    mass: 1\n", "    mass: 1\n    orientation: {axis: [0, 0, 0], angle: 30}\n"), 7,
+                 "bodies[1].orientation.axis", "[0, 0, 0]", "")
+
+    def test_box_of_no_size(self):
+        self.bad(("sphere: {radius: 0.1}", "box: {size: [1, 0, 1]}"), 5, "bodies[1].shape.box.size[1]", "0", "a number > 0 (m")
+
+    def test_key_given_twice(self):
+        self.bad(("    mass: 1\n", "    mass: 1\n    mass: 2\n"), 7, "bodies[1].mass", "", "each key once")
+
+    def test_unknown_solver(self):
+        self.bad(("time:", "solver: {name: newton}\ntime:"), 2, "solver.name", "newton", "accelerated_jacobi")
+
+    def test_warm_start_of_more_than_half(self):
+        self.bad(("time:", "solver: {warm_start: 0.9}\ntime:"), 2, "solver.warm_start", "0.9", "")
+
+    def test_sequential_order_on_two_ranks(self):
+        text = GOOD.replace("time:", "solver: {name: gauss_seidel, order: sequential}\ntime:")
+        run = self.refused(self.scene(text), says=["scene.yaml", "key 'solver.order'", "found sequential", "expected coloured"])
+        self.assertIn("2 ranks", run.message[0])
+        self.good(self.scene(text), "one", ranks=1)
+
+    def test_missing_file(self):
+        self.refused(self.folder / "nowhere.yaml", says=["nowhere.yaml"])
+
+    def test_folder_as_a_scene(self):
+        (self.folder / "folder").mkdir()
+        self.refused(self.folder / "folder", says=["folder"])
+
+    def test_not_yaml(self):
+        self.refused(self.scene("title: x\ntime: {step: 1\nbodies: 3\n"), says=["scene.yaml:3:", "YAML"])
+
+    def test_binary_file(self):
+        path = self.folder / "scene.yaml"
+        path.write_bytes(bytes(range(256)) * 64)
+        self.refused(path, says=["scene.yaml"])
+
+    def test_empty_file(self):
+        self.refused(self.scene(""), says=["scene.yaml:1:"])
+
+
+class BadOptions(RefusedTest):
+    """Faults of the command line."""
+
+    def test_sets(self):
+        scene = self.scene(GOOD)
+        for setting, says in (("time.frams=3", ["-set time.frams=3", "time.frams"]),
+                              ("bodies[9].mass=1", ["-set bodies[9].mass=1", "expected"]),
+                              ("bodies[1].mass=-2", ["-set bodies[1].mass=-2", "key 'bodies[1].mass'", "found -2", "expected"]),
+                              ("..=1", ["-set"]), ("time.frames", ["-set", "time.frames", "path.to.key=value"]),
+                              ("gravity=[0, 0", ["-set gravity=[0, 0", "YAML"])):
+            with self.subTest(setting=setting):
+                self.refused(scene, "-set", setting, says=says)
+
+    def test_options(self):
+        scene = self.scene(GOOD)
+        for words, says in ((["-colour", "red"], ["-colour"]), (["-overwite"], ["-overwite"]), (["-set"], ["-set", "value"]),
+                            (["-restart"], ["-restart", "value"]), (["-partition", "scotch"], ["-partition", "scotch", "metis"]),
+                            (["-partition", "random:"], ["random:", "SEED"]), (["-partition", "random:-1"], ["random:-1"]),
+                            (["-rebalance", "maybe"], ["-rebalance", "maybe", "on or off"]), ([str(scene)], ["two scenes"])):
+            with self.subTest(words=words):
+                self.refused(scene, *words, says=says)
+
+    def test_no_scene(self):
+        run = unibody(ranks=2, timeout=60, folder=self.folder)
+        self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
+        self.assertIn("no scene", run.message[0])
+        self.assertEqual(tree(self.folder), {})
+
+    def test_missing_petsc_options_file(self):
+        self.refused(self.scene(GOOD), "-options_file", self.folder / "nowhere", says=["nowhere"])
+
+    def test_every_rank_returns_the_code(self):
+        codes = self.folder / "codes"
+        scene = self.scene(GOOD.replace("mass: 1", "mass: -1"))
+        script = f"'{PROGRAM}' '{scene}' -output '{self.folder}/results'; code=$?; echo $code >> '{codes}'"
+        run = execute([MPIEXEC, "-n", "3", "sh", "-c", script], timeout=60)
+        self.assertEqual(run.code, 0, run.err)  # the shells' own
+        self.assertEqual(codes.read_text().split(), ["2", "2", "2"])
+        self.assertEqual(len(run.message), 1, run.err)
+
+
+class BadOutput(RefusedTest):
+    """Faults of the output folder and of the checkpoint to go on from."""
+
+    def test_results_are_kept_without_overwrite(self):
+        scene = self.scene(GOOD)
+        self.good(scene, "results")
+        for name in ("report.csv", "summary.json", "frames.h5", "frames.xdmf", "checkpoint.h5"):
+            with self.subTest(left=name):
+                for other in os.listdir(self.folder / "results"):
+                    if other != name and name != "report.csv":
+                        os.rename(self.folder / "results" / other, self.folder / other)
+                self.refused(scene, output="results", says=["results/", "exists"])
+                for other in ("report.csv", "summary.json", "frames.h5", "frames.xdmf", "checkpoint.h5"):
+                    if (self.folder / other).exists():
+                        os.rename(self.folder / other, self.folder / "results" / other)
+        self.good(scene, "results", "-overwrite")
+
+    def test_a_fault_with_overwrite_keeps_the_results(self):
+        self.good(self.scene(GOOD), "results")
+        self.refused(self.scene(GOOD.replace("mass: 1", "mass: -1"), "bad.yaml"), "-overwrite", output="results")
+        self.refused(self.scene(GOOD), "-overwrite", "-restart", self.folder / "nowhere.h5", output="results", says=["nowhere.h5"])
+
+    def test_output_is_a_file(self):
+        (self.folder / "file").write_text("precious")
+        for output in ("file", "file/below"):
+            with self.subTest(output=output):
+                self.refused(self.scene(GOOD), output=output, says=[output])
+                self.refused(self.scene(GOOD), "-overwrite", output=output, says=[output])
+
+    def test_output_cannot_be_written(self):
+        self.refused(self.scene(GOOD), output="/proc/unibody", says=["/proc/unibody"])
+        if os.geteuid() != 0:  # root may write anywhere
+            (self.folder / "locked").mkdir(mode=0o555)
+            self.refused(self.scene(GOOD), output="locked", says=["locked"])
+            self.refused(self.scene(GOOD), output="locked/below", says=["locked"])
+
+    def test_restart_from_no_checkpoint(self):
+        scene = self.scene(GOOD)
+        (self.folder / "text.h5").write_text("no HDF5")
+        self.refused(scene, "-restart", self.folder / "nowhere.h5", says=["nowhere.h5"])
+        self.refused(scene, "-restart", self.folder / "text.h5", says=["text.h5"])
+        self.refused(scene, "-restart", self.folder, says=[self.folder.name])
+
+
+class ImpossibleStates(ProgramTest):
+    """A state that stops being finite while running: exit code 3, who and when, and the last checkpoint is whole."""
+
+    def stops(self, text, *options, says=(), ranks=2):
+        scene = self.scene(text)
+        for n in (1, ranks):
+            output = self.folder / f"results_{n}"
+            run = unibody(scene, "-output", output, *options, ranks=n, timeout=60)
+            self.assertEqual(run.code, 3, run.err + run.out)
+            self.assertEqual(len(run.message), 1, run.err)
+            for words in says:
+                self.assertIn(words, run.message[0])
+            self.assertIsNone(run.state)
+            self.assertFalse((output / "summary.json").exists(), "there is no result to sum up")
+        self.assertEqual(contents(self.folder / f"results_{ranks}/report.csv").count(b"\n"),
+                         contents(self.folder / "results_1/report.csv").count(b"\n"))
+        return run
+
+    def test_a_force_too_large(self):
+        self.stops(GOOD.replace("mass: 1", "mass: 1\n    name: ball\n    force: [1.0e308, 0, 0]").replace("mass: 1", "mass: 0.001"),
+                   says=["frame 1", "body 1", "ball", "no constraint"])
+
+    def test_a_velocity_near_overflow(self):
+        self.stops(GOOD.replace("mass: 1", "mass: 1\n    name: ball\n    velocity: [0, 1.0e308, 0]"), "-set", "time.step=1",
+                   says=["frame 2", "body 1", "ball"])
+
+    def test_a_spin_near_overflow(self):
+        self.stops(GOOD.replace("sphere: {radius: 0.1}", "box: {size: [0.1, 0.2, 0.3]}")
+                   .replace("mass: 1", "mass: 1\n    angular_velocity: [1.0e200, 1.0e200, 1]"), says=["frame ", "body 1"])
+
+    PILE = """\
+time: {frames: 40, substeps: 2}
+output: {checkpoint_every: 1}
+bodies:
+  - {name: ground, shape: {plane: {normal: [0, 0, 1]}}}
+  - name: crate
+    lattice: {count: 20, columns: [2, 2], spacing: [0.3, 0.3, 0.21], height: 0.1}
+    shape: {box: {size: [0.2, 0.2, 0.2]}}
+    mass: 1
+  - {name: ram, shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 0.05, position: [0.5, 3, 0.1], force: FORCE}
+"""
+
+    def test_in_contact(self):
+        self.stops(self.PILE.replace("FORCE", "[0, 1.0e308, 0]"),
+                   says=["frame ", "body 21 (ram)", "contact with body 0 (ground)"])
+
+    def test_the_last_checkpoint_is_kept(self):
+        """It is whole: from there the same happens again."""
+        text = self.PILE.replace("FORCE", "[0, 0, 1.0e308]").replace("3, 0.1]", "3, 5]").replace("mass: 0.05", "mass: 1")
+        run = self.stops(text, "-set", "time.step=0.25", says=["frame ", "body 21 (ram)", "constraint"])
+        frame = int(run.message[0].split("frame ")[1].split(",")[0].split(":")[0])
+        self.assertGreater(frame, 1)
+        for n in (1, 2):
+            checkpoint = self.folder / f"results_{n}" / "checkpoint.h5"
+            with h5py.File(checkpoint, "r") as file:
+                self.assertEqual(file.attrs["frame"], frame - 1)
+            self.assertFalse(checkpoint.with_suffix(".h5.part").exists())
+            again = unibody(self.folder / "scene.yaml", "-output", self.folder / f"again_{n}", "-restart", checkpoint,
+                            "-set", "time.step=0.25", ranks=3 - n)
+            self.assertEqual((again.code, again.message), (3, run.message))
+
+    # A body that is nowhere must not be looked for contacts: this ended never.
+    def test_from_one_step_to_the_next(self):
+        text = self.PILE.replace("FORCE", "[0, 0, -1.0e9]").replace("mass: 0.05", "mass: 1.0e-300")
+        self.stops(text, says=["frame 1, step 1 of 2: ", "body 21 (ram)"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

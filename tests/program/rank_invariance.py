@@ -1,0 +1,175 @@
+#!/usr/bin/python3
+"""The same bits on any number of ranks, for any partition: state, frames.h5, frames.xdmf, checkpoint.h5 and report.csv."""
+import json
+import unittest
+
+from unibody_runs import SCENES, ProgramTest, comparable, contents
+
+SOLVERS = ["accelerated_jacobi", "gauss_seidel", "jacobi"]
+
+# Boxes and spheres of many sizes dropped between walls, on a tilted board and beside a kinematic one.
+MIXED = """
+    title: boxes and spheres between walls
+    time: {step: 0.016, frames: 40}
+    output: {every: 10}
+    materials: {stone: {friction: 0.5}, ice: {friction: 0}}
+    bodies:
+      - container: {size: [1.5, 1.5]}
+      - shape: {box: {size: [1, 1, 0.1]}}
+        motion: fixed
+        position: [0.2, 0, 0.2]
+        orientation: {axis: [0, 1, 0], angle: 20}
+        material: ice
+      - shape: {box: {size: [0.2, 1, 0.2]}}
+        motion: kinematic
+        position: [-0.6, 0, 0.15]
+        velocity: [0.3, 0, 0]
+        angular_velocity: [0, 0, 0.5]
+      - pile:
+          count: 120
+          columns: [4, 4]
+          mix:
+            - {shape: {sphere: {radius: 0.08}}, scale: [0.6, 1.4], share: 2}
+            - {shape: {box: {size: [0.2, 0.15, 0.1]}}, scale: [0.5, 1.2]}
+        density: 2600
+        position: [0, 0, 0.5]
+        velocity: [0, 0, -4]
+"""
+
+GROUND = "- shape: {plane: {normal: [0, 0, 1]}}"
+
+
+class RankInvariance(ProgramTest):
+    def assert_same(self, first, other, files=("frames.h5", "frames.xdmf", "checkpoint.h5")):
+        one, two = self.folder / first, self.folder / other
+        for name in files:
+            self.assertTrue(contents(one / name) == contents(two / name), f"{name} of {other} isn't the one of {first}")
+        self.assertEqual(comparable(one / "report.csv"), comparable(two / "report.csv"), f"{other}: report.csv")
+
+    def ranks_told(self, name):
+        return json.loads((self.folder / name / "summary.json").read_text())["ranks"]
+
+    def check_all(self, scene, solver, *options):
+        options = (f"-set", f"solver.name={solver}", *options)
+        one = self.good(scene, "on_1", *options, ranks=1)
+        header, *rows = comparable(self.folder / "on_1" / "report.csv")
+        contacts = header.index("contacts")
+        self.assertGreater(int(rows[-1][contacts]), 100, "nothing touches anything: such a run tells nothing")
+        variants = {f"on_{n}": (n, []) for n in ((2, 3, 4, 7) if solver == SOLVERS[0] else (2, 4))}
+        variants["random_11"] = (3, ["-partition", "random:11"])
+        if solver == SOLVERS[0]:
+            variants["random_12_fixed"] = (4, ["-partition", "random:12", "-rebalance", "off"])
+            variants["no_rebalance"] = (3, ["-rebalance", "off"])
+        for name, (ranks, more) in variants.items():
+            with self.subTest(solver=solver, variant=name):
+                run = self.good(scene, name, *options, *more, ranks=ranks)
+                self.assertEqual(run.state, one.state)
+                self.assertEqual(self.ranks_told(name), ranks)
+                self.assert_same("on_1", name)
+
+    def test_boxes(self):
+        for solver in SOLVERS:
+            with self.subTest(solver=solver):
+                self.folder_for(solver)
+                self.check_all(SCENES / "boxes_500.yaml", solver, "-set", "time.frames=40", "-set", "output.every=10")
+
+    def test_boxes_and_spheres_between_walls(self):
+        for solver in SOLVERS:
+            with self.subTest(solver=solver):
+                self.folder_for(solver)
+                self.check_all(self.scene(MIXED), solver)
+
+    # Contacts with and without friction side by side in every block of four, which contacts share one depends on the rank.
+    def test_every_friction_model(self):
+        scene = self.scene(MIXED)
+        for model in ("cone", "saxce", "box", "none"):
+            for solver in SOLVERS[:2]:
+                with self.subTest(model=model, solver=solver):
+                    options = ["-set", "time.frames=25", "-set", f"solver.friction={model}", "-set", f"solver.name={solver}"]
+                    runs = [self.good(scene, f"{model}_{solver}_{n}", *options, ranks=n) for n in (1, 3)]
+                    self.assertEqual(runs[0].state, runs[1].state)
+                    self.assert_same(f"{model}_{solver}_1", f"{model}_{solver}_3")
+
+    def folder_for(self, solver):
+        base = getattr(self, "base", self.folder)
+        self.base, self.folder = base, base / solver
+        self.folder.mkdir()
+
+    # The comparison can fail: one bit of one body's velocity, or of the gravity, is another run.
+    def test_a_changed_scene_has_another_state(self):
+        scene = """
+            time: {frames: 30}
+            output: {every: 30}
+            bodies:
+              - shape: {plane: {normal: [0, 0, 1]}}
+              - lattice: {count: 60, columns: [4, 4], spacing: [0.16, 0.16, 0.19], height: 0.2, jitter: 0.01}
+                shape: {box: {size: [0.12, 0.12, 0.15]}}
+                mass: 1
+              - shape: {sphere: {radius: 0.05}}
+                mass: 1
+                position: [0, 0, 1.2]
+                velocity: [VELOCITY, 0, 0]
+        """
+        one = self.scene(scene.replace("VELOCITY", "0.5"))
+        original = self.good(one, "original", ranks=2)
+        bit = self.scene(scene.replace("VELOCITY", "0.50000000000000011102230246251565"), "bit.yaml")
+        changed = self.good(bit, "bit", ranks=2)
+        self.assertNotEqual(changed.state, original.state)
+        self.assertNotEqual(contents(self.folder / "bit/frames.h5"), contents(self.folder / "original/frames.h5"))
+        self.assertNotEqual(contents(self.folder / "bit/checkpoint.h5"), contents(self.folder / "original/checkpoint.h5"))
+        gravity = self.good(one, "gravity", "-set", "gravity=[0, 0, -9.810000000000002]", ranks=2)
+        self.assertNotEqual(gravity.state, original.state)
+        self.assertNotEqual(comparable(self.folder / "gravity/report.csv"), comparable(self.folder / "original/report.csv"))
+        again = self.good(one, "again", ranks=3)
+        self.assertEqual(again.state, original.state)
+
+
+class SmallScenes(ProgramTest):
+    """Fewer bodies than ranks, or all of them in one place."""
+
+    def check(self, text, frames=30, ranks=(2, 7), solvers=SOLVERS[:1]):
+        scene = self.scene("time: {frames: %d}\nbodies:\n%s" % (frames, text))
+        for solver in solvers:
+            one = self.good(scene, solver + "_1", "-set", "solver.name=" + solver, ranks=1)
+            for n in ranks:
+                with self.subTest(solver=solver, ranks=n):
+                    name = f"{solver}_{n}"
+                    run = self.good(scene, name, "-set", "solver.name=" + solver, ranks=n)
+                    self.assertEqual(run.state, one.state)
+                    for file in ["frames.h5", "frames.xdmf"] + (frames > 0) * ["checkpoint.h5"]:
+                        self.assertTrue(contents(self.folder / name / file) == contents(self.folder / (solver + "_1") / file), file)
+                    reports = [comparable(self.folder / f / "report.csv") for f in (name, solver + "_1")]
+                    self.assertEqual(*reports)
+                    self.assertEqual(len(reports[0]), frames + 1)
+
+    def test_three_bodies_on_seven_ranks(self):
+        self.check(f"""
+  {GROUND}
+  - {{shape: {{box: {{size: [1, 1, 0.2]}}}}, mass: 2, position: [0, 0, 0.11]}}
+  - {{shape: {{sphere: {{radius: 0.1}}}}, mass: 1, position: [0.1, 0, 0.32]}}
+  - {{shape: {{box: {{size: [0.2, 0.2, 0.2]}}}}, mass: 1, position: [-0.2, 0, 0.34], velocity: [0, 0, -1]}}
+""", ranks=(7,), solvers=SOLVERS)
+
+    # So small beside the largest body that all of them lie in one cell of the partition's grid.
+    def test_all_bodies_in_one_place(self):
+        self.check(f"""
+  {GROUND}
+  - {{shape: {{box: {{size: [8, 8, 0.5]}}}}, mass: 500, position: [0, 0, 0.25]}}
+  - lattice: {{count: 27, columns: [3, 3], spacing: [0.021, 0.021, 0.021], height: 0.512, jitter: 0.001}}
+    shape: {{sphere: {{radius: 0.01}}}}
+    mass: 0.01
+""", ranks=(7,), solvers=SOLVERS)
+
+    def test_one_body(self):
+        self.check(f"  {GROUND}\n  - {{shape: {{sphere: {{radius: 0.1}}}}, mass: 1, position: [0, 0, 0.3], velocity: [1, 0, 0]}}\n")
+
+    def test_nothing_but_statics(self):
+        self.check(f"  {GROUND}\n  - {{shape: {{box: {{size: [1, 1, 1]}}}}, motion: fixed, position: [0, 0, 0.4]}}\n",
+                   frames=3, ranks=(2, 3))
+
+    def test_no_frames(self):
+        self.check(f"  {GROUND}\n  - {{shape: {{sphere: {{radius: 0.1}}}}, mass: 1, position: [0, 0, 0.3]}}\n", frames=0, ranks=(3,))
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

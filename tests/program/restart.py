@@ -1,0 +1,181 @@
+#!/usr/bin/python3
+"""A run that goes on from a checkpoint ends in the bits of the run that never stopped, on any number of ranks."""
+import os
+import shutil
+import signal
+import time
+import unittest
+
+import h5py
+
+from unibody_runs import ProgramTest, command, comparable, contents, end, start, tree, unibody
+
+PILE = """
+    time: {step: 0.016, frames: 60}
+    output: {every: 20, checkpoint_every: 30}
+    materials: {stone: {friction: 0.4}}
+    bodies:
+      - container: {size: [1, 1]}
+      - shape: {box: {size: [0.2, 0.9, 0.2]}}
+        motion: kinematic
+        position: [-0.3, 0, 0.12]
+        velocity: [0.2, 0, 0]
+      - pile:
+          count: 60
+          columns: [3, 3]
+          mix:
+            - {shape: {sphere: {radius: 0.08}}, scale: [0.6, 1.4]}
+            - {shape: {box: {size: [0.2, 0.15, 0.1]}}, scale: [0.5, 1.2]}
+        density: 2600
+        position: [0, 0, 0.3]
+        velocity: [0, 0, -3]
+"""
+
+
+def frame_of(checkpoint):
+    with h5py.File(checkpoint, "r") as file:
+        return int(file.attrs["frame"])
+
+
+class Restart(ProgramTest):
+    def first_half(self, scene, *options, ranks=2):
+        self.good(scene, "half", "-set", "time.frames=30", *options, ranks=ranks)
+        checkpoint = self.folder / "half" / "checkpoint.h5"
+        self.assertEqual(frame_of(checkpoint), 30)
+        return checkpoint
+
+    def check(self, *options, ranks=(1, 3)):
+        scene = self.scene(PILE)
+        whole = self.good(scene, "whole", *options, ranks=2)
+        checkpoint = self.first_half(scene, *options)
+        rows = comparable(self.folder / "whole/report.csv")
+        for n in ranks:
+            with self.subTest(ranks=n):
+                name = f"rest_{n}"
+                rest = self.good(scene, name, "-restart", checkpoint, *options, ranks=n)
+                self.assertEqual(rest.state, whole.state)
+                self.assertEqual(contents(self.folder / name / "checkpoint.h5"), contents(self.folder / "whole/checkpoint.h5"))
+                self.assertEqual(comparable(self.folder / name / "report.csv"), [rows[0], *rows[31:]])
+                with h5py.File(self.folder / name / "frames.h5") as a, h5py.File(self.folder / "whole/frames.h5") as b:
+                    self.assertEqual(list(a["frames"]), ["000040", "000060"])
+                    for frame in a["frames"]:
+                        for field in a["frames"][frame]:
+                            self.assertTrue((a["frames"][frame][field][:] == b["frames"][frame][field][:]).all(), field)
+        self.assertNotEqual(self.good(scene, "changed", *options, "-set", "bodies[2].velocity=[0, 0, -2]").state, whole.state)
+
+    def test_accelerated_jacobi(self):
+        self.check()
+
+    def test_gauss_seidel_and_substeps(self):
+        self.check("-set", "time.substeps=3", "-set", "solver.name=gauss_seidel", "-set", "solver.iterations=20")
+
+    def test_warm_started_position_stage(self):
+        self.check("-set", "solver.stages=position", "-set", "solver.name=jacobi", ranks=(3,))
+
+    def test_another_scene_or_setting_is_refused(self):
+        scene = self.scene(PILE)
+        checkpoint = self.first_half(scene)
+        other = self.scene(PILE.replace("count: 60", "count: 61"), "other.yaml")
+        before = tree(self.folder)
+        for path, setting in ((other, []), (scene, ["gravity=[0, 0, -1.62]"]), (scene, ["solver.name=gauss_seidel"]),
+                              (scene, ["solver.iterations=51"]), (scene, ["time.step=0.01"]), (scene, ["time.substeps=2"]),
+                              (scene, ["materials.stone.friction=0.41"]), (scene, ["solver.friction=box"]),
+                              (scene, ["solver.leak=0.25"])):
+            with self.subTest(path=path.name, setting=setting):
+                options = [word for text in setting for word in ("-set", text)]
+                run = unibody(path, "-output", self.folder / "rest", "-restart", checkpoint, *options, timeout=60)
+                self.assertEqual(run.code, 2, run.err)
+                self.assertEqual(len(run.message), 1, run.err)
+                self.assertIn(str(checkpoint), run.message[0])
+                self.assertEqual(tree(self.folder), before, "something was written")
+        # What is written, and how long the run is, may change.
+        self.good(scene, "rest", "-restart", checkpoint, "-set", "output.every=7", "-set", "time.frames=33", "-set", "title=other")
+
+    def test_damaged_checkpoints_are_refused(self):
+        scene = self.scene(PILE)
+        checkpoint = self.first_half(scene)
+        whole = contents(checkpoint)
+        for share in (0, 0.1, 0.5, 0.9):
+            with self.subTest(share=share):
+                cut = self.folder / "cut.h5"
+                cut.write_bytes(whole[:int(share * len(whole))])
+                before = tree(self.folder)
+                run = unibody(scene, "-output", self.folder / "rest", "-restart", cut, timeout=60)
+                self.assertEqual(run.code, 2, run.err)
+                self.assertEqual(len(run.message), 1, run.err)
+                self.assertIn(str(cut), run.message[0])
+                self.assertEqual(tree(self.folder), before, "something was written")
+
+    def test_a_killed_run_can_go_on(self):
+        """Killed again and again while it writes a checkpoint a frame: what it leaves is always whole."""
+        scene = self.scene(PILE)
+        options = ["-set", "output.checkpoint_every=1", "-set", "output.every=0"]
+        whole = self.good(scene, "whole", *options, ranks=2)
+        for attempt in range(3):
+            output = self.folder / f"killed_{attempt}"
+            process = start(command([scene, "-output", output, *options, "-set", "time.frames=100000"], 2))
+            deadline = time.monotonic() + 60
+            while not (output / "checkpoint.h5").exists() and time.monotonic() < deadline:
+                time.sleep(0.01)
+            time.sleep(0.05 + 0.037 * attempt)
+            ranks = children(process.pid)
+            self.assertEqual(len(ranks), 2, "mpirun has other children than the two ranks")
+            for rank in ranks:
+                os.kill(rank, signal.SIGKILL)
+            end(process)
+            frame = frame_of(output / "checkpoint.h5")
+            self.assertGreater(frame, 0)
+            self.assertFalse((output / "summary.json").exists())
+            last = max(60, frame + 5)
+            expected = whole
+            if last != 60:  # the machine was faster than foreseen
+                expected = self.good(scene, f"long_{attempt}", *options, "-set", f"time.frames={last}")
+            rest = self.good(scene, f"rest_{attempt}", "-restart", output / "checkpoint.h5", *options, "-set",
+                             f"time.frames={last}", ranks=1 + attempt)
+            self.assertEqual(rest.state, expected.state)
+
+    def test_in_the_same_folder(self):
+        scene = self.scene(PILE)
+        whole = self.good(scene, "whole")
+        checkpoint = self.first_half(scene)
+        kept = shutil.copy(checkpoint, self.folder / "kept.h5")
+        refused = unibody(scene, "-output", self.folder / "half", "-restart", checkpoint, timeout=60)
+        self.assertEqual(refused.code, 2, "the first half's results would be lost")
+        self.assertEqual(contents(checkpoint), contents(kept))
+        self.assertEqual(self.good(scene, "half", "-overwrite", "-restart", checkpoint).state, whole.state)
+        self.assertEqual(frame_of(checkpoint), 60)
+
+    def test_nothing_left_to_do(self):
+        """A checkpoint of the last frame, or of a later one: no frame is run, and the state is the checkpoint's."""
+        scene = self.scene(PILE)
+        self.first_half(scene)
+        for frames, code in ((30, 0), (20, 2)):
+            with self.subTest(frames=frames):
+                run = unibody(scene, "-output", self.folder / f"rest_{frames}", "-restart", self.folder / "half/checkpoint.h5",
+                              "-set", f"time.frames={frames}", timeout=60)
+                self.assertEqual(run.code, code, run.err)
+                if code == 0:
+                    self.assertEqual(run.state, unibody(scene, "-output", self.folder / "again", "-set", "time.frames=30").state)
+                else:
+                    self.assertIn("frame 30", run.message[0])
+                    self.assertFalse((self.folder / "rest_20").exists())
+
+
+def children(pid):
+    """The processes that mpirun has started itself."""
+    with open(f"/proc/{pid}/task/{pid}/children") as file:
+        listed = {int(word) for word in file.read().split()}
+    # Some kernels give no list: then all processes are asked for their parent.
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            try:
+                with open(f"/proc/{name}/stat") as file:
+                    if int(file.read().rsplit(")", 1)[1].split()[1]) == pid:
+                        listed.add(int(name))
+            except OSError:
+                pass
+    return sorted(listed)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
