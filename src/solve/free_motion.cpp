@@ -42,7 +42,9 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
     v += step * (gravity + body.force / body.mass);
     motion.isotropic = has_isotropic_inertia(body, planar);
     if (motion.isotropic) {
-      motion.body.inverse_inertia = 1 / body.inertia.y();
+      const double inverse = 1 / body.inertia.y();
+      motion.body.inverse_inertia = inverse;
+      motion.inverse_inertia = {inverse, inverse, inverse, 0, 0, 0};  // for blocks that a box shares
       w += step * body.torque / body.inertia.y();
     } else {
       const Mat3 R = state.orientation.toRotationMatrix();
