@@ -83,7 +83,7 @@ TEST_P(RanksBitwise, AnyPartitionGivesTheStatesOfOneRank) {
   EXPECT_EQ(together(text, 2, 13), expected) << "random, with migration";
 }
 
-INSTANTIATE_TEST_SUITE_P(Solvers, RanksBitwise, ::testing::ValuesIn(solvers));
+INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwise, ::testing::ValuesIn(solvers));
 
 // Controls: the hash sees a change in the last bit of one number, and moves with time.
 TEST(RanksBitwiseControl, AChangedSceneDiffers) {
