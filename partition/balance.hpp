@@ -20,8 +20,8 @@ class Balance {
   // Collective. New homes of this rank's home bodies; before the first step contacts are empty and all bodies cost the same.
   std::vector<int> homes(const World& world, const Contacts& contacts) const;
 
-  // Collective. Largest work of a rank over the mean, 1 when even; work is counted (points evaluated, bodies moved), not timed, so
-  // that the report is the same on each run.
+  // Collective. Largest work of a rank over the mean, 1 when even; work is counted (points evaluated, bodies moved), not timed,
+  // so that the report is the same on each run.
   double imbalance(const World& world, const Contacts& contacts);
 
   // Whether homes() is worth its price now: imbalance or the number of guests has passed its bound since the last change.

@@ -23,7 +23,8 @@ bool contains(const Bounds& outer, const Bounds& inner) {
   return (outer.lower.array() <= inner.lower.array()).all() && (inner.upper.array() <= outer.upper.array()).all();
 }
 
-// A cell's key wraps round after 2^21 cells an axis: two far cells may share a key, which costs a needless guest and nothing else.
+// A cell's key wraps round after 2^21 cells an axis: two far cells may share a key, which costs a needless guest and nothing
+// else.
 std::int64_t cell_key(std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr std::int64_t mask = (1 << 21) - 1;
   return (x & mask) << 42 | (y & mask) << 21 | (z & mask);
@@ -181,7 +182,8 @@ void Halo::find_guests(World& world, const CollideSettings& settings) {
         if (large_body || theirs.meets(b, cell)) to[k].push_back({world.body(i), first + static_cast<std::int64_t>(i), rank_});
       }
     }
-    for (const auto& list : exchange_with(comm_, neighbours, to, tag_guests)) guests.insert(guests.end(), list.begin(), list.end());
+    for (const auto& list : exchange_with(comm_, neighbours, to, tag_guests))
+      guests.insert(guests.end(), list.begin(), list.end());
     std::sort(guests.begin(), guests.end(), [](const Guest& a, const Guest& b) { return a.body.id < b.body.id; });
   }
 

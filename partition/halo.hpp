@@ -1,9 +1,10 @@
 // Halo: who shares which body (design: home computes).
 //
-// Each body has one home rank, which alone moves it. A rank keeps copies, "guests", of the bodies of other ranks whose swept bounds
-// may meet those of its own; with them it evaluates every constraint of its home bodies, so that nothing but the bodies' states ever
-// travels. Two ranks find the bodies that they share by comparing the cells of space that their bodies touch; the bounds are taken
-// somewhat too large, so that the list serves for several steps. The price: guests that never touch anything are refreshed as well.
+// Each body has one home rank, which alone moves it. A rank keeps copies, "guests", of the bodies of other ranks whose swept
+// bounds may meet those of its own; with them it evaluates every constraint of its home bodies, so that nothing but the bodies'
+// states ever travels. Two ranks find the bodies that they share by comparing the cells of space that their bodies touch; the
+// bounds are taken somewhat too large, so that the list serves for several steps. The price: guests that never touch anything are
+// refreshed as well.
 //
 // The global state lives in four ghosted PETSc Vecs over the World's own arrays: homes first, then guests.
 #pragma once
@@ -24,8 +25,8 @@ class Halo {
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
 
-  // Collective. Brings the guests' states up to date; finds the guests anew where bodies have left the bounds that the present list
-  // was made for, or after reset(). The World's slots of guests and statics may move.
+  // Collective. Brings the guests' states up to date; finds the guests anew where bodies have left the bounds that the present
+  // list was made for, or after reset(). The World's slots of guests and statics may move.
   void refresh_guests(World& world, const CollideSettings& settings);
 
   // The home bodies have changed: the next refresh finds the guests anew.

@@ -29,7 +29,8 @@ class RecordType {
 // Each neighbour sends to and receives from each other: to[i] goes to ranks[i], the result's i-th list came from it.
 // Both sides must name each other.
 template <typename T>
-std::vector<std::vector<T>> exchange_with(MPI_Comm comm, std::span<const int> ranks, const std::vector<std::vector<T>>& to, int tag) {
+std::vector<std::vector<T>> exchange_with(MPI_Comm comm, std::span<const int> ranks, const std::vector<std::vector<T>>& to,
+                                          int tag) {
   static_assert(std::is_trivially_destructible_v<T>);  // plain data; Eigen's fixed sizes are, though not by the letter
   const RecordType type(sizeof(T));
   std::vector<MPI_Request> sends(ranks.size());

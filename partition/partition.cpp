@@ -53,7 +53,8 @@ struct Graph {
 
 Graph graph_of(const std::vector<Cell>& cells) {
   Graph g;
-  const float heaviest = std::max_element(cells.begin(), cells.end(), [](auto& a, auto& b) { return a.weight < b.weight; })->weight;
+  const float heaviest =
+      std::max_element(cells.begin(), cells.end(), [](auto& a, auto& b) { return a.weight < b.weight; })->weight;
   const float unit = std::max(1e-30f, heaviest / 1000);
   for (const Cell& c : cells) g.node_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(c.weight / unit))));
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -89,8 +90,9 @@ std::vector<idx_t> cut(const std::vector<Cell>& cells, int ranks) {
   const auto method = ranks <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
   const int status = method(&nodes, &constraints, g.begin.data(), g.neighbour.data(), g.node_weight.data(), nullptr,
                             g.edge_weight.data(), &parts, nullptr, nullptr, options, &edge_cut, part.data());
-  if (status != METIS_OK) throw RunError("METIS failed with status " + std::to_string(status) + " on a graph of " +
-                                         std::to_string(cells.size()) + " cells");
+  if (status != METIS_OK)
+    throw RunError("METIS failed with status " + std::to_string(status) + " on a graph of " + std::to_string(cells.size()) +
+                   " cells");
   return part;
 }
 

@@ -1,7 +1,7 @@
 # Sourced by the bash scripts: where the project is, what a machine needs, how MPI is started.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 
-packages=(g++ cmake ninja-build ccache clang-format pkgconf
+packages=(g++ cmake make ninja-build ccache clang-format pkgconf
   libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libhdf5-openmpi-dev libeigen3-dev libyaml-cpp-dev libgtest-dev
   python3 python3-numpy python3-h5py python3-matplotlib python3-vtk9 xvfb)
 bench_packages=(libbullet-dev liggghts)

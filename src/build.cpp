@@ -19,6 +19,10 @@ World build_world(MPI_Comm comm, const Scene& scene) {
       (group.is_static ? statics : homes).push_back(body);
     }
   }
+  return make_world(homes, statics);
+}
+
+World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics) {
   World world;
   world.homes = homes.size();
   world.resize(homes.size() + statics.size());

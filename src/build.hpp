@@ -11,4 +11,7 @@ namespace unibody {
 // This rank's share of the moving bodies, by number alone, and all statics. No rank makes a body that it does not keep.
 World build_world(MPI_Comm comm, const Scene& scene);
 
+// A world of these home bodies and statics, each in ascending id; no guests yet.
+World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics);
+
 }  // namespace unibody

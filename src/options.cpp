@@ -10,8 +10,9 @@ namespace unibody {
 namespace {
 
 // The PETSc options that make sense for this program begin with one of these; anything else is a typing error.
-constexpr std::string_view petsc_prefixes[] = {"-log_", "-options_", "-malloc", "-memory_", "-vec_", "-sf_", "-on_error", "-fp_trap",
-                                               "-info", "-version", "-no_signal", "-debugger", "-start_in_debugger", "-check_pointer"};
+constexpr std::string_view petsc_prefixes[] = {
+    "-log_",    "-options_",  "-malloc",   "-memory_",           "-vec_",         "-sf_", "-on_error", "-fp_trap", "-info",
+    "-version", "-no_signal", "-debugger", "-start_in_debugger", "-check_pointer"};
 
 std::uint64_t seed_of(const std::string& value) {
   const std::string_view prefix = "random:";

@@ -15,11 +15,11 @@ struct Options {
   std::string output = "results";
   bool overwrite = false;
   bool help = false;
-  std::string restart;                          // checkpoint to go on from; empty: start anew
-  std::vector<Override> overrides;              // -set
+  std::string restart;                            // checkpoint to go on from; empty: start anew
+  std::vector<Override> overrides;                // -set
   std::optional<std::uint64_t> random_partition;  // seed; none: METIS
   bool rebalance = true;
-  std::vector<std::string> petsc;               // the rest
+  std::vector<std::string> petsc;  // the rest
 };
 
 // Throws InputError for an option that neither the program nor PETSc knows, or that lacks its value.

@@ -2,15 +2,212 @@
 
 #include <petscsys.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <fstream>
+#include <sstream>
 
 #include "build.hpp"
+#include "core/errors.hpp"
 #include "core/phases.hpp"
 #include "partition/balance.hpp"
+#include "report/checkpoint.hpp"
+#include "report/output.hpp"
+#include "report/progress.hpp"
+#include "report/report.hpp"
 #include "report/state_hash.hpp"
+#include "report/summary.hpp"
 #include "step.hpp"
 
 namespace unibody {
+
+namespace {
+
+// PETSc from here to there, with the options that are its own.
+class PetscSession {
+ public:
+  explicit PetscSession(const std::vector<std::string>& options) {
+    words_ = {"unibody"};
+    words_.insert(words_.end(), options.begin(), options.end());
+    for (std::string& word : words_) argv_.push_back(word.data());
+    argv_.push_back(nullptr);
+    int argc = static_cast<int>(words_.size());
+    char** argv = argv_.data();
+    PetscInitialize(&argc, &argv, nullptr, nullptr);
+  }
+  ~PetscSession() { PetscFinalize(); }
+  PetscSession(const PetscSession&) = delete;
+  PetscSession& operator=(const PetscSession&) = delete;
+
+ private:
+  std::vector<std::string> words_;
+  std::vector<char*> argv_;
+};
+
+// What must not change between a checkpoint and the run that goes on from it. How long the run is, and what it writes, may.
+std::string physics_of(const Scene& scene) {
+  std::ostringstream text;
+  text.precision(17);
+  const SolverSettings& s = scene.solver;
+  text << scene.time.step << ' ' << scene.time.substeps << ' ' << scene.gravity.transpose() << ' ' << scene.planar << ' '
+       << s.name << ' ' << s.iterations << ' ' << s.tolerance << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start << ' '
+       << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.order)
+       << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
+  for (const std::string& material : scene.materials) text << material << ' ';
+  for (const double mu : scene.friction) text << mu << ' ';
+  for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
+  return text.str();
+}
+
+// The world at the checkpoint: each rank reads its share of the moving bodies, and all statics.
+std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, Simulation& simulation) {
+  const Checkpoint checkpoint(comm, options.restart, fingerprint(physics_of(scene)));
+  int rank = 0, size = 1;
+  MPI_Comm_rank(comm, &rank);
+  MPI_Comm_size(comm, &size);
+  const Id begin = checkpoint.body_count() * rank / size, end = checkpoint.body_count() * (rank + 1) / size;
+  std::vector<Body> homes, statics;
+  for (const BodyGroup& group : scene.groups) {
+    const Id first = group.is_static ? group.first : std::max(group.first, begin);
+    const Id last = group.is_static ? group.first + group.count : std::min(group.first + group.count, end);
+    if (first >= last) continue;
+    auto& to = group.is_static ? statics : homes;
+    const auto bodies = checkpoint.read_bodies(first, last);
+    to.insert(to.end(), bodies.begin(), bodies.end());
+  }
+  simulation.world = make_world(homes, statics);
+  simulation.multipliers = checkpoint.read_multipliers(simulation.world);
+  return checkpoint.frame();
+}
+
+// Where the wall time of a frame went, the slowest rank's figure for each phase.
+class FrameTimes {
+ public:
+  FrameTimes(MPI_Comm comm, const PhaseClock& clock) : comm_(comm), clock_(clock), before_(clock.seconds()) {
+    for (std::size_t i = 0; i < phases.size(); ++i) phases[i].name = phase_names[i];
+  }
+  void frame_done(FrameReport& report) {
+    std::array<double, phase_names.size()> spent = clock_.seconds();
+    for (std::size_t i = 0; i < spent.size(); ++i) spent[i] -= before_[i];
+    before_ = clock_.seconds();
+    MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_);
+    for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
+    const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
+    report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
+    report.wall_halo = of(Phase::halo), report.wall_output = of(Phase::output);
+  }
+  std::vector<PhaseTimes> phases = std::vector<PhaseTimes>(phase_names.size());
+
+ private:
+  MPI_Comm comm_;
+  const PhaseClock& clock_;
+  std::array<double, phase_names.size()> before_;
+};
+
+std::string describe_bad_body(const Scene& scene, const Simulation& simulation, Id id, std::int64_t frame) {
+  std::string text = "frame " + std::to_string(frame) + ": the state of body " + std::to_string(id) + " (" + scene.body_name(id) +
+                     ") is no longer finite; ";
+  const auto touches = [&](const Manifold& m) { return m.id_a == id || m.id_b == id; };
+  const Contacts& contacts = simulation.contacts;
+  const auto it = std::find_if(contacts.manifolds.begin(), contacts.manifolds.end(), touches);
+  if (it == contacts.manifolds.end()) return text + "no constraint acts on it";
+  return text + "constraint: contact with body " + std::to_string(it->id_a == id ? it->id_b : it->id_a) + " (" +
+         scene.body_name(it->id_a == id ? it->id_b : it->id_a) + ")";
+}
+
+// Stops the run, naming the body with the smallest id of those that went wrong. Its home rank knows its contacts.
+[[noreturn]] void stop_at_bad_body(MPI_Comm comm, const Scene& scene, const Simulation& simulation, Id bad, std::int64_t frame) {
+  int rank = 0, teller = -1;
+  MPI_Comm_rank(comm, &rank);
+  const auto homes_end = simulation.world.id.begin() + static_cast<std::ptrdiff_t>(simulation.world.homes);
+  if (std::binary_search(simulation.world.id.begin(), homes_end, bad)) teller = rank;
+  std::array<char, 512> text{};
+  if (teller == rank) describe_bad_body(scene, simulation, bad, frame).copy(text.data(), text.size() - 1);
+  MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MAX, comm);
+  MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, teller, comm);
+  throw RunError(text.data());
+}
+
+std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  const double start = MPI_Wtime();
+  PhaseClock clock;
+  Simulation simulation(comm, scene, clock);
+  Summary summary;
+  if (options.restart.empty())
+    simulation.world = build_world(comm, scene);
+  else
+    summary.first_frame = restore(comm, scene, options, simulation);
+  simulation.set_tolerance_from_bodies();
+  Balance balance(comm, options.random_partition, options.rebalance);
+  simulation.move_homes(balance.homes(simulation.world, {}));
+
+  prepare_output_directory(comm, options.output, options.overwrite, options.restart);
+  const std::string checkpoint_path = options.output + "/checkpoint.h5";
+  ReportFile report_file(comm, options.output + "/report.csv");
+  std::optional<Output> frames;
+  if (scene.output.every > 0) frames.emplace(comm, options.output, scene.output, scene.body_count(), simulation.world);
+  const auto write = [&](std::int64_t frame) {
+    const PhaseClock::Scope scope(clock, Phase::output);
+    const double time = static_cast<double>(frame) * scene.time.step;
+    if (frames && frame % scene.output.every == 0) frames->write(frame, time, simulation.world);
+    const int every = scene.output.checkpoint_every;
+    if (frame > summary.first_frame && every >= 0 && ((every > 0 && frame % every == 0) || frame == scene.time.frames))
+      write_checkpoint(comm, checkpoint_path, fingerprint(physics_of(scene)), frame, time, scene.body_count(), simulation.world,
+                       simulation.multipliers);
+  };
+  write(summary.first_frame);
+
+  for (const BodyGroup& group : scene.groups) summary.dynamic_bodies += group.is_static ? 0 : group.count;
+  Progress progress(rank, summary.first_frame, scene.time.frames, summary.dynamic_bodies);
+  FrameTimes times(comm, clock);
+  for (std::int64_t frame = summary.first_frame + 1; frame <= scene.time.frames; ++frame) {
+    if (balance.due()) {
+      simulation.move_homes(balance.homes(simulation.world, simulation.contacts));
+      balance.changed();
+    }
+    FrameReport report;
+    report.step = frame, report.time = static_cast<double>(frame) * scene.time.step;
+    report.converged = true;
+    for (int s = 0; s < scene.time.substeps; ++s) {
+      const StepReport step = simulation.step();
+      report.iterations += step.iterations, report.sliding_contacts = step.sliding;
+      report.natural_residual = std::max(report.natural_residual, step.residual);
+      report.converged &= step.converged;
+    }
+    simulation.detect();
+    report.measures =
+        measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
+    if (report.measures.bad_body >= 0) stop_at_bad_body(comm, scene, simulation, report.measures.bad_body, frame);
+    report.imbalance = balance.imbalance(simulation.world, simulation.contacts);
+    write(frame);
+    times.frame_done(report);
+    report_file.append(report);
+    progress.frame_done(report);
+    summary.final = report;
+  }
+
+  summary.state_hash = state_hash(comm, simulation.world);
+  summary.overrides = options.overrides, summary.restarted_from = options.restart;
+  summary.last_frame = scene.time.frames;
+  summary.wall_total = MPI_Wtime() - start;
+  summary.phases = times.phases;
+  summary.files = {"report.csv"};
+  if (frames) summary.files.insert(summary.files.end(), {"frames.h5", "frames.xdmf"});
+  if (scene.output.checkpoint_every >= 0 && scene.time.frames > summary.first_frame) summary.files.push_back("checkpoint.h5");
+  summary.files.push_back("summary.json");
+  write_summary(comm, options.output + "/summary.json", scene, summary);
+  if (rank == 0) {
+    std::printf("wrote in %s:", options.output.c_str());
+    for (const std::string& file : summary.files) std::printf(" %s", file.c_str());
+    std::printf("\n");
+  }
+  return summary.state_hash;
+}
+
+}  // namespace
 
 int run(MPI_Comm comm, const Options& options) {
   int rank = 0;
@@ -20,31 +217,17 @@ int run(MPI_Comm comm, const Options& options) {
     return 0;
   }
   const Scene scene = read_scene(options.scene, options.overrides);
-  PetscInitializeNoArguments();
-  PhaseClock clock;
-  Simulation simulation(comm, scene, clock);
-  simulation.world = build_world(comm, scene);
-  simulation.set_tolerance_from_bodies();
-  Balance balance(comm, options.random_partition, options.rebalance);
-  simulation.move_homes(balance.homes(simulation.world, {}));
-  for (std::int64_t frame = 1; frame <= scene.time.frames; ++frame) {
-    StepReport report;
-    for (int s = 0; s < scene.time.substeps; ++s) report = simulation.step();
-    simulation.detect();
-    double worst = 0;
-    for (const ContactPoint& p : simulation.contacts.points) worst = std::max(worst, -p.gap);
-    const double imbalance = balance.imbalance(simulation.world, simulation.contacts);
-    if (rank == 0 && frame % 20 == 0)
-      std::printf("%ld it %d res %.2e pen %.2e sliding %ld points %zu imb %.3f | collide %.3f solve %.3f halo %.3f part %.3f\n", frame, report.iterations,
-                  report.residual, worst, report.sliding, simulation.contacts.points.size(), imbalance, clock[Phase::collide], clock[Phase::solve],
-                  clock[Phase::halo], clock[Phase::partition]);
-    if (balance.due() && frame % 10 == 0) {
-      simulation.move_homes(balance.homes(simulation.world, simulation.contacts));
-      balance.changed();
-    }
+  int size = 1;
+  MPI_Comm_size(comm, &size);
+  if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential && size > 1)
+    throw InputError(scene.path + ": key 'solver.order': found sequential on " + std::to_string(size) +
+                     " ranks, expected coloured (a sequential sweep runs on one rank only)");
+  std::uint64_t hash = 0;
+  {
+    const PetscSession petsc(options.petsc);
+    hash = simulate(comm, scene, options);
   }
-  const auto hash = state_hash(comm, simulation.world);
-  if (rank == 0) std::printf("state %016lx\n", hash);
+  if (rank == 0) std::printf("state %016llx\n", static_cast<unsigned long long>(hash));
   return 0;
 }
 

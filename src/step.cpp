@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "partition/migrate.hpp"
-#include "solve/colouring.hpp"
 #include "solve/free_motion.hpp"
 #include "solve/recall.hpp"
 
@@ -82,6 +81,24 @@ void Simulation::predict() {
   }
 }
 
+// Manifold numbers colour by colour, and within a colour by length, so that the four lanes of a block have much the same length.
+// A counting sort: stable, so that equal ones stay in key order.
+std::vector<std::uint32_t> Simulation::by_colour_and_length(const Colouring& colouring,
+                                                            std::vector<std::uint32_t>& groups) const {
+  constexpr std::size_t lengths = 9;
+  const std::size_t n = contacts.manifolds.size();
+  const auto bucket = [&](std::size_t m) {
+    return static_cast<std::size_t>(colouring.colour[m]) * lengths + (lengths - 1 - contacts.manifolds[m].count);
+  };
+  std::vector<std::uint32_t> begin(colouring.colours * lengths + 1, 0), order(n);
+  for (std::size_t m = 0; m < n; ++m) ++begin[bucket(m) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  groups.resize(colouring.colours);
+  for (std::size_t c = 0; c < colouring.colours; ++c) groups[c] = begin[(c + 1) * lengths];
+  for (std::size_t m = 0; m < n; ++m) order[begin[bucket(m)]++] = static_cast<std::uint32_t>(m);
+  return order;
+}
+
 // Lays out the contacts: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow it.
 void Simulation::build_system() {
   const std::size_t n = contacts.manifolds.size();
@@ -104,90 +121,65 @@ void Simulation::build_system() {
     std::iota(groups.begin(), groups.end(), 1);
   } else {
     const Colouring colouring = colour_manifolds(world, contacts, cut_);
-    const auto& colour = colouring.colour;
-    // Within a colour the longest manifolds first, so that the four lanes of a block have much the same length.
-    const auto rank_of = [&](std::uint32_t m) { return std::pair(colour[m], -static_cast<int>(contacts.manifolds[m].count)); };
-    std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return rank_of(i) < rank_of(j); });
-    groups.assign(colouring.colours, 0);
-    for (const std::int32_t c : colour) ++groups[static_cast<std::size_t>(c)];
-    std::partial_sum(groups.begin(), groups.end(), groups.begin());
-    cut_.set_colours(colour, colouring.colours);
+    order = by_colour_and_length(colouring, groups);
+    cut_.set_colours(colouring.colour, colouring.colours);
   }
   system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
                          scene_.solver, step_);
 }
 
-SolveReport Simulation::run_stage(Stage::Kind kind, int iterations, std::vector<ContactBatch::Impulse> start) {
+// Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
+SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
   system_.contacts.start_stage(stage);
-  system_.contacts.set_impulses(start);
-  if (!start.empty()) {
-    system_.contacts.add_impulses(system_.wrenches);
-    system_.apply_wrenches();
-    cut_.exchange(system_.bodies);
-  }
   system_.before_iteration = nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
-  return solver_.solve(system_, cut_, iterations, tolerance_);
-}
-
-std::vector<ContactBatch::Impulse> Simulation::impulses() const {
-  std::vector<ContactBatch::Impulse> all(contacts.points.size());
-  system_.contacts.get_impulses(all);
-  return all;
-}
-
-// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions, from
-// zero. A share of what the second had to add leaks into what the first starts from next time (notes 6.2). Or positions alone.
-StepReport Simulation::solve() {
-  build_system();
-  const int iterations = scene_.solver.iterations;
-  std::vector<ContactBatch::Impulse> start = recall(multipliers, world, contacts, step_), kept;
-  SolveReport velocity, position;
-  if (scene_.solver.stages == Stages::two) {
-    velocity = run_stage(Stage::Kind::velocity, iterations / 2, std::move(start));
-    kept = impulses();
-    position = run_stage(Stage::Kind::position, iterations - iterations / 2, {});
-  } else {
-    for (auto& i : start) i.n *= scene_.solver.warm_start, i.s *= scene_.solver.warm_start, i.t *= scene_.solver.warm_start;
-    position = run_stage(Stage::Kind::position, iterations, std::move(start));
-  }
+  const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance_);
   if (system_.before_iteration) system_.before_iteration();
-
-  StepReport report;
-  report.iterations = velocity.iterations + position.iterations;
-  double residual = system_.contacts.residual(system_.bodies);
-  MPI_Allreduce(&residual, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
-  report.converged = report.residual <= tolerance_;
-
-  std::vector<ContactBatch::Impulse> last = impulses();
-  if (scene_.solver.stages == Stages::two) {
-    const double leak = scene_.solver.leak >= 0 ? scene_.solver.leak : solver_.leak(iterations);
-    for (std::size_t i = 0; i < last.size(); ++i) {
-      const auto total = ContactBatch::Impulse{kept[i].n + last[i].n, kept[i].s + last[i].s, kept[i].t + last[i].t};
-      kept[i].n += leak * last[i].n, kept[i].s += leak * last[i].s, kept[i].t += leak * last[i].t;
-      last[i] = total;
-    }
-    remember(multipliers, world, contacts, kept, step_);
-  } else {
-    remember(multipliers, world, contacts, last, step_);
-  }
-  report.sliding = count_sliding(last);
   return report;
 }
 
-std::int64_t Simulation::count_sliding(std::span<const ContactBatch::Impulse> total) const {
-  std::int64_t sliding = 0;
-  for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) {
-    const Manifold& manifold = contacts.manifolds[m];
-    if (!system_.counted[m] || manifold.friction <= 0) continue;
-    for (std::uint32_t p = manifold.first; p < manifold.first + manifold.count; ++p)
-      sliding += total[p].n > 0 && std::hypot(total[p].s, total[p].t) >= 0.999 * manifold.friction * total[p].n;
+// Starts from a share of the last step's multipliers.
+void Simulation::warm_start(double share) {
+  std::vector<ContactBatch::Impulse> start;
+  if (share > 0) start = recall(multipliers, world, contacts, share * step_);
+  system_.contacts.set_impulses(start);
+  if (start.empty()) return;
+  system_.contacts.add_impulses(system_.wrenches);
+  system_.apply_wrenches();
+  cut_.exchange(system_.bodies);
+}
+
+// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions,
+// from zero. A share of what the second had to add leaks into what the first starts from next time (notes 6.2). Or positions
+// alone.
+StepReport Simulation::solve() {
+  build_system();
+  const SolverSettings& settings = scene_.solver;
+  const bool two_stages = settings.stages == Stages::two;
+  StepReport report;
+  warm_start(two_stages ? 1 : settings.warm_start);
+  if (two_stages) {
+    report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
+    system_.contacts.keep_impulses();
   }
-  MPI_Allreduce(MPI_IN_PLACE, &sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
-  return sliding;
+  report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
+  measure_solution(report);
+  if (two_stages) system_.contacts.leak_impulses(settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations));
+  impulses_.resize(contacts.points.size());
+  system_.contacts.get_impulses(impulses_);
+  remember(multipliers, world, contacts, impulses_, step_);
+  return report;
+}
+
+void Simulation::measure_solution(StepReport& report) {
+  report.residual = system_.contacts.residual(system_.bodies);
+  report.sliding = system_.contacts.sliding(system_.counted);
+  MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  report.converged = report.residual <= tolerance_;
 }
 
 // q = q_l (+) h v for home bodies, and for kinematic ones on every rank.
@@ -195,7 +187,8 @@ void Simulation::finalise() {
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (i >= world.homes && i < world.first_static()) continue;
     if (world.properties[i].motion == Motion::fixed) continue;
-    world.set_state(i, finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic_[i], step_, scene_.planar));
+    world.set_state(i,
+                    finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic_[i], step_, scene_.planar));
   }
 }
 

@@ -10,6 +10,7 @@
 #include "partition/cut.hpp"
 #include "partition/halo.hpp"
 #include "scene/scene.hpp"
+#include "solve/colouring.hpp"
 #include "solve/solver.hpp"
 #include "world/world.hpp"
 
@@ -49,9 +50,10 @@ class Simulation {
   void predict();
   void build_system();
   StepReport solve();
-  SolveReport run_stage(Stage::Kind kind, int iterations, std::vector<ContactBatch::Impulse> start);
-  std::vector<ContactBatch::Impulse> impulses() const;
-  std::int64_t count_sliding(std::span<const ContactBatch::Impulse> impulses) const;
+  std::vector<std::uint32_t> by_colour_and_length(const Colouring& colouring, std::vector<std::uint32_t>& groups) const;
+  void warm_start(double share);
+  SolveReport run_stage(Stage::Kind kind, int iterations);
+  void measure_solution(StepReport& report);
   void finalise();
 
   const Scene& scene_;
@@ -64,6 +66,7 @@ class Simulation {
   const Solver& solver_;
   double step_ = 0, tolerance_ = 0;
   bool detected_ = false;
+  std::vector<ContactBatch::Impulse> impulses_;
   std::vector<Vec3> gyroscopic_;  // kg m^2/s, of each home body: momentum that the predicted spin leaves out
 };
 

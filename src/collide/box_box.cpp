@@ -33,19 +33,24 @@ struct Polygon {
 
 // Keeps what has side * (u or v) <= limit (Sutherland-Hodgman).
 template <double Corner::*coordinate>
-void clip(const Polygon& from, double side, double limit, std::uint8_t label, Polygon& to) {
-  to.count = 0;
+void clip(Polygon& polygon, double side, double limit, std::uint8_t label) {
+  const Polygon from = polygon;
+  polygon.count = 0;
+  double beyond_p = side * from.corner[0].*coordinate - limit;
   for (int i = 0; i < from.count; ++i) {
     const Corner& p = from.corner[i];
     const Corner& q = from.corner[i + 1 < from.count ? i + 1 : 0];
-    const double dp = side * p.*coordinate - limit, dq = side * q.*coordinate - limit;
-    if (dp <= 0) to.corner[to.count++] = p;
-    if ((dp <= 0) == (dq <= 0)) continue;
-    const double t = dp / (dp - dq);
-    Corner& c = to.corner[to.count++];
-    c = {p.u + t * (q.u - p.u), p.v + t * (q.v - p.v), p.height + t * (q.height - p.height), p.out, p.out};
-    (dp <= 0 ? c.out : c.in) = label;
-    c.*coordinate = side * limit;
+    const double beyond_q = side * q.*coordinate - limit;
+    const bool keep = beyond_p <= 0;
+    if (keep) polygon.corner[polygon.count++] = p;
+    if (keep != (beyond_q <= 0)) {
+      const double t = beyond_p / (beyond_p - beyond_q);
+      Corner& c = polygon.corner[polygon.count++];
+      c = {p.u + t * (q.u - p.u), p.v + t * (q.v - p.v), p.height + t * (q.height - p.height), p.out, p.out};
+      (keep ? c.out : c.in) = label;
+      c.*coordinate = side * limit;
+    }
+    beyond_p = beyond_q;
   }
 }
 
@@ -108,20 +113,18 @@ FaceClip clip_faces(const Frame& f, int k, double side) {
 
   const double s1[4] = {1, -1, -1, 1}, s2[4] = {1, 1, -1, -1};
   Polygon& p = c.polygon;
-  bool inside = true;
+  bool beyond[4] = {};  // some corner is beyond this side of the reference face
   for (int i = 0; i < 4; ++i) {
     const double u = centre[ku] + s1[i] * e1[ku] + s2[i] * e2[ku], v = centre[kv] + s1[i] * e1[kv] + s2[i] * e2[kv];
     const double h = side * (centre[k] + s1[i] * e1[k] + s2[i] * e2[k]) - hk;
     p.corner[i] = {u, v, h, static_cast<std::uint8_t>((i + 3) & 3), static_cast<std::uint8_t>(i)};
-    inside = inside && std::abs(u) <= hu && std::abs(v) <= hv;
+    beyond[0] |= u > hu, beyond[1] |= v > hv, beyond[2] |= -u > hu, beyond[3] |= -v > hv;
   }
   p.count = 4;
-  if (inside) return c;
-  Polygon other;
-  clip<&Corner::u>(p, 1, hu, 4, other);
-  clip<&Corner::v>(other, 1, hv, 5, p);
-  clip<&Corner::u>(p, -1, hu, 6, other);
-  clip<&Corner::v>(other, -1, hv, 7, p);
+  if (beyond[0]) clip<&Corner::u>(p, 1, hu, 4);
+  if (beyond[1]) clip<&Corner::v>(p, 1, hv, 5);
+  if (beyond[2]) clip<&Corner::u>(p, -1, hu, 6);
+  if (beyond[3]) clip<&Corner::v>(p, -1, hv, 7);
   return c;
 }
 
@@ -238,12 +241,14 @@ BoxRelation relate_boxes(const Proxy& a, const Proxy& b) {
 bool find_axis(const BoxRelation& r, const Vec3& ha, const Vec3& hb, double margin, BoxAxis& best) {
   const double smallest = smallest_half(ha, hb);
   best = {0, -HUGE_VAL};
+#pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     const double s = std::abs(r.offset[i]) - (ha[i] + r.cosine[i][0] * hb[0] + r.cosine[i][1] * hb[1] + r.cosine[i][2] * hb[2]);
     if (s > best.separation) best = {i, s};
   }
   if (best.separation > margin) return false;
   const double face_bias = 1e-4 * smallest;  // a's faces are preferred, so that equal boxes do not swap roles from step to step
+#pragma GCC unroll 3
   for (int j = 0; j < 3; ++j) {
     const double u = r.offset[0] * r.turn[0][j] + r.offset[1] * r.turn[1][j] + r.offset[2] * r.turn[2][j];
     const double s = std::abs(u) - (hb[j] + r.cosine[0][j] * ha[0] + r.cosine[1][j] * ha[1] + r.cosine[2][j] * ha[2]);
@@ -251,18 +256,20 @@ bool find_axis(const BoxRelation& r, const Vec3& ha, const Vec3& hb, double marg
   }
   if (best.separation > margin) return false;
 
+  // s > threshold is tested as s length > threshold length, by squares: few edge axes come to a square root
   double threshold = best.separation + 1e-3 * smallest + 0.02 * std::abs(best.separation);
+#pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+#pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
       const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      const double length = r.turn[i1][j] * r.turn[i1][j] + r.turn[i2][j] * r.turn[i2][j];
-      if (length < parallel) continue;
+      const double squared = r.turn[i1][j] * r.turn[i1][j] + r.turn[i2][j] * r.turn[i2][j];
       const double s =
-          (std::abs(r.offset[i2] * r.turn[i1][j] - r.offset[i1] * r.turn[i2][j]) -
-           (ha[i1] * r.cosine[i2][j] + ha[i2] * r.cosine[i1][j] + hb[j1] * r.cosine[i][j2] + hb[j2] * r.cosine[i][j1])) /
-          std::sqrt(length);
-      if (s > threshold) threshold = s, best = {6 + 3 * i + j, s};
+          std::abs(r.offset[i2] * r.turn[i1][j] - r.offset[i1] * r.turn[i2][j]) -
+          (ha[i1] * r.cosine[i2][j] + ha[i2] * r.cosine[i1][j] + hb[j1] * r.cosine[i][j2] + hb[j2] * r.cosine[i][j1]);
+      if (s * std::abs(s) <= threshold * std::abs(threshold) * squared || squared < parallel) continue;
+      threshold = s / std::sqrt(squared), best = {6 + 3 * i + j, threshold};
     }
   }
   return best.separation <= margin;
@@ -281,12 +288,15 @@ void box_manifold(const Proxy& a, const Proxy& b, const BoxRelation& r, const Bo
   if (normal[0] * r.offset[0] + normal[1] * r.offset[1] + normal[2] * r.offset[2] < 0) normal = -normal;
 
   // the reference box: the face's, or for an edge the one with the face best aligned with the normal
-  bool x_is_b = axis.code >= 3 && !edge;
+  bool x_is_b = axis.code >= 3;
+  int k = axis.code % 3;
   Vec3 normal_b;
   for (int j = 0; j < 3; ++j) normal_b[j] = r.turn[0][j] * normal[0] + r.turn[1][j] * normal[1] + r.turn[2][j] * normal[2];
-  int ka = 0, kb = 0;
-  const double align_a = normal.cwiseAbs().maxCoeff(&ka), align_b = normal_b.cwiseAbs().maxCoeff(&kb);
-  if (edge) x_is_b = align_b > align_a;
+  if (edge) {
+    int ka = 0, kb = 0;
+    x_is_b = normal_b.cwiseAbs().maxCoeff(&kb) > normal.cwiseAbs().maxCoeff(&ka);
+    k = x_is_b ? kb : ka;
+  }
 
   const Vec3 offset = b.position - a.position;
   if (edge) {
@@ -296,7 +306,6 @@ void box_manifold(const Proxy& a, const Proxy& b, const BoxRelation& r, const Bo
   }
   const Frame frame = frame_of(a, b, r, x_is_b);
   Collector to{frame, x_is_b ? offset : Vec3::Zero(), x_is_b ? Vec3(-normal_b) : normal, out};
-  const int k = edge ? (x_is_b ? kb : ka) : axis.code % 3;
   const FaceClip faces = clip_faces(frame, k, sign_of(to.normal[k]));
   const double smallest = add_clip(faces, edge ? axis.separation : -HUGE_VAL, margin, to);
   if (!edge && out.count == 0 && axis.separation > 0) add_nearest(to, margin);

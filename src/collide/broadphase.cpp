@@ -20,10 +20,9 @@ std::int64_t cell_coordinate(double x, double inverse) {
   return static_cast<std::int64_t>(std::floor(std::clamp(x * inverse, -1e15, 1e15)));
 }
 
-std::size_t hash(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t level) {
-  std::uint64_t h = static_cast<std::uint64_t>(x) * 0x9e3779b97f4a7c15u;
-  h ^= static_cast<std::uint64_t>(y) * 0xc2b2ae3d27d4eb4fu + (h >> 29);
-  h ^= static_cast<std::uint64_t>(z) * 0x165667b19e3779f9u + (h << 13);
+std::size_t hash(std::int64_t y, std::int64_t z, std::int64_t level) {
+  std::uint64_t h = static_cast<std::uint64_t>(y) * 0x9e3779b97f4a7c15u;
+  h ^= static_cast<std::uint64_t>(z) * 0xc2b2ae3d27d4eb4fu + (h >> 29);
   h += static_cast<std::uint64_t>(level) * 0x27d4eb2f165667c5u;
   h ^= h >> 32;
   h *= 0xd6e8feb86659fd93u;
@@ -31,43 +30,39 @@ std::size_t hash(std::int64_t x, std::int64_t y, std::int64_t z, std::int64_t le
 }
 
 template <class Entry>
-bool overlap(const Entry& a, const Entry& b) {
-  return (a.lower.x() <= b.upper.x()) & (b.lower.x() <= a.upper.x()) & (a.lower.y() <= b.upper.y()) &
-         (b.lower.y() <= a.upper.y()) & (a.lower.z() <= b.upper.z()) & (b.lower.z() <= a.upper.z());
-}
-
-template <class Entry>
 void test(const Entry& a, const Entry& b, std::vector<IndexPair>& pairs) {
-  if (overlap(a, b) && (a.home || b.home)) pairs.push_back({std::min(a.index, b.index), std::max(a.index, b.index)});
+  const bool overlap = (a.lower.x() <= b.upper.x()) & (b.lower.x() <= a.upper.x()) & (a.lower.y() <= b.upper.y()) &
+                       (b.lower.y() <= a.upper.y()) & (a.lower.z() <= b.upper.z()) & (b.lower.z() <= a.upper.z());
+  if (overlap & (a.home | b.home)) pairs.push_back({std::min(a.index, b.index), std::max(a.index, b.index)});
 }
 
-// The 13 of the 26 neighbours that come after the cell itself.
-constexpr std::array<std::array<int, 3>, 13> forward{{{1, 0, 0},
-                                                      {-1, 1, 0},
-                                                      {0, 1, 0},
-                                                      {1, 1, 0},
-                                                      {-1, -1, 1},
-                                                      {0, -1, 1},
-                                                      {1, -1, 1},
-                                                      {-1, 0, 1},
-                                                      {0, 0, 1},
-                                                      {1, 0, 1},
-                                                      {-1, 1, 1},
-                                                      {0, 1, 1},
-                                                      {1, 1, 1}}};
+// std::sort has some overhead for the usual three or four.
+template <class T, class Less>
+void sort_few(T* begin, T* end, Less less) {
+  if (end - begin > 24) return std::sort(begin, end, less);
+  for (T* p = begin + 1; p < end; ++p) {
+    const T value = *p;
+    T* hole = p;
+    for (; hole > begin && less(value, hole[-1]); --hole) *hole = hole[-1];
+    *hole = value;
+  }
+}
+
+// The 4 of the 8 neighbouring rows (y, z) that come after a row.
+constexpr std::array<std::array<int, 2>, 4> forward{{{1, 0}, {-1, 1}, {0, 1}, {1, 1}}};
 
 }  // namespace
 
 void BroadPhase::find(const std::vector<Bounds>& bounds, const std::vector<Role>& roles, std::vector<IndexPair>& pairs) {
   choose_levels(bounds, roles);
   fill(bounds, roles);
-  for (const Cell& cell : cells_) {
-    within_cell(cell, pairs);
+  for (const Row& row : rows_) {
+    within_row(row, pairs);
     for (const auto& step : forward) {
-      const std::int32_t other = find_cell(cell.x + step[0], cell.y + step[1], cell.z + step[2], cell.level);
-      if (other >= 0) between_cells(cell, cells_[other], pairs);
+      const std::int32_t other = find_row(row.y + step[0], row.z + step[1], row.level);
+      if (other >= 0) between_rows(row, rows_[other], pairs);
     }
-    with_coarser(cell, pairs);
+    with_coarser(row, pairs);
   }
 }
 
@@ -104,15 +99,12 @@ void BroadPhase::choose_levels(const std::vector<Bounds>& bounds, const std::vec
   }
   std::array<std::int32_t, octaves> number{};
   levels_.clear();
-  std::int32_t offset = 0;
   for (int o = 0; o < octaves; ++o) {
     if (population[o] == 0) continue;
     number[o] = static_cast<std::int32_t>(levels_.size());
     const double size = std::ldexp(factor, o + lowest);
-    levels_.push_back({size, 1 / size, population[o], offset});
-    if (population[o] <= few) offset += population[o];
+    levels_.push_back({size, 1 / size, population[o]});
   }
-  by_level_.resize(offset);
   for (auto& level : level_of_)
     if (level >= 0) level = number[level];
 }
@@ -122,90 +114,97 @@ void BroadPhase::fill(const std::vector<Bounds>& bounds, const std::vector<Role>
   while (capacity < 2 * bounds.size()) capacity *= 2;
   mask_ = capacity - 1;
   table_.assign(capacity, -1);
-  cells_.clear();
-  cell_of_.assign(bounds.size(), -1);
+  rows_.clear();
+  row_of_.assign(bounds.size(), -1);
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     if (level_of_[i] < 0) continue;
-    const Vec3 centre = 0.5 * (bounds[i].lower + bounds[i].upper);
+    const double y = 0.5 * (bounds[i].lower.y() + bounds[i].upper.y()), z = 0.5 * (bounds[i].lower.z() + bounds[i].upper.z());
     const double inverse = levels_[level_of_[i]].inverse;
-    const std::int32_t cell = find_or_add_cell(cell_coordinate(centre.x(), inverse), cell_coordinate(centre.y(), inverse),
-                                               cell_coordinate(centre.z(), inverse), level_of_[i]);
-    cell_of_[i] = cell;
-    ++cells_[cell].count;
+    row_of_[i] = find_or_add_row(cell_coordinate(y, inverse), cell_coordinate(z, inverse), level_of_[i]);
+    ++rows_[row_of_[i]].last;
   }
   std::int32_t total = 0;
-  for (Cell& cell : cells_) cell.first = total, total += cell.count, cell.count = 0;
+  for (Row& row : rows_) {
+    const std::int32_t count = row.last;
+    row.first = row.last = total;
+    total += count;
+  }
+  places_.resize(total);
+  for (std::size_t i = 0; i < bounds.size(); ++i)
+    if (row_of_[i] >= 0) places_[rows_[row_of_[i]].last++] = {bounds[i].lower.x(), static_cast<std::int32_t>(i)};
+
   entries_.resize(total);
-  std::array<std::int32_t, octaves> filled{};
-  for (std::size_t i = 0; i < bounds.size(); ++i) {
-    if (cell_of_[i] < 0) continue;
-    Cell& cell = cells_[cell_of_[i]];
-    const std::int32_t place = cell.first + cell.count++;
-    entries_[place] = {bounds[i].lower, bounds[i].upper, static_cast<std::int32_t>(i), roles[i] == Role::home};
-    const Level& level = levels_[level_of_[i]];
-    if (level.population <= few) by_level_[level.offset + filled[level_of_[i]]++] = place;
-  }
-}
-
-std::int32_t BroadPhase::find_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::int32_t level) const {
-  for (std::size_t h = hash(x, y, z, level) & mask_;; h = (h + 1) & mask_) {
-    const std::int32_t c = table_[h];
-    if (c < 0) return -1;
-    const Cell& cell = cells_[c];
-    if (cell.x == x && cell.y == y && cell.z == z && cell.level == level) return c;
-  }
-}
-
-std::int32_t BroadPhase::find_or_add_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::int32_t level) {
-  for (std::size_t h = hash(x, y, z, level) & mask_;; h = (h + 1) & mask_) {
-    const std::int32_t c = table_[h];
-    if (c < 0) {
-      table_[h] = static_cast<std::int32_t>(cells_.size());
-      cells_.push_back({x, y, z, level, 0, 0});
-      return table_[h];
+  if (few_.size() < levels_.size()) few_.resize(levels_.size());
+  for (auto& list : few_) list.clear();
+  for (const Row& row : rows_) {
+    sort_few(places_.data() + row.first, places_.data() + row.last, [](const Place& a, const Place& b) { return a.x < b.x; });
+    for (std::int32_t e = row.first; e < row.last; ++e) {
+      const std::int32_t i = places_[e].index;
+      entries_[e] = {bounds[i].lower, bounds[i].upper, i, roles[i] == Role::home};
+      if (levels_[row.level].population <= few) few_[row.level].push_back(e);
     }
-    const Cell& cell = cells_[c];
-    if (cell.x == x && cell.y == y && cell.z == z && cell.level == level) return c;
   }
 }
 
-void BroadPhase::within_cell(const Cell& cell, std::vector<IndexPair>& pairs) const {
-  const Entry* entries = entries_.data() + cell.first;
-  for (std::int32_t i = 0; i < cell.count; ++i)
-    for (std::int32_t j = i + 1; j < cell.count; ++j) test(entries[i], entries[j], pairs);
+std::int32_t BroadPhase::find_row(std::int64_t y, std::int64_t z, std::int32_t level) const {
+  for (std::size_t h = hash(y, z, level) & mask_;; h = (h + 1) & mask_) {
+    const std::int32_t r = table_[h];
+    if (r < 0 || (rows_[r].y == y && rows_[r].z == z && rows_[r].level == level)) return r;
+  }
 }
 
-void BroadPhase::between_cells(const Cell& a, const Cell& b, std::vector<IndexPair>& pairs) const {
-  const Entry* of_b = entries_.data() + b.first;
-  for (std::int32_t i = a.first; i < a.first + a.count; ++i)
-    for (std::int32_t j = 0; j < b.count; ++j) test(entries_[i], of_b[j], pairs);
+std::int32_t BroadPhase::find_or_add_row(std::int64_t y, std::int64_t z, std::int32_t level) {
+  for (std::size_t h = hash(y, z, level) & mask_;; h = (h + 1) & mask_) {
+    std::int32_t& r = table_[h];
+    if (r < 0) {
+      r = static_cast<std::int32_t>(rows_.size());
+      rows_.push_back({y, z, level, 0, 0});
+      return r;
+    }
+    if (rows_[r].y == y && rows_[r].z == z && rows_[r].level == level) return r;
+  }
+}
+
+void BroadPhase::within_row(const Row& row, std::vector<IndexPair>& pairs) const {
+  const Entry* end = entries_.data() + row.last;
+  for (const Entry* a = entries_.data() + row.first; a < end; ++a)
+    for (const Entry* b = a + 1; b < end && b->lower.x() <= a->upper.x(); ++b) test(*a, *b, pairs);
+}
+
+// No body of a level is longer than its cells, so what begins more than a cell before a body ends before it.
+void BroadPhase::between_rows(const Row& a, const Row& b, std::vector<IndexPair>& pairs) const {
+  const double size = levels_[a.level].size;
+  const Entry *p = entries_.data() + b.first, *end = entries_.data() + b.last;
+  for (std::int32_t i = a.first; i < a.last; ++i) {
+    const Entry& entry = entries_[i];
+    while (p < end && p->lower.x() < entry.lower.x() - size) ++p;
+    for (const Entry* q = p; q < end && q->lower.x() <= entry.upper.x(); ++q) test(entry, *q, pairs);
+  }
 }
 
 // A coarser level's bodies reach at most half a cell from their centres, so those that can touch have their centres within
-// the bounds grown by that.
-void BroadPhase::with_coarser(const Cell& cell, std::vector<IndexPair>& pairs) const {
-  for (std::size_t l = cell.level + 1; l < levels_.size(); ++l) {
+// the bounds grown by that (and by a hair: the centres are rounded).
+void BroadPhase::with_coarser(const Row& row, std::vector<IndexPair>& pairs) const {
+  for (std::size_t l = row.level + 1; l < levels_.size(); ++l) {
     const Level& level = levels_[l];
-    for (std::int32_t i = cell.first; i < cell.first + cell.count; ++i) {
+    for (std::int32_t i = row.first; i < row.last; ++i) {
       const Entry& entry = entries_[i];
       if (level.population <= few) {
-        for (std::int32_t k = 0; k < level.population; ++k) test(entry, entries_[by_level_[level.offset + k]], pairs);
+        for (const std::int32_t k : few_[l]) test(entry, entries_[k], pairs);
         continue;
       }
-      std::array<std::int64_t, 3> from, to;
-      for (int d = 0; d < 3; ++d) {
-        // a hair more than half a cell: the centre of bounds is rounded
-        from[d] = cell_coordinate(entry.lower[d] - 0.500001 * level.size, level.inverse);
-        to[d] = cell_coordinate(entry.upper[d] + 0.500001 * level.size, level.inverse);
-      }
-      for (std::int64_t z = from[2]; z <= to[2]; ++z)
-        for (std::int64_t y = from[1]; y <= to[1]; ++y)
-          for (std::int64_t x = from[0]; x <= to[0]; ++x) {
-            const std::int32_t other = find_cell(x, y, z, static_cast<std::int32_t>(l));
-            if (other < 0) continue;
-            const Cell& coarse = cells_[other];
-            for (std::int32_t k = coarse.first; k < coarse.first + coarse.count; ++k) test(entry, entries_[k], pairs);
-          }
+      const double grow = 0.500001 * level.size;
+      const std::int64_t y_end = cell_coordinate(entry.upper.y() + grow, level.inverse);
+      const std::int64_t z_end = cell_coordinate(entry.upper.z() + grow, level.inverse);
+      for (std::int64_t z = cell_coordinate(entry.lower.z() - grow, level.inverse); z <= z_end; ++z)
+        for (std::int64_t y = cell_coordinate(entry.lower.y() - grow, level.inverse); y <= y_end; ++y) {
+          const std::int32_t other = find_row(y, z, static_cast<std::int32_t>(l));
+          if (other < 0) continue;
+          const Entry *begin = entries_.data() + rows_[other].first, *end = entries_.data() + rows_[other].last;
+          const double from = entry.lower.x() - level.size;
+          begin = std::partition_point(begin, end, [&](const Entry& e) { return e.lower.x() < from; });
+          for (; begin < end && begin->lower.x() <= entry.upper.x(); ++begin) test(entry, *begin, pairs);
+        }
     }
   }
 }
@@ -219,8 +218,8 @@ void BroadPhase::sort(std::vector<IndexPair>& pairs, std::size_t count) {
   std::uint32_t begin = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t end = starts_[i];  // the scatter has moved each start to its end
-    std::sort(scratch_.begin() + begin, scratch_.begin() + end,
-              [](const IndexPair& a, const IndexPair& b) { return a.second < b.second; });
+    sort_few(scratch_.data() + begin, scratch_.data() + end,
+             [](const IndexPair& a, const IndexPair& b) { return a.second < b.second; });
     begin = end;
   }
   pairs.swap(scratch_);

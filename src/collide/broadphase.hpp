@@ -1,8 +1,10 @@
-// Broad phase: all pairs of boxes (axis-aligned bounds) that overlap and of which at least one is a home body, in O(n).
+// Broad phase: all pairs of axis-aligned bounds that overlap and of which at least one is a home body, in O(n log n) with a
+// small factor.
 //
-// A hierarchical grid: each body sits, by its centre, in one cell of the level whose cells are just larger than its bounds,
-// so a body meets all of its own level in the 27 cells around it, and each coarser level in at most 27 cells more.
-// Cells are found by hashing, so that empty space costs nothing. The price is a factor (number of occupied levels) for
+// A hierarchical grid of rows. A body belongs to the level whose cells are just larger than its bounds, and there, by its
+// centre's y and z, to a row along x in which bodies are sorted by x. So it meets its own level by sweeping its row and the 4
+// neighbouring rows after it, in memory order, and each coarser level in at most 9 rows, by bisection. Rows are found by
+// hashing, a few look-ups a row, so that empty space costs nothing. The price is a factor (number of occupied levels) for
 // bodies of very different sizes: 14 levels for a ratio of 10^4. Levels of a few bodies are tested one by one instead.
 #pragma once
 
@@ -35,31 +37,35 @@ class BroadPhase {
     std::int32_t index;
     bool home;
   };
-  struct Cell {
-    std::int64_t x, y, z;
-    std::int32_t level, first, count;
+  struct Row {
+    std::int64_t y, z;
+    std::int32_t level, first, last;  // entries [first, last)
   };
   struct Level {
     double size, inverse;  // m, 1/m, of a cell
     std::int32_t population;
-    std::int32_t offset;  // into by_level_, for levels of a few bodies
+  };
+  struct Place {
+    double x;
+    std::int32_t index;
   };
 
   void choose_levels(const std::vector<Bounds>& bounds, const std::vector<Role>& roles);
   void fill(const std::vector<Bounds>& bounds, const std::vector<Role>& roles);
-  std::int32_t find_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::int32_t level) const;
-  std::int32_t find_or_add_cell(std::int64_t x, std::int64_t y, std::int64_t z, std::int32_t level);
-  void within_cell(const Cell& cell, std::vector<IndexPair>& pairs) const;
-  void between_cells(const Cell& a, const Cell& b, std::vector<IndexPair>& pairs) const;
-  void with_coarser(const Cell& cell, std::vector<IndexPair>& pairs) const;
+  std::int32_t find_row(std::int64_t y, std::int64_t z, std::int32_t level) const;
+  std::int32_t find_or_add_row(std::int64_t y, std::int64_t z, std::int32_t level);
+  void within_row(const Row& row, std::vector<IndexPair>& pairs) const;
+  void between_rows(const Row& a, const Row& b, std::vector<IndexPair>& pairs) const;
+  void with_coarser(const Row& row, std::vector<IndexPair>& pairs) const;
 
   std::vector<Level> levels_;           // the occupied ones, ascending in size
   std::vector<std::int32_t> level_of_;  // by body; -1 when not in the grid
-  std::vector<std::int32_t> cell_of_;   // by body
-  std::vector<Cell> cells_;
-  std::vector<Entry> entries_;          // by cell
-  std::vector<std::int32_t> by_level_;  // entries of the levels of a few bodies
-  std::vector<std::int32_t> table_;     // open addressing: cell number or -1
+  std::vector<std::int32_t> row_of_;    // by body
+  std::vector<Row> rows_;
+  std::vector<Place> places_;                   // by row, then x
+  std::vector<Entry> entries_;                  // likewise
+  std::vector<std::vector<std::int32_t>> few_;  // by level: its entries, if they are few
+  std::vector<std::int32_t> table_;             // open addressing: row number or -1
   std::size_t mask_ = 0;
   std::vector<std::uint32_t> starts_;  // of sort()
   std::vector<IndexPair> scratch_;

@@ -15,8 +15,7 @@ Bounds swept_bounds_of(const Proxy& p, const CollideSettings& settings) {
   }
   Vec3 extent = Vec3::Constant(p.half.x());
   if (p.kind == ShapeKind::box) extent = p.rotation.cwiseAbs() * p.half;
-  const double fall = p.dynamic ? settings.gravity.norm() * settings.step * settings.step : 0;
-  const double reach = settings.margin / 2 + settings.step * p.speed + p.spin_reach + fall;
+  const double reach = settings.margin / 2 + settings.step * p.speed + p.spin_reach + p.fall;
   extent.array() += reach;
   Bounds bounds{p.position - extent, p.position + extent};
   if (settings.planar) bounds.lower.y() = bounds.upper.y() = 0;

@@ -45,9 +45,14 @@ constexpr Cell table[4][4] = {
 void tidy(PairManifold& m, double margin) {
   ContactPoint* p = m.points;
   m.count = static_cast<int>(std::remove_if(p, p + m.count, [&](const ContactPoint& q) { return !(q.gap <= margin); }) - p);
-  std::sort(p, p + m.count, [](const ContactPoint& a, const ContactPoint& b) { return a.feature < b.feature; });
-  m.count = static_cast<int>(
-      std::unique(p, p + m.count, [](const ContactPoint& a, const ContactPoint& b) { return a.feature == b.feature; }) - p);
+  for (int i = 1; i < m.count; ++i) {  // few: by insertion
+    const ContactPoint q = p[i];
+    int hole = i;
+    for (; hole > 0 && q.feature < p[hole - 1].feature; --hole) p[hole] = p[hole - 1];
+    p[hole] = q;
+  }
+  const auto same = [](const ContactPoint& a, const ContactPoint& b) { return a.feature == b.feature; };
+  m.count = static_cast<int>(std::unique(p, p + m.count, same) - p);
   while (m.count > PairManifold::kept) {  // of the two points that are nearest to each other, the shallower goes
     int remove = 0;
     double nearest = HUGE_VAL;
@@ -62,9 +67,10 @@ void tidy(PairManifold& m, double margin) {
 }
 
 // The manifold where the bodies are.
-void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, const PairSettings& settings, PairManifold& m) {
-  cell.function(first, second, settings, m);
-  tidy(m, settings.margin);
+void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
+                PairManifold& m) {
+  cell.function(first, second, {margin, settings.planar}, m);
+  tidy(m, std::min(margin, margin_along(m.normal, first, second, settings)));
   for (int i = 0; i < m.count; ++i) m.points[i].position += first.position;
 }
 
@@ -75,9 +81,8 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
   const Vec3 velocity = first.velocity - second.velocity;
   Impact impact;
   const Sweep sweep = cell.sweep(first, second, velocity, margin / velocity.norm(), impact);
-  if (sweep == Sweep::overlap) return collide_at(cell, first, second, {margin, settings.planar}, m);
-  if (sweep == Sweep::miss)
-    return collide_at(cell, first, second, {margin - settings.step * fastest(first, second), settings.planar}, m);
+  if (sweep == Sweep::overlap) return collide_at(cell, first, second, margin, settings, m);
+  if (sweep == Sweep::miss) return collide_at(cell, first, second, margin - settings.step * fastest(first, second), settings, m);
 
   Proxy a = first, b = second;
   a.position += impact.time * a.velocity;
@@ -113,15 +118,22 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;
   p.dynamic = body.is_dynamic();
+  p.fall = p.dynamic ? settings.gravity.norm() * settings.step * settings.step : 0;
   p.material = body.material;
   p.slot = static_cast<Slot>(slot);
   p.id = world.id[slot];
   return p;
 }
 
+double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const CollideSettings& settings) {
+  const double va = normal.dot(a.velocity), vb = normal.dot(b.velocity);
+  const double fastest_along = std::max({std::abs(va), std::abs(vb), std::abs(va - vb)});
+  const double fall = std::abs(normal.dot(settings.gravity)) * settings.step * settings.step;
+  return settings.margin + settings.step * fastest_along + (a.spin_reach + b.spin_reach) + fall;
+}
+
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
-  const double fall = settings.gravity.norm() * settings.step * settings.step;
-  return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + fall;
+  return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + std::max(a.fall, b.fall);
 }
 
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& m) {
@@ -137,7 +149,7 @@ void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& setting
   if (cell.sweep && travel > std::min(a.half_size, b.half_size))
     collide_fast(cell, first, second, margin, settings, m);
   else
-    collide_at(cell, first, second, {margin, settings.planar}, m);
+    collide_at(cell, first, second, margin, settings, m);
   if (cell.swapped) m.normal = -m.normal;
 }
 

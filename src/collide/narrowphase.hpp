@@ -18,6 +18,7 @@ struct Proxy {
   double radius;      // m, bounding radius
   double speed;       // m/s
   double spin_reach;  // m, how far a rotation can carry a surface point in the step; 0 where it cannot change the shape
+  double fall;        // m, |g| h^2 of a dynamic body: what its weight adds in the step
   double half_size;   // m, half of the smallest size
   ShapeKind kind;
   bool home, dynamic;
@@ -45,8 +46,11 @@ struct PairSettings {
   bool planar;    // normals lie in the x-z plane, points have y = 0
 };
 
-// Distance (m) from which contacts of a pair are made: eps + h max(|v_a|, |v_b|, |v_a - v_b|) + both spins + |g| h^2. Not the
-// relative speed alone: of two bodies falling together the lower may be stopped within the step.
+// Distance (m) along the normal from which points are made contacts: eps + h max(|v_a.n|, |v_b.n|, |(v_a - v_b).n|) + both spins
+// + |g.n| h^2. Not the relative speed alone: of two bodies falling together the lower may be stopped within the step.
+double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const CollideSettings& settings);
+
+// A bound on it for any normal, before there is one.
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings);
 
 // The manifold of bodies a and b, a.id < b.id; count 0 when there is none. Points in ascending feature, in world coordinates.

@@ -33,7 +33,8 @@ struct LaneMasses {
   Vec3x4 turn_b(const Vec3x4& torque) const { return general ? multiply(general->b, torque) : torque * inertia_b; }
 };
 
-LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const SolverBody> bodies, const ContactBatch::Inertia* general) {
+LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const SolverBody> bodies,
+                         const ContactBatch::Inertia* general) {
   LaneMasses m{};
   for (std::size_t l = 0; l < lanes; ++l) {
     const auto &a = bodies[block.slot_a[l]], &b = bodies[block.slot_b[l]];
@@ -44,7 +45,9 @@ LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const Solve
   return m;
 }
 
-Vec4d inverse_or_zero(Vec4d x) { return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0)); }
+Vec4d inverse_or_zero(Vec4d x) {
+  return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0));
+}
 
 }  // namespace
 
@@ -122,7 +125,8 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     const Vec3x4 wan = w.turn_a(an), wbn = w.turn_b(bn);
     const Vec4d K_nn = linear + dot(an, wan) + dot(bn, wbn);
     point.mobility = K_nn * in_use;
-    point.inverse_scale = inverse_or_zero(point.mobility);
+    point.scale = point.mobility;
+    point.inverse_scale = inverse_or_zero(point.scale);
     if (block.first_tangent < 0) continue;
     Tangents& tangent = tangents[block.first_tangent + p];
     const Vec3x4 as = cross(point.arm_a, block.s), bs = cross(point.arm_b, block.s);
@@ -135,9 +139,11 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     if (uses_cone_projection(friction_)) {
       const Vec4d coupling = abs(tangent.K_ns) + abs(tangent.K_nt);
       const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(tangent.K_ns), K_tt + abs(K_st) + abs(tangent.K_nt)));
-      tangent.inverse_scale = point.inverse_scale = inverse_or_zero(bound * in_use);
+      tangent.scale = point.scale = bound * in_use;
+      tangent.inverse_scale = point.inverse_scale = inverse_or_zero(point.scale);
     } else {
-      tangent.inverse_scale = inverse_or_zero(tangent.mobility);
+      tangent.scale = tangent.mobility;
+      tangent.inverse_scale = inverse_or_zero(tangent.scale);
     }
   }
 }
@@ -181,19 +187,19 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     const std::uint32_t i = rows_a_point * p;
     Point& point = points[block.first_point + p];
     if (rows_a_point == 1) {
-      point.inverse_scale = inverse_or_zero(sum[i]);
+      point.scale = sum[i], point.inverse_scale = inverse_or_zero(sum[i]);
       continue;
     }
     Vec4d tangential = max(sum[i + 1], sum[i + 2]), normal = sum[i];
     if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
-    point.inverse_scale = inverse_or_zero(normal);
-    tangents[block.first_tangent + p].inverse_scale = inverse_or_zero(tangential);
+    Tangents& tangent = tangents[block.first_tangent + p];
+    point.scale = normal, point.inverse_scale = inverse_or_zero(normal);
+    tangent.scale = tangential, tangent.inverse_scale = inverse_or_zero(tangential);
   }
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
-  for (Point& p : points)
-    for (std::size_t l = 0; l < lanes; ++l) p.bias[l] = stage.bias(p.gap[l]);
+  for (Point& p : points) p.bias = stage.bias(p.gap);
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
@@ -204,7 +210,7 @@ void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
       for (std::uint32_t p = 0; p < m.count; ++p) {
         const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[m.first + p];
         Point& point = points[block.first_point + p];
-        point.lambda[l] = point.y[l] = impulse.n;
+        point.lambda[l] = point.y[l] = impulse.n, point.kept[l] = 0;
         if (block.first_tangent < 0) continue;
         Tangents& tangent = tangents[block.first_tangent + p];
         tangent.lambda_s[l] = tangent.y_s[l] = impulse.s, tangent.lambda_t[l] = tangent.y_t[l] = impulse.t;
@@ -225,6 +231,37 @@ void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
         impulse.s = tangent.lambda_s[l], impulse.t = tangent.lambda_t[l];
       }
     }
+}
+
+void ContactBatch::keep_impulses() {
+  const Vec4d zero = broadcast(0);
+  for (Point& p : points) p.kept = p.lambda, p.lambda = p.y = zero;
+  for (Tangents& t : tangents) {
+    t.kept_s = t.lambda_s, t.kept_t = t.lambda_t;
+    t.lambda_s = t.lambda_t = t.y_s = t.y_t = zero;
+  }
+}
+
+void ContactBatch::leak_impulses(double leak) {
+  const Vec4d share = broadcast(leak);
+  for (Point& p : points) p.lambda = p.kept + share * p.lambda;
+  for (Tangents& t : tangents) t.lambda_s = t.kept_s + share * t.lambda_s, t.lambda_t = t.kept_t + share * t.lambda_t;
+}
+
+std::int64_t ContactBatch::sliding(std::span<const std::uint8_t> counted) const {
+  std::int64_t sliding = 0;
+  for (const Block& block : blocks) {
+    if (block.first_tangent < 0) continue;
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const Point& p = points[block.first_point + k];
+      const Tangents& tangent = tangents[block.first_tangent + k];
+      const Vec4d limit = broadcast(0.999) * block.friction * (p.kept + p.lambda);
+      const Vec4d s = tangent.kept_s + tangent.lambda_s, t = tangent.kept_t + tangent.lambda_t;
+      const Mask4 at_limit = (limit > broadcast(0)) & (s * s + t * t >= limit * limit);
+      for (std::size_t l = 0; l < lanes; ++l) sliding += at_limit[l] != 0 && block.manifold[l] >= 0 && counted[block.manifold[l]];
+    }
+  }
+  return sliding;
 }
 
 std::size_t ContactBatch::bytes() const {

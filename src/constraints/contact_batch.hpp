@@ -3,7 +3,7 @@
 // Rows of a point: normal r_n = bias + n.u, tangents r_s = s.u, r_t = t.u, with u the relative velocity of the two bodies at the
 // point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
 // A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
-// The grouping into blocks changes no result. A point costs 96 bytes, its tangents 56 more, a manifold 68, general inertia 96.
+// The grouping into blocks changes no result. A point costs 112 bytes, its tangents 88 more, a manifold 76, general inertia 96.
 #pragma once
 
 #include <algorithm>
@@ -28,12 +28,13 @@ struct Stage {
 
   // Bias (m/s) of the normal row at a gap (m): what the approach speed is measured against. Open gaps may close within the step;
   // a velocity stage leaves penetration alone; a position stage takes it out at a bounded speed.
-  double bias(double gap) const {
-    if (gap >= 0) return gap / step;
-    if (kind == Kind::velocity) return 0;
-    const double speed = -gap / (step + recovery_time);
-    return -(recovery_speed > 0 ? std::min(speed, recovery_speed) : speed);
+  Vec4d bias(Vec4d gap) const {
+    const Vec4d zero = broadcast(0), open = gap / broadcast(step);
+    if (kind == Kind::velocity) return max(zero, open);
+    const Vec4d outward = gap / broadcast(step + recovery_time);
+    return select(gap >= zero, open, recovery_speed > 0 ? max(outward, broadcast(-recovery_speed)) : outward);
   }
+  double bias(double gap) const { return bias(broadcast(gap))[0]; }
 };
 
 // The contact frame's first tangent s; the second is n x s. Fixed by the normal alone; in the x-z plane for normals in it.
@@ -51,18 +52,20 @@ class ContactBatch {
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
   };
   struct Point {
-    Vec3x4 arm_a, arm_b;    // m, from the centres
-    Vec4d gap;              // m, at the start of the step
-    Vec4d bias;             // m/s
-    Vec4d inverse_scale;    // 1/P_n, kg
-    Vec4d mobility;         // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
-    Vec4d lambda, y;        // N s; y: the extrapolated one (accelerated Jacobi)
+    Vec3x4 arm_a, arm_b;  // m, from the centres
+    Vec4d gap;            // m, at the start of the step
+    Vec4d bias;           // m/s
+    Vec4d scale;          // 1/kg, P_n: bounds the row's share of D^T W D, so that a step of 1/P_n is safe
+    Vec4d inverse_scale;  // kg, 1/P_n
+    Vec4d mobility;       // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
+    Vec4d lambda, y;      // N s; y: the extrapolated one (accelerated Jacobi)
+    Vec4d kept;           // N s, of the stage before
   };
   struct Tangents {
-    Vec4d inverse_scale;    // 1/P_T, kg
-    Vec4d mobility;         // 1/kg
-    Vec4d K_ns, K_nt;       // 1/kg, coupling of the normal impulse to the tangential velocities (Gauss-Seidel)
-    Vec4d lambda_s, lambda_t, y_s, y_t;
+    Vec4d scale, inverse_scale;  // 1/kg, kg: P_T and 1/P_T
+    Vec4d mobility;              // 1/kg
+    Vec4d K_ns, K_nt;            // 1/kg, coupling of the normal impulse to the tangential velocities (Gauss-Seidel)
+    Vec4d lambda_s, lambda_t, y_s, y_t, kept_s, kept_t;
   };
   struct Inertia {
     Vec4d a[6], b[6];  // xx, yy, zz, yz, xz, xy
@@ -73,11 +76,13 @@ class ContactBatch {
   // scaling; empty for Gauss-Seidel, whose scale is the point's own block.
   void build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
              const std::vector<Vec3>& position, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings, double step);
+             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings,
+             double step);
 
   void start_stage(const Stage& stage);
 
-  // Before an iteration: gaps, and normals between round bodies, at the present velocities. The kernels then work on their linearisation.
+  // Before an iteration: gaps, and normals between round bodies, at the present velocities. The kernels then work on their
+  // linearisation.
   void reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage);
 
   // One Jacobi sweep over all blocks in key order: evaluate, project, extrapolate with `beta`, add the impulses to `wrenches`.
@@ -100,6 +105,13 @@ class ContactBatch {
   };
   void set_impulses(std::span<const Impulse> impulses);
   void get_impulses(std::span<Impulse> impulses) const;
+
+  // Between the stages: keep_impulses() puts the multipliers aside and starts the next stage from zero; leak_impulses() then
+  // makes them kept + leak * lambda. sliding() counts the points whose multipliers of both stages together are at friction's
+  // limit; call it between the two.
+  void keep_impulses();
+  void leak_impulses(double leak);
+  std::int64_t sliding(std::span<const std::uint8_t> counted) const;
 
   std::size_t group_count() const { return group_end_.size(); }
   std::size_t bytes() const;

@@ -1,7 +1,7 @@
 // The inner loops over contacts. Everything that is hot in a rigid scene is in this file.
 //
-// Per block: gather the four pairs' velocities (two transposes a body), run over the points, scatter. Both bodies' arms reach the same
-// point, so linear and angular momentum are kept to round-off whatever the multipliers are.
+// Per block: gather the four pairs' velocities (two transposes a body), run over the points, scatter. Both bodies' arms reach the
+// same point, so linear and angular momentum are kept to round-off whatever the multipliers are.
 
 #include "constraints/contact_batch.hpp"
 #include "constraints/friction.hpp"
@@ -23,7 +23,7 @@ struct Side {
   Vec4d inertia;
 };
 
-Side gather(const Slot (&slot)[lanes], std::span<const SolverBody> bodies) {
+[[gnu::always_inline]] inline Side gather(const Slot (&slot)[lanes], std::span<const SolverBody> bodies) {
   const SolverBody *b0 = &bodies[slot[0]], *b1 = &bodies[slot[1]], *b2 = &bodies[slot[2]], *b3 = &bodies[slot[3]];
   const auto row = [](const double* from) { return Vec4d(*reinterpret_cast<const Vec4dView*>(from)); };
   Side s{{row(b0->v), row(b1->v), row(b2->v)}, row(b3->v), {row(b0->w), row(b1->w), row(b2->w)}, row(b3->w)};
@@ -32,7 +32,7 @@ Side gather(const Slot (&slot)[lanes], std::span<const SolverBody> bodies) {
   return s;
 }
 
-void scatter(const Slot (&slot)[lanes], Side s, std::span<SolverBody> bodies) {
+[[gnu::always_inline]] inline void scatter(const Slot (&slot)[lanes], Side s, std::span<SolverBody> bodies) {
   transpose(s.v.x, s.v.y, s.v.z, s.mass);
   transpose(s.w.x, s.w.y, s.w.z, s.inertia);
   const Vec4d v[lanes] = {s.v.x, s.v.y, s.v.z, s.mass}, w[lanes] = {s.w.x, s.w.y, s.w.z, s.inertia};
@@ -80,8 +80,9 @@ ConeForce project_step(const Block& block, const Point& p, const Tangents* tange
   if constexpr (!tangential) return {max(broadcast(0), from.n - p.inverse_scale * (u.n + p.bias)), broadcast(0), broadcast(0)};
   Vec4d r = u.n + p.bias;
   if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
-  return project<model>({from.n - p.inverse_scale * r, from.s - tangent->inverse_scale * u.s, from.t - tangent->inverse_scale * u.t},
-                        block.friction);
+  return project<model>(
+      {from.n - p.inverse_scale * r, from.s - tangent->inverse_scale * u.s, from.t - tangent->inverse_scale * u.t},
+      block.friction);
 }
 
 // The natural residual's own step, 1/K of the point alone, so that it does not depend on the solver's scaling.
@@ -178,10 +179,9 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
     if constexpr (tangential) from.s = tangent->y_s, from.t = tangent->y_t;
     const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
 
-    const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d inverse_scale) {
-      const Vec4d step = new_lambda - y, forward = new_lambda - lambda;
+    const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
+      const Vec4d step = new_lambda - y, forward = new_lambda - lambda, scaled = scale * step;
       const Vec4d new_y = new_lambda + momentum * forward;
-      const Vec4d scaled = select(inverse_scale > zero, step / select(inverse_scale > zero, inverse_scale, broadcast(1)), zero);
       sums.gradient += r * forward;
       sums.progress += scaled * step;
       sums.change = max(sums.change, abs(scaled));
@@ -190,11 +190,11 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
       y = new_y;
       return dy;
     };
-    const Vec4d dn = advance(p.lambda, p.y, next.n, u.n + p.bias, p.inverse_scale);
+    const Vec4d dn = advance(p.lambda, p.y, next.n, u.n + p.bias, p.scale);
     Vec4d ds = zero, dt = zero;
     if constexpr (tangential) {
-      ds = advance(tangent->lambda_s, tangent->y_s, next.s, u.s, tangent->inverse_scale);
-      dt = advance(tangent->lambda_t, tangent->y_t, next.t, u.t, tangent->inverse_scale);
+      ds = advance(tangent->lambda_s, tangent->y_s, next.s, u.s, tangent->scale);
+      dt = advance(tangent->lambda_t, tangent->y_t, next.t, u.t, tangent->scale);
     }
     const Vec3x4 f = impulse_vector<tangential>(block, t, dn, ds, dt);
     force = force + f, torque_a = torque_a + cross(p.arm_a, f), torque_b = torque_b + cross(p.arm_b, f);
@@ -207,11 +207,16 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
 template <typename F>
 auto with_model(FrictionModel model, F&& f) {
   switch (model) {
-    case FrictionModel::cone: return f.template operator()<FrictionModel::cone>();
-    case FrictionModel::saxce: return f.template operator()<FrictionModel::saxce>();
-    case FrictionModel::box: return f.template operator()<FrictionModel::box>();
-    case FrictionModel::none: return f.template operator()<FrictionModel::none>();
-    case FrictionModel::disc: break;
+    case FrictionModel::cone:
+      return f.template operator()<FrictionModel::cone>();
+    case FrictionModel::saxce:
+      return f.template operator()<FrictionModel::saxce>();
+    case FrictionModel::box:
+      return f.template operator()<FrictionModel::box>();
+    case FrictionModel::none:
+      return f.template operator()<FrictionModel::none>();
+    case FrictionModel::disc:
+      break;
   }
   return f.template operator()<FrictionModel::disc>();
 }
@@ -245,10 +250,9 @@ void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wr
     Vec4d change = broadcast(0), largest = broadcast(0);
     for (const Block& block : blocks) {
       Point* first = &points[block.first_point];
-      const SweepTerms terms =
-          block.first_tangent < 0
-              ? sweep_block<model, false>(block, first, nullptr, beta, bodies, wrenches)
-              : sweep_block<model, true>(block, first, &tangents[block.first_tangent], beta, bodies, wrenches);
+      const SweepTerms terms = block.first_tangent < 0 ? sweep_block<model, false>(block, first, nullptr, beta, bodies, wrenches)
+                                                       : sweep_block<model, true>(block, first, &tangents[block.first_tangent],
+                                                                                  beta, bodies, wrenches);
       change = max(change, terms.change);
       largest = max(largest, max(abs(terms.gradient), terms.progress));
       for (std::size_t l = 0; l < lanes; ++l) {

@@ -17,6 +17,7 @@ struct ConeForce {
 inline void clamp_disc(Vec4d& s, Vec4d& t, Vec4d limit) {
   const Vec4d length2 = s * s + t * t;
   const Mask4 outside = length2 > limit * limit;
+  if (!any(outside)) return;
   const Vec4d scale = select(outside, limit / sqrt(select(outside, length2, broadcast(1))), broadcast(1));
   s *= scale, t *= scale;
 }

@@ -9,9 +9,9 @@
 namespace unibody {
 
 struct RememberedPoint {
-  Vec3 place;         // m, contact point in the frame of body a (of b where a is static)
-  double normal;      // N, along the normal
-  Vec3 tangential;    // N, world frame, on body a
+  Vec3 place;       // m, contact point in the frame of body a (of b where a is static)
+  double normal;    // N, along the normal
+  Vec3 tangential;  // N, world frame, on body a
   std::uint32_t feature;
   std::uint32_t unused = 0;  // keeps every byte defined: these records are hashed and written as they are
 };

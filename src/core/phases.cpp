@@ -11,7 +11,8 @@ PhaseClock::PhaseClock() {
   if (id == 0) PetscClassIdRegister("Unibody", &id);
   for (std::size_t i = 0; i < phase_names.size(); ++i) {
     const std::string name = "unibody_" + std::string(phase_names[i]);
-    if (PetscLogEventGetId(name.c_str(), &events_[i]) != 0 || events_[i] < 0) PetscLogEventRegister(name.c_str(), id, &events_[i]);
+    if (PetscLogEventGetId(name.c_str(), &events_[i]) != 0 || events_[i] < 0)
+      PetscLogEventRegister(name.c_str(), id, &events_[i]);
   }
   since_ = MPI_Wtime();
 }

@@ -18,7 +18,14 @@ inline Vec4d select(Mask4 condition, Vec4d yes, Vec4d no) { return condition ? y
 inline Vec4d max(Vec4d a, Vec4d b) { return select(a > b, a, b); }
 inline Vec4d min(Vec4d a, Vec4d b) { return select(a < b, a, b); }
 inline Vec4d abs(Vec4d a) { return max(a, -a); }
-inline Vec4d sqrt(Vec4d a) { return Vec4d{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}; }
+inline Vec4d sqrt(Vec4d a) {  // correctly rounded either way
+#ifdef __AVX__
+  return __builtin_ia32_sqrtpd256(a);
+#else
+  return Vec4d{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
+#endif
+}
+inline bool any(Mask4 m) { return (m[0] | m[1] | m[2] | m[3]) != 0; }
 inline double horizontal_max(Vec4d a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 
 // Four 3-vectors, one a lane.

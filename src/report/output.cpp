@@ -75,7 +75,7 @@ struct BlockWriter {
 
 std::string data_item(const std::string& path, Id rows, int columns, const char* type, int precision) {
   std::string dimensions = std::to_string(rows);
-  if (columns > 1) dimensions += " " + std::to_string(columns);
+  if (columns > 1) dimensions.append(" ").append(std::to_string(columns));
   return "<DataItem Dimensions=\"" + dimensions + "\" NumberType=\"" + type + "\" Precision=\"" + std::to_string(precision) +
          "\" Format=\"HDF\">frames.h5:" + path + "</DataItem>";
 }
@@ -171,7 +171,7 @@ void Output::write_bodies(const World& world) {
   writer.write("material", H5T_STD_I32LE, H5T_NATIVE_INT32, 0, pack<std::int32_t>(rows, 9, 1));
   throw_if_any(writer.good ? "" : "cannot write " + path_ + ": is the disk full?");
   std::string names;
-  for (const auto name : shape_names) names += (names.empty() ? "" : " ") + std::string(name);
+  for (const auto name : shape_names) names.append(names.empty() ? "" : " ").append(name);
   h5::write_attribute(group, "shape_names", names);
   h5::write_attribute(group, "motion_names", std::string("dynamic fixed kinematic"));
 }

@@ -1,4 +1,5 @@
 // YAML text -> Value, and the values set from the command line.
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cerrno>
@@ -55,12 +56,30 @@ Value convert(const YAML::Node& node, const std::string& key, const Origin& orig
   return value;
 }
 
+// Notes the line on which a document starts. (YAML::LoadAll never returns from a text that begins with a comma.)
+struct DocumentStart : YAML::EventHandler {
+  int line = 0;
+  void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line + 1; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+};
+
 Value parse_yaml(const std::string& text, const std::string& key, const Origin& origin, bool in_file) {
   try {
-    const auto documents = YAML::LoadAll(text);
-    if (documents.size() > 1)
-      throw InputError(*origin + ": found " + std::to_string(documents.size()) + " documents, expected one");
-    return convert(documents.empty() ? YAML::Node() : documents[0], key, origin, in_file);
+    std::istringstream stream(text);
+    YAML::Parser parser(stream);
+    DocumentStart start;
+    if (parser.HandleNextDocument(start) && parser.HandleNextDocument(start)) {
+      const std::string line = in_file ? ":" + std::to_string(start.line) : "";
+      throw InputError(*origin + line + ": found text after the scene's end, expected one YAML document");
+    }
+    return convert(YAML::Load(text), key, origin, in_file);
   } catch (const YAML::Exception& error) {
     const std::string line = in_file && error.mark.line >= 0 ? ":" + std::to_string(error.mark.line + 1) : "";
     throw InputError(one_line(*origin + line + ": not YAML: " + error.msg));

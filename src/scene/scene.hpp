@@ -13,9 +13,9 @@
 namespace unibody {
 
 struct TimeSettings {
-  double step = 0.016;       // s, one frame
+  double step = 0.016;  // s, one frame
   std::int64_t frames = 400;
-  int substeps = 1;          // steps of step/substeps a frame
+  int substeps = 1;  // steps of step/substeps a frame
 };
 
 struct OutputSettings {
@@ -47,8 +47,8 @@ struct Scene {
   std::vector<BodyGroup> groups;      // in the order of the file; ids run on from group to group
 
   Id body_count() const;
-  Body body(Id id) const;                // id in [0, body_count())
-  std::string body_name(Id id) const;    // "crate" or "pile[17]"; "body 17" where the entry has no name
+  Body body(Id id) const;              // id in [0, body_count())
+  std::string body_name(Id id) const;  // "crate" or "pile[17]"; "body 17" where the entry has no name
   double friction_of(int material_a, int material_b) const {
     return friction[static_cast<std::size_t>(material_a) * materials.size() + static_cast<std::size_t>(material_b)];
   }

@@ -85,7 +85,7 @@ std::string Value::found() const {
     case Kind::nothing:
       return "nothing";
     case Kind::scalar:
-      return quoted ? "'" + shortened(text) + "'" : shortened(text);
+      return quoted ? std::string("'").append(shortened(text)).append("'") : shortened(text);
     case Kind::map:
       return "a map";
     case Kind::list:

@@ -26,20 +26,23 @@ class Lines {
  public:
   Lines(const World& world, const Contacts& contacts) : world_(world), manifolds_(contacts.manifolds) {
     const std::size_t n = manifolds_.size();
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(n);
-    for (std::uint32_t m = 0; m < n; ++m) order[m] = {priority_of(manifolds_[m]), m};
-    std::sort(order.begin(), order.end());  // ties: by manifold number, that is by key
+    std::vector<std::uint64_t> priority(n);
     begin_.assign(world.homes + 1, 0);
-    for (const Manifold& m : manifolds_)
-      for (const Slot s : {m.slot_a, m.slot_b})
+    for (std::uint32_t m = 0; m < n; ++m) {
+      priority[m] = priority_of(manifolds_[m]);
+      for (const Slot s : {manifolds_[m].slot_a, manifolds_[m].slot_b})
         if (world.is_home(s)) ++begin_[static_cast<std::size_t>(s) + 1];
+    }
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
     line_.resize(begin_.back());
     head_.assign(begin_.begin(), begin_.end() - 1);
     std::vector<std::uint32_t> fill(head_);
-    for (const auto& [priority, m] : order)
+    for (std::uint32_t m = 0; m < n; ++m)
       for (const Slot s : {manifolds_[m].slot_a, manifolds_[m].slot_b})
         if (world.is_home(s)) line_[fill[static_cast<std::size_t>(s)]++] = m;
+    for (std::size_t i = 0; i < world.homes; ++i)  // ties: by manifold number, that is by key
+      std::sort(line_.begin() + begin_[i], line_.begin() + begin_[i + 1],
+                [&](auto x, auto y) { return std::pair(priority[x], x) < std::pair(priority[y], y); });
   }
 
   bool first_in_line(Slot s, std::uint32_t m) const { return line_[head_[static_cast<std::size_t>(s)]] == m; }
@@ -184,7 +187,8 @@ class Colourer {
           Offer& offer = offers[k][static_cast<std::size_t>(in[i][at])];
           const auto count = static_cast<std::size_t>(in[i][at + 1]);
           offer.there = true;
-          offer.taken.assign(in[i].begin() + static_cast<std::ptrdiff_t>(at + 2), in[i].begin() + static_cast<std::ptrdiff_t>(at + 2 + count));
+          offer.taken.assign(in[i].begin() + static_cast<std::ptrdiff_t>(at + 2),
+                             in[i].begin() + static_cast<std::ptrdiff_t>(at + 2 + count));
           at += 2 + count;
         }
         for (std::size_t j = 0; j < shared.size(); ++j)
@@ -203,10 +207,10 @@ class Colourer {
   Lines lines_;
   Taken taken_;
   Colouring result_;
-  std::vector<std::int32_t> remote_;                  // neighbour of each manifold across the cut; -1: local
-  std::vector<std::uint8_t> queued_;                  // those of them that were first in line here
-  std::vector<std::uint32_t> ready_;                  // may be first in line
-  std::vector<std::vector<std::uint32_t>> waiting_;   // first in line here, not yet told to the neighbour
+  std::vector<std::int32_t> remote_;                 // neighbour of each manifold across the cut; -1: local
+  std::vector<std::uint8_t> queued_;                 // those of them that were first in line here
+  std::vector<std::uint32_t> ready_;                 // may be first in line
+  std::vector<std::vector<std::uint32_t>> waiting_;  // first in line here, not yet told to the neighbour
 };
 
 }  // namespace

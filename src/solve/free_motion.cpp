@@ -9,6 +9,12 @@ bool has_isotropic_inertia(const BodyProperties& body, bool planar) {
   return body.inertia.x() == body.inertia.y() && body.inertia.y() == body.inertia.z();
 }
 
+// Solves the 3 x 3 system by Cramer's rule, a, b, c its columns; the matrix below is 2 I plus a small change, far from singular.
+Vec3 solve_columns(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& right) {
+  const Vec3 bc = b.cross(c);
+  return Vec3(right.dot(bc), a.dot(right.cross(c)), a.dot(b.cross(right))) / a.dot(bc);
+}
+
 // Body-frame spin of the midpoint: l' - l = h lm x wm with lm = (l + l') / 2 = I wm. Newton's method on wm.
 Vec3 midpoint_spin(const Vec3& inertia, const Vec3& spin, double step) {
   Vec3 w = spin;
@@ -16,16 +22,13 @@ Vec3 midpoint_spin(const Vec3& inertia, const Vec3& spin, double step) {
   for (int k = 0; k < 20; ++k) {
     const Vec3 lm = inertia.cwiseProduct(w);
     const Vec3 f = 2 * (lm - l) - step * lm.cross(w);
-    Mat3 J = 2 * inertia.asDiagonal().toDenseMatrix();
-    const auto skew = [](const Vec3& v) {
-      Mat3 m;
-      m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-      return m;
-    };
-    J -= step * (skew(lm) - skew(w) * inertia.asDiagonal());
-    const Vec3 change = J.partialPivLu().solve(f);
+    // Columns of the derivative: 2 I e - h (I e x w + lm x e).
+    const Vec3 x(2 * inertia.x(), -step * (lm.z() - inertia.x() * w.z()), -step * (inertia.x() * w.y() - lm.y()));
+    const Vec3 y(-step * (inertia.y() * w.z() - lm.z()), 2 * inertia.y(), -step * (lm.x() - inertia.y() * w.x()));
+    const Vec3 z(-step * (lm.y() - inertia.z() * w.y()), -step * (inertia.z() * w.x() - lm.x()), 2 * inertia.z());
+    const Vec3 change = solve_columns(x, y, z, f);
     w -= change;
-    if (change.norm() <= 1e-15 * w.norm()) break;
+    if (change.squaredNorm() <= 1e-24 * w.squaredNorm()) break;  // quadratic: the next change would be below round-off
   }
   return w;
 }
@@ -72,7 +75,8 @@ BodyState finish_motion(const BodyProperties& body, const BodyState& state, cons
   next.position += step * next.velocity;
   const Vec3 half = 0.5 * step * next.angular_velocity;
   next.orientation = (Quat(1, half.x(), half.y(), half.z()) * state.orientation).normalized();
-  if (body.is_dynamic() && !planar && !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
+  if (body.is_dynamic() && !planar &&
+      !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
     const Mat3 before = state.orientation.toRotationMatrix(), after = next.orientation.toRotationMatrix();
     const Vec3 momentum = before * body.inertia.cwiseProduct(before.transpose() * next.angular_velocity) + gyroscopic;
     next.angular_velocity = after * (after.transpose() * momentum).cwiseQuotient(body.inertia);

@@ -1,8 +1,8 @@
 // A body's motion apart from constraints: the prediction before the solve and the update of position after it.
 //
-// Spin (notes 1.1; Simo & Wong 1991): the torque-free part is the implicit midpoint rule in the body frame, which keeps the energy and
-// the magnitude of the angular momentum exactly; with the normalised quaternion update (a Cayley map) it keeps the momentum's
-// direction in space as well. The solver then works at the inertia of the start of the step.
+// Spin (notes 1.1; Simo & Wong 1991): the torque-free part is the implicit midpoint rule in the body frame, which keeps the
+// energy and the magnitude of the angular momentum exactly; with the normalised quaternion update (a Cayley map) it keeps the
+// momentum's direction in space as well. The solver then works at the inertia of the start of the step.
 #pragma once
 
 #include "solve/system.hpp"
@@ -14,7 +14,7 @@ struct FreeMotion {
   SolverBody body;                 // v~ and w~, inverse mass; w~ is the mean spin over the step
   InverseInertia inverse_inertia;  // world frame, at the start of the step
   bool isotropic;
-  Vec3 gyroscopic;                 // kg m^2/s: I w - I w~ before torque, what the mean spin leaves out of the momentum
+  Vec3 gyroscopic;  // kg m^2/s: I w - I w~ before torque, what the mean spin leaves out of the momentum
 };
 
 FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, const Vec3& gravity, double step, bool planar);

@@ -1,5 +1,5 @@
-// Gauss-Seidel: every contact acts on the velocities that the ones before it have left. Coloured, so that the same sweep runs four
-// contacts at a time and on any number of ranks; the sweep's direction alternates, which halves its bias.
+// Gauss-Seidel: every contact acts on the velocities that the ones before it have left. Coloured, so that the same sweep runs
+// four contacts at a time and on any number of ranks; the sweep's direction alternates, which halves its bias.
 
 #include <mpi.h>
 

@@ -14,20 +14,17 @@ bool is_round(const Shape& shape) { return shape.kind == ShapeKind::sphere || sh
 // The body whose frame a manifold's points are remembered in: a, unless it is static and would not carry them along.
 Slot carrier(const World& world, const Manifold& m) { return world.is_static(m.slot_a) ? m.slot_b : m.slot_a; }
 
-Vec3 place_of(const World& world, Slot body, const Vec3& position) {
-  return world.orientation[body].conjugate() * (position - world.position[body]);
-}
-
-void recall_pair(const World& world, const Contacts& contacts, const Manifold& m, std::span<const RememberedPoint> old, double step,
-                 std::vector<ContactBatch::Impulse>& impulses) {
+void recall_pair(const World& world, const Contacts& contacts, const Manifold& m, std::span<const RememberedPoint> old,
+                 double step, std::vector<ContactBatch::Impulse>& impulses) {
   const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;
   const double size = reach * std::min(bounding_radius(a), bounding_radius(b));
   const bool one_point = is_round(a) || is_round(b);  // it rolls about its body, but it is the same contact
   const Slot body = carrier(world, m);
+  const Mat3 to_body = world.orientation[body].conjugate().toRotationMatrix();
   const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
   std::uint32_t used = 0;  // bit k: old point k is taken
   for (std::uint32_t p = 0; p < m.count; ++p) {
-    const Vec3 place = place_of(world, body, contacts.points[m.first + p].position);
+    const Vec3 place = to_body * (contacts.points[m.first + p].position - world.position[body]);
     double nearest = one_point ? std::numeric_limits<double>::infinity() : size * size;
     std::size_t best = old.size();
     for (std::size_t k = 0; k < old.size(); ++k) {
@@ -43,7 +40,8 @@ void recall_pair(const World& world, const Contacts& contacts, const Manifold& m
 
 }  // namespace
 
-std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step) {
+std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts,
+                                          double step) {
   std::vector<ContactBatch::Impulse> impulses(contacts.points.size(), {0, 0, 0});
   auto old = multipliers.manifolds.begin();
   for (const Manifold& m : contacts.manifolds) {
@@ -61,12 +59,13 @@ void remember(Multipliers& multipliers, const World& world, const Contacts& cont
   multipliers.manifolds.clear(), multipliers.points.clear();
   for (const Manifold& m : contacts.manifolds) {
     const Slot body = carrier(world, m);
+    const Mat3 to_body = world.orientation[body].conjugate().toRotationMatrix();
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
     const auto first = static_cast<std::uint32_t>(multipliers.points.size());
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const ContactBatch::Impulse& impulse = impulses[p];
       if (impulse.n == 0 && impulse.s == 0 && impulse.t == 0) continue;
-      multipliers.points.push_back({place_of(world, body, contacts.points[p].position), impulse.n / step,
+      multipliers.points.push_back({to_body * (contacts.points[p].position - world.position[body]), impulse.n / step,
                                     (s * impulse.s + t * impulse.t) / step, contacts.points[p].feature});
     }
     const auto count = static_cast<std::uint32_t>(multipliers.points.size()) - first;

@@ -10,9 +10,10 @@
 
 namespace unibody {
 
-// Impulses (N s, in each point's own frame) for a step of `step` s: those of the same pair's nearest remembered point, in the frame
-// of the body that carries it; each old point serves once. A pure function of the pair's points: no order, no rank matters.
-std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step);
+// Impulses (N s, in each point's own frame) for a step of `step` s: those of the same pair's nearest remembered point, in the
+// frame of the body that carries it; each old point serves once. A pure function of the pair's points: no order, no rank matters.
+std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts,
+                                          double step);
 
 // The other way: what to remember of these impulses.
 void remember(Multipliers& multipliers, const World& world, const Contacts& contacts,

@@ -22,17 +22,17 @@ inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequen
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // accelerated_jacobi | jacobi | gauss_seidel
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
-  double tolerance = -1;                    // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
-  Stages stages = Stages::two;              // two: velocity stage with leak, then position stage; position: the latter alone
-  double warm_start = 0.5;                  // share of the old multipliers a single position stage starts from; [0, 1/2]
-  double leak = -1;                         // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
+  double tolerance = -1;        // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
+  Stages stages = Stages::two;  // two: velocity stage with leak, then position stage; position: the latter alone
+  double warm_start = 0.5;      // share of the old multipliers a single position stage starts from; [0, 1/2]
+  double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
   FrictionModel friction = FrictionModel::disc;
-  Gap gap = Gap::frozen;                    // frozen: linear in the step; reevaluated: every iteration
-  Order order = Order::coloured;            // gauss_seidel only; sequential: one rank only
-  double scaling = 1;                       // factor on the constraint count n_b of the Jacobi solvers; (0, 1]
-  double recovery_time = -1;                // s, time constant rho_c at which penetration is taken out; -1: one step; 0: all in one step
-  double recovery_speed = 0.25;             // m/s, bound on the speed at which penetration is taken out; 0: unbounded
-  double margin = 0.002;                    // m, contacts are made at gaps below this plus what the bodies can travel in the step
+  Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration
+  Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only
+  double scaling = 1;             // factor on the constraint count n_b of the Jacobi solvers; (0, 1]
+  double recovery_time = -1;      // s, time constant rho_c at which penetration is taken out; -1: one step; 0: all in one step
+  double recovery_speed = 0.25;   // m/s, bound on the speed at which penetration is taken out; 0: unbounded
+  double margin = 0.002;          // m, contacts are made at gaps below this plus what the bodies can travel in the step
 };
 
 }  // namespace unibody

@@ -15,12 +15,12 @@ namespace unibody {
 struct System {
   std::size_t homes = 0;
   std::vector<SolverBody> bodies;
-  std::vector<InverseInertia> inertia;    // of each body
-  std::vector<std::uint8_t> isotropic;    // of each body: SolverBody::inverse_inertia says it all
-  std::vector<Wrench> wrenches;           // of each body; zero between sweeps
+  std::vector<InverseInertia> inertia;  // of each body
+  std::vector<std::uint8_t> isotropic;  // of each body: SolverBody::inverse_inertia says it all
+  std::vector<Wrench> wrenches;         // of each body; zero between sweeps
   ContactBatch contacts;
-  std::vector<std::uint8_t> counted;      // of each manifold: this rank counts it in sums over all manifolds
-  std::function<void()> before_iteration; // re-evaluates the gaps at the present velocities; empty where they are frozen
+  std::vector<std::uint8_t> counted;       // of each manifold: this rank counts it in sums over all manifolds
+  std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
 
   // Home bodies: u += W wrench. Clears the wrenches. Guests follow by the next exchange.
   void apply_wrenches();
@@ -28,8 +28,8 @@ struct System {
 
 struct SolveReport {
   int iterations = 0;
-  int restarts = 0;      // of the momentum
-  double residual = 0;   // m, the solver's own running residual in its last iteration; 0 where it was not asked to stop by it
+  int restarts = 0;     // of the momentum
+  double residual = 0;  // m, the solver's own running residual in its last iteration; 0 where it was not asked to stop by it
   bool converged = false;
 };
 
@@ -44,8 +44,8 @@ SolveReport gauss_seidel(System&, const Cut&, int iterations, double tolerance);
 struct Solver {
   std::string_view name;
   SolveFunction solve;
-  bool sweeps_by_colour;             // the batch is laid out by colour rather than in key order
-  double (*leak)(int iterations);    // default share of the position stage's multipliers kept by the velocity stage (notes 6.2)
+  bool sweeps_by_colour;           // the batch is laid out by colour rather than in key order
+  double (*leak)(int iterations);  // default share of the position stage's multipliers kept by the velocity stage (notes 6.2)
 };
 
 // The solver of that name; the scene reader has checked that there is one.

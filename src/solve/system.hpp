@@ -14,10 +14,10 @@ namespace unibody {
 
 // Velocity of a body and its inverse mass. A static body has inverse mass and inertia 0: corrections leave it unchanged.
 struct alignas(64) SolverBody {
-  double v[3];              // m/s
-  double inverse_mass;      // 1/kg
-  double w[3];              // rad/s, world frame
-  double inverse_inertia;   // 1/(kg m^2), where it is the same about every axis; else see InverseInertia
+  double v[3];             // m/s
+  double inverse_mass;     // 1/kg
+  double w[3];             // rad/s, world frame
+  double inverse_inertia;  // 1/(kg m^2), where it is the same about every axis; else see InverseInertia
 };
 
 // World-frame inverse inertia of a body for which it is no multiple of the identity.
@@ -32,11 +32,11 @@ struct alignas(64) Wrench {
 
 // What one sweep tells the solver. Maxima and fixed-point sums: the same whatever the order or the number of ranks.
 struct SweepSums {
-  std::int64_t gradient = 0;    // sum r . (new - old multiplier), the gradient restart test, in units of `unit`
-  std::int64_t progress = 0;    // sum P |new - y|^2, the residual restart test, in units of `unit`
-  double largest = 0;           // largest single term of the two sums (J): sets the unit of the sweeps that follow
-  double change = 0;            // largest P |new - y| (m): the sweep's own residual, for the stop test
-  double unit = 1;              // J
+  std::int64_t gradient = 0;  // sum r . (new - old multiplier), the gradient restart test, in units of `unit`
+  std::int64_t progress = 0;  // sum P |new - y|^2, the residual restart test, in units of `unit`
+  double largest = 0;         // largest single term of the two sums (J): sets the unit of the sweeps that follow
+  double change = 0;          // largest P |new - y| (m): the sweep's own residual, for the stop test
+  double unit = 1;            // J
 };
 
 // Rounds a term to a whole number of units, clamped so that 2^22 terms cannot overflow.

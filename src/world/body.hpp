@@ -15,11 +15,11 @@ enum class Motion : std::uint8_t {
 struct BodyProperties {
   Shape shape;
   Motion motion = Motion::dynamic;
-  std::int32_t material = 0;      // index into Scene::materials
-  double mass = 1;                // kg; ignored unless dynamic
-  Vec3 inertia = Vec3::Ones();    // kg m^2, principal, body frame; ignored unless dynamic
-  Vec3 force = Vec3::Zero();      // N, constant, world frame, at the centre
-  Vec3 torque = Vec3::Zero();     // N m, constant, world frame
+  std::int32_t material = 0;    // index into Scene::materials
+  double mass = 1;              // kg; ignored unless dynamic
+  Vec3 inertia = Vec3::Ones();  // kg m^2, principal, body frame; ignored unless dynamic
+  Vec3 force = Vec3::Zero();    // N, constant, world frame, at the centre
+  Vec3 torque = Vec3::Zero();   // N m, constant, world frame
 
   bool is_dynamic() const { return motion == Motion::dynamic; }
 };

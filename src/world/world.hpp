@@ -26,9 +26,7 @@ struct World {
   bool is_home(Slot slot) const { return static_cast<std::size_t>(slot) < homes; }
   bool is_static(Slot slot) const { return static_cast<std::size_t>(slot) >= first_static(); }
 
-  BodyState state(std::size_t slot) const {
-    return {position[slot], orientation[slot], velocity[slot], angular_velocity[slot]};
-  }
+  BodyState state(std::size_t slot) const { return {position[slot], orientation[slot], velocity[slot], angular_velocity[slot]}; }
   void set_state(std::size_t slot, const BodyState& s) {
     position[slot] = s.position, orientation[slot] = s.orientation;
     velocity[slot] = s.velocity, angular_velocity[slot] = s.angular_velocity;

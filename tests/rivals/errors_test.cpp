@@ -91,14 +91,14 @@ TEST(RivalErrors, SeparatedByTheDepthBoxesJustTouch) {
 
 TEST(RivalErrors, SpheresBoxesAndPlanes) {
   const auto ball = placed(Shape::sphere, {0.5, 0, 0}, {0, 0, 0});
-  EXPECT_NEAR(depth(ball, placed(Shape::sphere, {0.25, 0, 0}, {0, 0.6, 0.3})), 0.75 - std::sqrt(0.45), 1e-15);
-  EXPECT_NEAR(depth(ball, placed(Shape::box, {1, 1, 1}, {0, 1.4, 0})), 0.1, 1e-15);
-  EXPECT_NEAR(depth(ball, placed(Shape::box, {1, 1, 1}, {1.3, 1.3, 0})), 0.5 - std::sqrt(0.18), 1e-15);
-  EXPECT_NEAR(depth(ball, placed(Shape::box, {1, 1, 1}, {0, 0.8, 0})), 0.7, 1e-15);  // centre inside
+  EXPECT_NEAR(depth(ball, placed(Shape::sphere, {0.25, 0, 0}, {0, 0.6, 0.3})), 0.75 - std::sqrt(0.45), 1e-14);
+  EXPECT_NEAR(depth(ball, placed(Shape::box, {1, 1, 1}, {0, 1.4, 0})), 0.1, 1e-14);
+  EXPECT_NEAR(depth(ball, placed(Shape::box, {1, 1, 1}, {1.3, 1.3, 0})), 0.5 - std::sqrt(0.18), 1e-14);
+  EXPECT_NEAR(depth(ball, placed(Shape::box, {1, 1, 1}, {0, 0.8, 0})), 0.7, 1e-14);  // centre inside
   const auto plane = placed(Shape::plane, Vec3::Zero(), {7, 7, -0.4});
-  EXPECT_NEAR(depth(plane, ball), 0.1, 1e-15);
+  EXPECT_NEAR(depth(plane, ball), 0.1, 1e-14);
   const auto wall = placed(Shape::plane, Vec3::Zero(), {-0.3, 7, 7}, turned(std::numbers::pi / 2, Vec3::UnitY()));  // normal +x
-  EXPECT_NEAR(depth(ball, wall), 0.2, 1e-15);
+  EXPECT_NEAR(depth(ball, wall), 0.2, 1e-14);
   EXPECT_NEAR(depth(wall, placed(Shape::box, {1, 1, 1}, {1, 0, 0}, turned(std::numbers::pi / 4, Vec3::UnitZ()))),
               std::sqrt(2.0) - 1.3, 1e-14);
 }
@@ -159,7 +159,7 @@ TEST(RivalErrors, GridFindsWhatAllPairsFind) {
     }
   }
   const auto e = rivals::measure(s.bodies, s.frame);
-  EXPECT_GT(count, 500);
+  EXPECT_GT(count, 300);
   EXPECT_EQ(e.count, count);
   EXPECT_NEAR(e.l2, std::sqrt(squares), 1e-12);
 }
@@ -195,7 +195,7 @@ TEST(RivalErrors, FilesReadBackAsWritten) {
   reader.read(1000000, frame);
   EXPECT_EQ(frame.position, s.frame.position);
   EXPECT_EQ(frame.velocity, s.frame.velocity);
-  EXPECT_LT(frame.orientation[1].angularDistance(s.frame.orientation[1]), 1e-15);
+  EXPECT_LT(frame.orientation[1].angularDistance(s.frame.orientation[1]), 1e-14);
   std::filesystem::remove(path);
   EXPECT_THROW(rivals::FrameReader("/nonexistent.h5"), std::runtime_error);
 }

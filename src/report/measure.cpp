@@ -1,0 +1,81 @@
+#include "report/measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/exact_sum.hpp"
+
+namespace unibody {
+
+namespace {
+
+enum Sum { depth_squared, kinetic, potential, linear, angular = linear + 3, sum_count = angular + 3 };
+enum Count { penetrating, pairs, points, bodies, bytes, integer_count };
+
+bool is_finite(const BodyState& s) {
+  return s.position.allFinite() && s.orientation.coeffs().allFinite() && s.velocity.allFinite() && s.angular_velocity.allFinite();
+}
+
+double deepest(const Contacts& contacts, const Manifold& m) {
+  double depth = 0;
+  for (std::uint32_t k = 0; k < m.count; ++k) depth = std::max(depth, -contacts.points[m.first + k].gap);
+  return depth;
+}
+
+void add_body(const BodyProperties& p, const BodyState& s, const Vec3& gravity, std::array<ExactSum, sum_count>& sums) {
+  const Vec3 spin = s.orientation.conjugate() * s.angular_velocity;  // body frame
+  const Vec3 moment = p.inertia.cwiseProduct(spin);
+  const Vec3 momentum = p.mass * s.velocity;
+  const Vec3 about_origin = s.position.cross(momentum) + s.orientation * moment;
+  sums[kinetic] += 0.5 * (momentum.dot(s.velocity) + moment.dot(spin));
+  sums[potential] += -p.mass * gravity.dot(s.position);
+  for (int k = 0; k < 3; ++k) {
+    sums[static_cast<std::size_t>(linear + k)] += momentum[k];
+    sums[static_cast<std::size_t>(angular + k)] += about_origin[k];
+  }
+}
+
+}  // namespace
+
+Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here) {
+  std::array<ExactSum, sum_count> sums;
+  std::array<std::int64_t, integer_count> counts{};
+  double deepest_of_all = 0;
+  Id bad = std::numeric_limits<Id>::max();
+
+  for (const Manifold& m : contacts.manifolds) {
+    if (!counts_here(world, m)) continue;
+    const double depth = deepest(contacts, m);
+    deepest_of_all = std::max(deepest_of_all, depth);
+    sums[depth_squared] += depth * depth;
+    counts[penetrating] += depth > 0 ? 1 : 0;
+    counts[pairs] += 1, counts[points] += m.count;
+  }
+  for (std::size_t slot = 0; slot < world.homes; ++slot) {
+    const BodyState s = world.state(slot);
+    add_body(world.properties[slot], s, gravity, sums);
+    if (!is_finite(s)) bad = std::min(bad, world.id[slot]);
+  }
+  counts[bodies] = static_cast<std::int64_t>(world.homes);
+  counts[bytes] = static_cast<std::int64_t>(bytes_here);
+
+  const auto total = all_sums(comm, sums);
+  MPI_Allreduce(MPI_IN_PLACE, counts.data(), integer_count, MPI_INT64_T, MPI_SUM, comm);
+  MPI_Allreduce(MPI_IN_PLACE, &deepest_of_all, 1, MPI_DOUBLE, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, comm);
+
+  Measures result;
+  result.penetration_max = deepest_of_all;
+  result.penetration_l2 = std::sqrt(total[depth_squared]);
+  if (counts[penetrating] > 0)
+    result.penetration_rms = std::sqrt(total[depth_squared] / static_cast<double>(counts[penetrating]));
+  result.pairs = counts[pairs], result.contacts = counts[points];
+  result.kinetic_energy = total[kinetic], result.potential_energy = total[potential];
+  result.linear_momentum = Vec3(total.data() + linear), result.angular_momentum = Vec3(total.data() + angular);
+  if (counts[bodies] > 0) result.bytes_per_body = static_cast<double>(counts[bytes]) / static_cast<double>(counts[bodies]);
+  if (bad != std::numeric_limits<Id>::max()) result.bad_body = bad;
+  return result;
+}
+
+}  // namespace unibody

@@ -1,0 +1,34 @@
+// What a frame is judged by: penetration, energy, momentum. The same bits on any number of ranks.
+#pragma once
+
+#include <mpi.h>
+
+#include "collide/contacts.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+struct Measures {
+  // One depth a pair, that of its deepest point; the root mean square is over the pairs that penetrate.
+  double penetration_max = 0, penetration_rms = 0, penetration_l2 = 0;  // m; l2: root of the sum of squares
+  std::int64_t pairs = 0, contacts = 0;                                 // pairs with a manifold; points, also open ones
+
+  // Of the dynamic bodies.
+  double kinetic_energy = 0;             // J
+  double potential_energy = 0;           // J, -m g.x
+  Vec3 linear_momentum = Vec3::Zero();   // kg m/s
+  Vec3 angular_momentum = Vec3::Zero();  // kg m^2/s, about the origin
+
+  double bytes_per_body = 0;  // of all ranks' `bytes_here`
+  Id bad_body = -1;           // the smallest id whose state holds a NaN or an infinity; -1: none
+};
+
+// `bytes_here`: what this rank's arrays occupy (of bodies, contacts, solver, halo). Collective.
+Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here = 0);
+
+// Whether this rank is the one that counts a manifold: its first dynamic body is home here.
+inline bool counts_here(const World& world, const Manifold& m) {
+  return world.is_home(world.is_static(m.slot_a) ? m.slot_b : m.slot_a);
+}
+
+}  // namespace unibody

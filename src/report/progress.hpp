@@ -1,0 +1,27 @@
+// The line that tells a person how far the run is.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "report/report.hpp"
+
+namespace unibody {
+
+class Progress {
+ public:
+  // Frames (first, last] will be run. Prints on rank 0 only: on a terminal one line that is overwritten, else a line now and
+  // then.
+  Progress(int rank, std::int64_t first, std::int64_t last, Id bodies);
+
+  void frame_done(const FrameReport& report);
+
+ private:
+  int rank_;
+  bool terminal_;
+  std::int64_t first_, last_;
+  Id bodies_;
+  double start_, printed_ = 0;
+};
+
+}  // namespace unibody

@@ -1,0 +1,92 @@
+#include "report/report.hpp"
+
+#include <array>
+#include <vector>
+
+#include "core/errors.hpp"
+#include "core/hdf5.hpp"
+
+namespace unibody {
+
+namespace {
+
+struct Column {
+  const char* name;
+  double (*value)(const FrameReport&);  // integers too: exact in a double up to 2^53
+};
+
+#define COLUMN(name, expression)                                               \
+  Column {                                                                     \
+    name, [](const FrameReport& r) { return static_cast<double>(expression); } \
+  }
+
+const std::array columns{
+    COLUMN("step", r.step),
+    COLUMN("time (s)", r.time),
+    COLUMN("iterations", r.iterations),
+    COLUMN("natural_residual (m)", r.natural_residual),
+    COLUMN("penetration_max (m)", r.measures.penetration_max),
+    COLUMN("penetration_rms (m)", r.measures.penetration_rms),
+    COLUMN("penetration_l2 (m)", r.measures.penetration_l2),
+    COLUMN("contact_pairs", r.measures.pairs),
+    COLUMN("contacts", r.measures.contacts),
+    COLUMN("sliding_contacts", r.sliding_contacts),
+    COLUMN("kinetic_energy (J)", r.measures.kinetic_energy),
+    COLUMN("potential_energy (J)", r.measures.potential_energy),
+    COLUMN("linear_momentum_x (kg m/s)", r.measures.linear_momentum[0]),
+    COLUMN("linear_momentum_y (kg m/s)", r.measures.linear_momentum[1]),
+    COLUMN("linear_momentum_z (kg m/s)", r.measures.linear_momentum[2]),
+    COLUMN("angular_momentum_x (kg m^2/s)", r.measures.angular_momentum[0]),
+    COLUMN("angular_momentum_y (kg m^2/s)", r.measures.angular_momentum[1]),
+    COLUMN("angular_momentum_z (kg m^2/s)", r.measures.angular_momentum[2]),
+    COLUMN("total_energy (J)", r.measures.kinetic_energy + r.measures.potential_energy),
+    COLUMN("converged (0|1)", r.converged),
+    COLUMN("bytes_per_body (B)", r.measures.bytes_per_body),
+    COLUMN("wall_collide (s)", r.wall_collide),
+    COLUMN("wall_solve (s)", r.wall_solve),
+    COLUMN("wall_halo (s)", r.wall_halo),
+    COLUMN("wall_output (s)", r.wall_output),
+    COLUMN("imbalance (max/mean)", r.imbalance),
+};
+#undef COLUMN
+
+}  // namespace
+
+std::string report_header() {
+  std::string line;
+  for (const Column& c : columns) line.append(line.empty() ? "" : ",").append(c.name);
+  return line;
+}
+
+std::string report_row(const FrameReport& report) {
+  std::string line;
+  for (const Column& c : columns) {
+    std::array<char, 40> text{};
+    std::snprintf(text.data(), text.size(), "%.17g", c.value(report));
+    line.append(line.empty() ? "" : ",").append(text.data());
+  }
+  return line;
+}
+
+ReportFile::ReportFile(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  if (rank == 0) file_ = std::fopen(path.c_str(), "w");
+  const auto fault = first_fault(comm, rank == 0 && file_ == nullptr ? "cannot write '" + path + "'" : "");
+  if (!fault.empty()) throw RunError(fault);
+  write_line(report_header());
+}
+
+ReportFile::~ReportFile() {
+  if (file_ != nullptr) std::fclose(file_);
+}
+
+void ReportFile::append(const FrameReport& report) { write_line(report_row(report)); }
+
+void ReportFile::write_line(const std::string& line) {
+  const bool good = file_ == nullptr || (std::fprintf(file_, "%s\n", line.c_str()) >= 0 && std::fflush(file_) == 0);
+  const auto fault = first_fault(comm_, good ? "" : "cannot write '" + path_ + "': is the disk full?");
+  if (!fault.empty()) throw RunError(fault);
+}
+
+}  // namespace unibody

@@ -1,0 +1,48 @@
+// report.csv: one row of numbers a step, to plot and to compare.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdio>
+#include <string>
+
+#include "report/measure.hpp"
+
+namespace unibody {
+
+struct FrameReport {
+  std::int64_t step = 0;
+  double time = 0;              // s
+  std::int64_t iterations = 0;  // of the solver
+  double natural_residual = 0;  // m
+  Measures measures;
+  std::int64_t sliding_contacts = 0;
+  bool converged = false;
+  // Wall times (s) of the step, the largest of all ranks; imbalance: largest over mean busy time.
+  double wall_collide = 0, wall_solve = 0, wall_halo = 0, wall_output = 0;
+  double imbalance = 1;
+};
+
+// The first `report_comparable_columns` columns are equal, digit by digit, for equal runs on any number of ranks:
+// diff <(cut -d, -f1-20 a/report.csv) <(cut -d, -f1-20 b/report.csv). The rest depends on the machine.
+inline constexpr int report_comparable_columns = 20;
+std::string report_header();
+std::string report_row(const FrameReport& report);
+
+// Writes the file on rank 0 and flushes it after every row. Members are collective and throw RunError on every rank.
+class ReportFile {
+ public:
+  ReportFile(MPI_Comm comm, const std::string& path);
+  ~ReportFile();
+  ReportFile(const ReportFile&) = delete;
+  ReportFile& operator=(const ReportFile&) = delete;
+  void append(const FrameReport& report);  // rank 0's is written
+
+ private:
+  void write_line(const std::string& line);
+  MPI_Comm comm_;
+  std::string path_;
+  std::FILE* file_ = nullptr;
+};
+
+}  // namespace unibody

@@ -1,0 +1,139 @@
+#include "report/summary.hpp"
+
+#include <hdf5.h>
+#include <metis.h>
+#include <petscversion.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <numeric>
+#include <stdexcept>
+
+#include "core/disk.hpp"
+#include "core/errors.hpp"
+#include "core/hash.hpp"
+#include "core/hdf5.hpp"
+#include "core/json.hpp"
+
+namespace unibody {
+
+namespace {
+
+#ifndef UNIBODY_VERSION
+#define UNIBODY_VERSION "unknown"
+#endif
+
+std::string dotted(int a, int b, int c) { return std::to_string(a) + "." + std::to_string(b) + "." + std::to_string(c); }
+
+Json vector(const Vec3& v) { return Json::array().push(v[0]).push(v[1]).push(v[2]); }
+
+Json versions() {
+  std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
+  int length = 0;
+  MPI_Get_library_version(text.data(), &length);
+  const std::string mpi(text.data(), static_cast<std::size_t>(length));
+  unsigned a = 0, b = 0, c = 0;
+  H5get_libversion(&a, &b, &c);
+  return Json::object()
+      .set("unibody", UNIBODY_VERSION)
+      .set("petsc", dotted(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR))
+      .set("mpi", mpi.substr(0, mpi.find_first_of(",\n")))
+      .set("hdf5", dotted(static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)))
+      .set("metis", dotted(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR));
+}
+
+Json scene_json(const Scene& scene, const Summary& summary) {
+  Json overrides = Json::object();
+  for (const Override& o : summary.overrides) overrides.set(o.path, o.value);
+  return Json::object()
+      .set("path", scene.path)
+      .set("title", scene.title)
+      .set("overrides", overrides)
+      .set("bodies", scene.body_count())
+      .set("dynamic_bodies", summary.dynamic_bodies)
+      .set("planar", scene.planar)
+      .set("gravity", vector(scene.gravity));
+}
+
+Json settings_json(const Scene& scene) {
+  const SolverSettings& s = scene.solver;
+  const auto name = [](const auto& names, auto value) { return Json(names[static_cast<std::size_t>(value)]); };
+  Json solver = Json::object();
+  solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
+  solver.set("stages", name(stages_names, s.stages)).set("warm_start", s.warm_start).set("leak", s.leak);
+  solver.set("friction", name(friction_model_names, s.friction)).set("gap", name(gap_names, s.gap));
+  solver.set("order", name(order_names, s.order)).set("scaling", s.scaling).set("recovery_time (s)", s.recovery_time);
+  solver.set("recovery_speed (m/s)", s.recovery_speed).set("margin (m)", s.margin);
+  Json time = Json::object();
+  time.set("step (s)", scene.time.step).set("frames", scene.time.frames).set("substeps", scene.time.substeps);
+  Json output = Json::object();
+  output.set("every", scene.output.every).set("checkpoint_every", scene.output.checkpoint_every);
+  output.set("single_precision", scene.output.single_precision);
+  return Json::object().set("time", time).set("solver", solver).set("output", output);
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+}
+
+Json timings(const Summary& summary) {
+  Json phases = Json::object();
+  for (const PhaseTimes& p : summary.phases)
+    phases.set(p.name, Json::object()
+                           .set("total (s)", std::accumulate(p.seconds.begin(), p.seconds.end(), 0.0))
+                           .set("median a frame (s)", median(p.seconds)));
+  return Json::object().set("wall_total (s)", summary.wall_total).set("phases", phases);
+}
+
+Json final_json(const FrameReport& r) {
+  const Measures& m = r.measures;
+  Json j = Json::object();
+  j.set("time (s)", r.time).set("natural_residual (m)", r.natural_residual).set("converged", r.converged);
+  j.set("penetration_max (m)", m.penetration_max).set("penetration_rms (m)", m.penetration_rms);
+  j.set("penetration_l2 (m)", m.penetration_l2).set("contact_pairs", m.pairs).set("contacts", m.contacts);
+  j.set("sliding_contacts", r.sliding_contacts);
+  j.set("kinetic_energy (J)", m.kinetic_energy).set("potential_energy (J)", m.potential_energy);
+  j.set("linear_momentum (kg m/s)", vector(m.linear_momentum)).set("angular_momentum (kg m^2/s)", vector(m.angular_momentum));
+  return j.set("bytes_per_body (B)", m.bytes_per_body).set("imbalance (max/mean)", r.imbalance);
+}
+
+}  // namespace
+
+std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary) {
+  int ranks = 1;
+  MPI_Comm_size(comm, &ranks);
+  Json files = Json::array();
+  for (const auto& file : summary.files) files.push(file);
+  Json j = Json::object();
+  j.set("status", summary.status).set("scene", scene_json(scene, summary)).set("settings", settings_json(scene));
+  j.set("versions", versions()).set("ranks", ranks);
+  j.set("first_frame", summary.first_frame).set("last_frame", summary.last_frame);
+  if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);
+  j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);
+  return j.set("state_hash", hex(summary.state_hash)).text() + "\n";
+}
+
+void write_summary(MPI_Comm comm, const std::string& path, const Scene& scene, const Summary& summary) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  const std::string text = summary_text(comm, scene, summary), part = path + ".part";
+  std::string fault;
+  try {
+    if (rank == 0) {
+      std::ofstream file(part);
+      file << text << std::flush;
+      if (!file) throw std::runtime_error("cannot write '" + path + "': is the disk full?");
+      file.close();
+      publish_file(part, path);
+    }
+  } catch (const std::exception& e) {
+    fault = e.what();
+  }
+  fault = first_fault(comm, fault);
+  if (!fault.empty()) throw RunError(fault);
+}
+
+}  // namespace unibody

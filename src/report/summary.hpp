@@ -1,0 +1,38 @@
+// summary.json: what ran, with what, how long it took and where it ended.
+#pragma once
+
+#include <mpi.h>
+
+#include <string>
+#include <vector>
+
+#include "report/report.hpp"
+#include "scene/scene.hpp"
+
+namespace unibody {
+
+// The wall times of one phase, a figure a frame.
+struct PhaseTimes {
+  std::string name;
+  std::vector<double> seconds;
+};
+
+struct Summary {
+  std::vector<Override> overrides;
+  std::string restarted_from;  // path of the checkpoint; empty: none
+  std::int64_t first_frame = 0, last_frame = 0;
+  double wall_total = 0;  // s, of the whole run
+  std::vector<PhaseTimes> phases;
+  FrameReport final;
+  std::vector<std::string> files;  // written, in the order of mention
+  std::uint64_t state_hash = 0;
+  Id dynamic_bodies = 0;
+  std::string status = "finished";  // or why it stopped
+};
+
+std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary);
+
+// Writes the text on rank 0, under a temporary name first. Collective; throws RunError on every rank.
+void write_summary(MPI_Comm comm, const std::string& path, const Scene& scene, const Summary& summary);
+
+}  // namespace unibody

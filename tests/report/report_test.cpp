@@ -1,0 +1,92 @@
+#include "report/report.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <sstream>
+
+#include "core/errors.hpp"
+#include "core/json.hpp"
+#include "report/summary.hpp"
+#include "report_worlds.hpp"
+
+namespace unibody {
+namespace {
+
+using namespace testing_worlds;
+
+std::vector<std::string> split(const std::string& line) {
+  std::vector<std::string> cells;
+  std::stringstream stream(line);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+TEST(Report, HeaderNamesUnitsAndTimesComeLast) {
+  const auto names = split(report_header());
+  EXPECT_EQ(names.size(), split(report_row({})).size());
+  EXPECT_EQ(names[0], "step");
+  for (const char* name : {"time (s)", "penetration_max (m)", "kinetic_energy (J)", "angular_momentum_z (kg m^2/s)"})
+    EXPECT_EQ(std::count(names.begin(), names.begin() + report_comparable_columns, name), 1) << name;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    EXPECT_EQ(names[k].starts_with("wall_") || names[k].starts_with("bytes_") || names[k].starts_with("imbalance"),
+              k >= static_cast<std::size_t>(report_comparable_columns));
+}
+
+TEST(Report, NumbersComeBackToTheLastBit) {
+  FrameReport r;
+  r.time = 0.1;
+  r.natural_residual = std::nextafter(1e-5, 1.0);
+  r.measures.kinetic_energy = -5e-324;
+  const auto cells = split(report_row(r));
+  EXPECT_EQ(std::strtod(cells[1].c_str(), nullptr), r.time);
+  EXPECT_EQ(std::strtod(cells[3].c_str(), nullptr), r.natural_residual);
+  EXPECT_EQ(std::strtod(cells[10].c_str(), nullptr), r.measures.kinetic_energy);
+}
+
+TEST(RanksReport, EveryRowIsOnTheDiskAtOnce) {
+  const Folder folder;
+  ReportFile file(MPI_COMM_WORLD, folder / "report.csv");
+  FrameReport r;
+  file.append(r);
+  r.step = 1;
+  file.append(r);
+  EXPECT_EQ(contents(folder / "report.csv"), report_header() + "\n" + report_row({}) + "\n" + report_row(r) + "\n");
+  MPI_Barrier(MPI_COMM_WORLD);
+  const FileSizeLimit limit(100);
+  EXPECT_THROW(file.append(r), RunError);
+  EXPECT_THROW(ReportFile(MPI_COMM_WORLD, folder / "none/report.csv"), RunError);
+}
+
+TEST(Json, EscapesAndNests) {
+  const Json j =
+      Json::object().set("a\"b", "x\n\\\x01").set("list", Json::array().push(1).push(true).push(0.1)).set("e", Json::array());
+  EXPECT_EQ(
+      j.text(),
+      "{\n  \"a\\\"b\": \"x\\n\\\\\\u0001\",\n  \"list\": [\n    1,\n    true,\n    0.10000000000000001\n  ],\n  \"e\": []\n}");
+  EXPECT_EQ(Json(std::numeric_limits<double>::infinity()).text(), "null");
+}
+
+TEST(RanksSummary, IsJson) {
+  const Folder folder;
+  Scene scene;
+  scene.path = "scenes/\"odd\" name.yaml";
+  Summary summary;
+  summary.overrides = {{"solver.iterations", "20"}};
+  summary.phases = {{"solve", {3, 1, 2}}, {"collide", {}}};
+  summary.state_hash = 0x00ff00000000000a;
+  summary.files = {"frames.h5"};
+  const std::string path = folder / "summary.json";
+  write_summary(MPI_COMM_WORLD, path, scene, summary);
+  if (rank_of(MPI_COMM_WORLD) == 0) {
+    const std::string check =
+        "import json, sys; j = json.load(open(sys.argv[1])); p = j['timings']['phases']['solve']; "
+        "assert p == {'total (s)': 6, 'median a frame (s)': 2}, p; assert j['state_hash'] == '00ff00000000000a'; "
+        "assert j['scene']['path'] == 'scenes/\\\"odd\\\" name.yaml'; assert j['versions']['hdf5'].startswith('1.')";
+    EXPECT_EQ(std::system(("/usr/bin/python3 -c \"" + check + "\" " + path).c_str()), 0) << contents(path);
+  }
+  EXPECT_THROW(write_summary(MPI_COMM_WORLD, folder / "none/summary.json", scene, summary), RunError);
+}
+
+}  // namespace
+}  // namespace unibody
