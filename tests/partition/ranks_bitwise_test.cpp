@@ -1,0 +1,115 @@
+// The same bits on any number of ranks: every rank runs the scene alone as well and compares.
+#include <gtest/gtest.h>
+
+#include "partition/balance.hpp"
+#include "report/state_hash.hpp"
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+// 150 boxes and spheres of sizes 1 : 3 and a kinematic paddle between walls.
+std::string mixed_scene(const std::string& solver) {
+  return R"(
+bodies:
+  - container: {size: [0.9, 0.9]}
+  - pile:
+      count: 150
+      columns: [4, 4]
+      seed: 7
+      mix:
+        - {shape: {sphere: {radius: 0.06}}, scale: [0.5, 1.5]}
+        - {shape: {box: {size: [0.12, 0.1, 0.08]}}, scale: [0.5, 1.5]}
+    density: 1000
+    velocity: [0, 0, -3]
+    position: [0, 0, 0.02]
+  - shape: {box: {size: [0.5, 0.1, 0.3]}}
+    motion: kinematic
+    position: [0, 0, 0.15]
+    angular_velocity: [0, 0, 2]
+solver: )" +
+         solver;
+}
+
+const std::string solvers[] = {"{name: accelerated_jacobi, iterations: 12}", "{name: jacobi, iterations: 12}",
+                               "{name: gauss_seidel, iterations: 8}",
+                               "{name: accelerated_jacobi, iterations: 8, gap: reevaluated}",
+                               "{name: accelerated_jacobi, stages: position, iterations: 8, friction: cone}"};
+
+constexpr int looks[] = {1, 10, 60};
+
+std::vector<std::uint64_t> alone(const std::string& text) {
+  Experiment run(scene_from_text(text));
+  std::vector<std::uint64_t> hashes;
+  int done = 0;
+  for (const int look : looks) {
+    run.steps(look - done), done = look;
+    hashes.push_back(state_hash(MPI_COMM_SELF, run.world()));
+  }
+  return hashes;
+}
+
+std::vector<std::uint64_t> together(const std::string& text, std::optional<std::uint64_t> seed, int migrate_every) {
+  Experiment run(scene_from_text(text), MPI_COMM_WORLD);
+  Balance balance(MPI_COMM_WORLD, seed, true);
+  Simulation& s = *run.simulation;
+  s.move_homes(balance.homes(s.world, {}));
+  std::vector<std::uint64_t> hashes;
+  int done = 0;
+  for (const int look : looks)
+    for (; done < look;) {
+      run.step(), ++done;
+      if (migrate_every > 0 && done % migrate_every == 0) {
+        s.detect();
+        const Balance other(MPI_COMM_WORLD, seed ? std::optional(*seed + static_cast<std::uint64_t>(done)) : std::nullopt, true);
+        s.move_homes(other.homes(s.world, s.contacts));
+      }
+      if (done == look) hashes.push_back(state_hash(MPI_COMM_WORLD, s.world));
+    }
+  return hashes;
+}
+
+}  // namespace
+
+class RanksBitwise : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(RanksBitwise, AnyPartitionGivesTheStatesOfOneRank) {
+  const std::string text = mixed_scene(GetParam());
+  const auto expected = alone(text);
+  EXPECT_EQ(together(text, std::nullopt, 0), expected) << "METIS";
+  EXPECT_EQ(together(text, std::nullopt, 7), expected) << "METIS, with migration";
+  EXPECT_EQ(together(text, 1, 0), expected) << "random";
+  EXPECT_EQ(together(text, 2, 13), expected) << "random, with migration";
+}
+
+INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwise, ::testing::ValuesIn(solvers));
+
+// Controls: the hash sees a change in the last bit of one number, and moves with time.
+TEST(RanksBitwiseControl, AChangedSceneDiffers) {
+  const std::string text = mixed_scene(solvers[0]);
+  std::string changed = text;
+  changed.replace(changed.find("velocity: [0, 0, -3]"), 20, "velocity: [0, 0, -3.0000000000000004]");
+  const auto a = alone(text), b = alone(changed), c = together(changed, 1, 0);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NE(a[i], b[i]);
+  EXPECT_EQ(b, c);
+  EXPECT_NE(a[0], a[1]);
+  EXPECT_NE(a[1], a[2]);
+}
+
+TEST(RanksBitwiseControl, BodiesAreOnAllTheRanksThatWereAskedFor) {
+  int size = 0;
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  if (const char* asked = std::getenv("OMPI_COMM_WORLD_SIZE")) {
+    EXPECT_EQ(size, std::atoi(asked));
+  }
+  Experiment run(scene_from_text(mixed_scene(solvers[0])), MPI_COMM_WORLD);
+  run.simulation->move_homes(Balance(MPI_COMM_WORLD, 1, false).homes(run.world(), {}));
+  run.step();
+  EXPECT_EQ(run.simulation->halo().size(), size);
+  EXPECT_GT(run.world().homes, 150u / static_cast<unsigned>(2 * size));
+  EXPECT_LT(run.world().homes, 300u / static_cast<unsigned>(size) + 1);
+  EXPECT_EQ(run.world().guests > 0, size > 1);
+}
+
+}  // namespace unibody::small_worlds

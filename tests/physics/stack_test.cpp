@@ -1,0 +1,190 @@
+// Stacks: what each body rests on, how far an unconverged solver lets them sink, and where they topple.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+constexpr double g = 9.81;
+
+// Ten discs from rest, touching; position stage, no recovery bound: the sum of all penetrations (mm), mean of frames 101 to 200.
+double sag(const std::string& solver, int iterations, double warm_start, Stages stages = Stages::position) {
+  Scene scene = scene_with(0.5);
+  scene.planar = true, scene.gravity = Vec3(0, 0, -9.8);
+  scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.warm_start = warm_start;
+  scene.solver.stages = stages, scene.solver.leak = 0, scene.solver.order = Order::sequential;
+  scene.solver.recovery_time = 0, scene.solver.recovery_speed = 0, scene.solver.tolerance = 0;
+  for (int k = 0; k < 10; ++k) add(scene, disc(1, 0.5, Vec3(0, 0, 0.5 + k)));
+  add(scene, ground());
+  Experiment run(scene);
+  double sum = 0;
+  for (int frame = 1; frame <= 200; ++frame) {
+    run.step();
+    if (frame <= 100) continue;
+    sum += std::max(0.0, 0.5 - run.position(0).z());
+    for (Id k = 1; k < 10; ++k) sum += std::max(0.0, 1 - (run.position(k) - run.position(k - 1)).norm());
+  }
+  return 1000 * sum / 100;
+}
+
+// The same with a Gauss-Seidel that always sweeps upwards (the solver's own alternates), step by step from its parts.
+double sag_sweeping_upwards(int iterations) {
+  Bench bench;
+  bench.planar = true, bench.gravity = Vec3(0, 0, -9.8);
+  std::vector<Body> bodies;
+  for (int k = 0; k < 10; ++k) bodies.push_back(disc(1, 0.5, Vec3(0, 0, 0.5 + k)));
+  bodies.push_back(ground());
+  bench.world.homes = 10;
+  bench.world.resize(11);
+  for (std::size_t k = 0; k < 11; ++k) bodies[k].id = static_cast<Id>(k), bench.world.set(k, bodies[k]);
+  CollideSettings settings;
+  settings.gravity = bench.gravity, settings.planar = true;
+  double sum = 0;
+  for (int frame = 1; frame <= 200; ++frame) {
+    collide(bench.world, settings, bench.contacts);
+    const auto n = static_cast<std::uint32_t>(bench.contacts.manifolds.size());
+    std::vector<std::uint32_t> order(n);
+    for (std::uint32_t m = 0; m < n; ++m) order[m] = m;
+    const auto upper = [&](std::uint32_t m) { return bench.contacts.manifolds[m].id_b % 10; };  // the ground, 10, comes first
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return upper(a) < upper(b); });
+    bench.build_sequential(order);
+    bench.start({Stage::Kind::position, bench.step, 0, 0});
+    for (int k = 0; k < iterations; ++k)
+      for (std::size_t m = 0; m < n; ++m) bench.system.contacts.relax(m, false, bench.system.bodies);
+    for (std::size_t i = 0; i < 10; ++i)
+      bench.world.set_state(i, finish_motion(bench.world.properties[i], bench.world.state(i), bench.system.bodies[i],
+                                             Vec3::Zero(), bench.step, true));
+    if (frame <= 100) continue;
+    sum += std::max(0.0, 0.5 - bench.world.position[0].z());
+    for (std::size_t k = 1; k < 10; ++k) sum += std::max(0.0, 1 - (bench.world.position[k] - bench.world.position[k - 1]).norm());
+  }
+  return 1000 * sum / 100;
+}
+
+}  // namespace
+
+// Cold: the sag of each mode is (1 - s) / s h^2 g, with s its convergence in one step; figures of an independent code, 5 %.
+TEST(Stack, SagOfAnUnconvergedJacobi) {
+  EXPECT_NEAR(sag("jacobi", 10, 0), 48.5, 0.05 * 48.5);
+  EXPECT_NEAR(sag("jacobi", 20, 0), 23.6, 0.05 * 23.6);
+  EXPECT_NEAR(sag("jacobi", 50, 0), 8.70, 0.05 * 8.70);
+  EXPECT_NEAR(sag("jacobi", 100, 0), 3.70, 0.05 * 3.70);
+}
+TEST(Stack, SagOfAcceleratedJacobi) {
+  EXPECT_NEAR(sag("accelerated_jacobi", 10, 0), 23.7, 0.05 * 23.7);
+  EXPECT_NEAR(sag("accelerated_jacobi", 20, 0), 6.04, 0.05 * 6.04);
+  EXPECT_LT(sag("accelerated_jacobi", 50, 0), 0.02);  // the 1 / K^2 that momentum guarantees would be 0.97
+}
+TEST(Stack, SagOfGaussSeidelSweepingUpwards) {
+  EXPECT_NEAR(sag_sweeping_upwards(10), 10.16, 0.05 * 10.16);
+  EXPECT_NEAR(sag_sweeping_upwards(20), 4.47, 0.05 * 4.47);
+  EXPECT_NEAR(sag_sweeping_upwards(50), 1.17, 0.05 * 1.17);
+  EXPECT_NEAR(sag_sweeping_upwards(100), 0.263, 0.05 * 0.263);
+}
+// Alternating costs some of that, and stays well ahead of Jacobi.
+TEST(Stack, SagOfAlternatingGaussSeidel) {
+  EXPECT_LT(sag("gauss_seidel", 10, 0), sag("jacobi", 20, 0));
+  EXPECT_LT(sag("gauss_seidel", 50, 0), sag("jacobi", 100, 0));
+  EXPECT_GT(sag("gauss_seidel", 50, 0), sag_sweeping_upwards(50));
+}
+// Half of the multipliers kept halves every sag: the factor 1 - alpha of the closed form.
+TEST(Stack, HalfAWarmStartHalvesTheSag) {
+  for (const std::string solver : {"jacobi", "accelerated_jacobi", "gauss_seidel"}) {
+    const double cold = sag(solver, 20, 0), warm = sag(solver, 20, 0.5);
+    EXPECT_NEAR(warm, cold / 2, 0.01 * cold) << solver;
+  }
+}
+// The velocity stage has its multipliers in full, which leaves nothing to sag once it has settled.
+TEST(Stack, VelocityStageRemovesTheSag) {
+  EXPECT_LT(sag("jacobi", 100, 0, Stages::two), 0.005);
+  EXPECT_LT(sag("accelerated_jacobi", 20, 0, Stages::two), 0.01);
+  EXPECT_LT(sag("accelerated_jacobi", 50, 0, Stages::two), 0.005);
+  EXPECT_LT(sag("gauss_seidel", 20, 0, Stages::two), 0.005);
+}
+
+TEST(Stack, TowersPressOnTheGroundWithTheirWeight) {
+  for (const int n : {10, 30}) {
+    Scene scene = scene_with(0.5);
+    for (int k = 0; k < n; ++k) add(scene, block(2, Vec3(1, 1, 1), Vec3(0, 0, 0.5 + k)));
+    add(scene, ground());
+    scene.solver.iterations = n == 10 ? 50 : 100, scene.solver.tolerance = 0;
+    Experiment run(scene);
+    run.seconds(8);
+    EXPECT_NEAR(run.normal_force(0, n), 2 * n * g, 0.01 * 2 * n * g) << n << " boxes";
+    for (int k = 1; k < n; ++k) EXPECT_NEAR(run.normal_force(k - 1, k), 2 * (n - k) * g, 0.01 * 2 * n * g);
+    EXPECT_NEAR(run.position(n - 1).z(), n - 0.5, 0.01 * n);
+  }
+}
+
+// A heavy box on a light one: no more than 1e-3 of overlap after 5 s, or the run says that it has not converged.
+TEST(Stack, HeavyOnLightIsSolvedOrOwnsUp) {
+  for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"})
+    for (const double ratio : {1.0, 10.0, 100.0, 1000.0, 1e6}) {
+      Scene scene = scene_with(0.5);
+      scene.solver.name = solver;
+      add(scene, block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
+      add(scene, block(ratio, Vec3(1, 1, 1), Vec3(0, 0, 1.5)));
+      add(scene, ground());
+      Experiment run(scene);
+      run.seconds(1);
+      bool unconverged = false;
+      for (int k = 0; k < 250; ++k) unconverged |= !run.step().converged;
+      ASSERT_TRUE(run.finite());
+      const bool holds = run.penetration() < 1e-3 && std::abs(run.position(1).z() - 1.5) < 2e-3;
+      EXPECT_TRUE(holds || unconverged) << solver << ", ratio " << ratio << ": overlap " << run.penetration();
+      if (ratio == 1 || (ratio == 10 && solver == "accelerated_jacobi")) {
+        EXPECT_TRUE(holds) << solver << ", ratio " << ratio;
+      }
+    }
+}
+
+// n bricks, the i-th from the top L / (2 i) beyond the one below: with 2 % less they stand, with 2 % more they fall.
+TEST(Stack, HarmonicOverhang) {
+  for (const int n : {5, 10})
+    for (const double factor : {0.98, 1.02}) {
+      Scene scene = scene_with(0.8);
+      scene.solver.iterations = 400, scene.solver.tolerance = 0;
+      scene.solver.stages = Stages::position;  // two stages, solved to the end, tremble in tall stacks
+      double x = 0;
+      for (int k = 0; k < n; ++k) {  // from the bottom; the lowest one lies on the ground's edge, a fixed box
+        x += factor * 0.5 / (n - k);
+        add(scene, block(1, Vec3(1, 0.5, 0.2), Vec3(x, 0, 0.1 + 0.2 * k)));
+      }
+      Body table = block(1, Vec3(1, 1, 1), Vec3(0, 0, -0.5));
+      table.properties.motion = Motion::fixed;
+      add(scene, table);
+      Experiment run(scene);
+      const double top = run.position(n - 1).z();
+      run.seconds(4);
+      if (factor < 1) {
+        EXPECT_NEAR(run.position(n - 1).z(), top, 0.01) << n << " bricks should stand";
+      } else {
+        EXPECT_LT(run.position(n - 1).z(), top - 0.3) << n << " bricks should fall";
+      }
+    }
+}
+
+// A ball in a groove of half-angle a presses on each side with m g / (2 sin a).
+TEST(Stack, BallInAGroove) {
+  for (const double degrees : {20.0, 45.0, 70.0}) {
+    const double a = degrees * M_PI / 180, r = 0.2;
+    Scene scene = scene_with(0);
+    scene.solver.iterations = 200, scene.solver.tolerance = 0;
+    add(scene, ball(3, r, Vec3(0, 0, r / std::sin(a))));
+    add(scene, ground(Vec3::Zero(), Vec3(std::cos(a), 0, std::sin(a))));
+    add(scene, ground(Vec3::Zero(), Vec3(-std::cos(a), 0, std::sin(a))));
+    Experiment run(scene);
+    run.seconds(4);
+    const double expected = 3 * g / (2 * std::sin(a));
+    EXPECT_NEAR(run.normal_force(0, 1), expected, 1e-4 * expected) << degrees;
+    EXPECT_NEAR(run.normal_force(0, 2), expected, 1e-4 * expected) << degrees;
+    EXPECT_NEAR(run.position(0).z(), r / std::sin(a), 1e-4) << degrees;
+  }
+}
+
+}  // namespace unibody::small_worlds
