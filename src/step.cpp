@@ -152,18 +152,18 @@ void Simulation::warm_start(double share) {
   cut_.exchange(system_.bodies);
 }
 
-// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions,
-// from zero. A share of what the second had to add leaks into what the first starts from next time (notes 6.2). Or positions
-// alone.
+// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
+// A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
+// old multipliers that must not pass 1/2: an unconverged position stage that starts from all of them gains energy.
 StepReport Simulation::solve() {
   build_system();
   const SolverSettings& settings = scene_.solver;
-  const bool two_stages = settings.stages == Stages::two;
+  const bool two_stages = settings.stages != Stages::position;
   StepReport report;
   warm_start(two_stages ? 1 : settings.warm_start);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
-    system_.contacts.keep_impulses();
+    system_.contacts.keep_impulses(settings.stages == Stages::joint);
   }
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   measure_solution(report);

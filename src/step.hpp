@@ -1,4 +1,4 @@
-// One step of the simulation: collide -> predict -> solve -> finalise (paper, Algorithm 1; notes of each phase in step.cpp).
+// One step of the simulation: collide -> predict -> solve -> finalise (paper, Algorithm 1).
 #pragma once
 
 #include <span>

@@ -55,7 +55,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
                          const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
                          std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
                          std::span<const std::int32_t> counts, const SolverSettings& settings, double step) {
-  contacts_ = &contacts, friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
+  contacts_ = &contacts, joint_ = true, friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
   blocks.clear(), points.clear(), tangents.clear(), inertias.clear(), group_end_.clear();
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
 
@@ -113,7 +113,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   }
 }
 
-// Gauss-Seidel: each point's own 3 x 3 block; for cone projections one scalar for its three rows (notes 1.5). A contact without
+// Gauss-Seidel: each point's own 3 x 3 block; for cone projections one scalar for its three rows. A contact without
 // friction has no tangents, also beside others in its block: who they are depends on the rank.
 void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies) {
   const LaneMasses w = gather_masses(block, bodies, block.inertia < 0 ? nullptr : &inertias[block.inertia]);
@@ -151,8 +151,9 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
   }
 }
 
-// Jacobi: absolute row sums of the whole manifold block, masses split by the bodies' constraint counts (notes 1.3, 6.4): the
-// scaled matrix then has no eigenvalue above 1, so that no relaxation parameter is needed.
+// Jacobi: absolute row sums of the whole manifold block, masses split by the bodies' constraint counts (Cauchy-Schwarz over a
+// body's manifolds, then diagonal dominance): the scaled matrix then has no eigenvalue above 1, so that no relaxation parameter
+// is needed.
 void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) {
   scale_gauss_seidel(block, bodies);  // mobilities
   const LaneMasses w = gather_masses(block, bodies, block.inertia < 0 ? nullptr : &inertias[block.inertia]);
@@ -238,30 +239,33 @@ void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
     }
 }
 
-void ContactBatch::keep_impulses() {
-  const Vec4d zero = broadcast(0);
-  for (Point& p : points) p.kept = p.lambda, p.lambda = p.y = zero;
-  for (Tangents& t : tangents) {
-    t.kept_s = t.lambda_s, t.kept_t = t.lambda_t;
-    t.lambda_s = t.lambda_t = t.y_s = t.y_t = zero;
-  }
+void ContactBatch::keep_impulses(bool joint) {
+  joint_ = joint;
+  const auto keep = [share = broadcast(joint ? 1 : 0)](Vec4d& kept, Vec4d& lambda, Vec4d& y) {
+    kept = lambda, lambda = y = share * kept;
+  };
+  for (Point& p : points) keep(p.kept, p.lambda, p.y);
+  for (Tangents& t : tangents) keep(t.kept_s, t.lambda_s, t.y_s), keep(t.kept_t, t.lambda_t, t.y_t);
 }
 
 void ContactBatch::leak_impulses(double leak) {
-  const Vec4d share = broadcast(leak);
-  for (Point& p : points) p.lambda = p.kept + share * p.lambda;
-  for (Tangents& t : tangents) t.lambda_s = t.kept_s + share * t.lambda_s, t.lambda_t = t.kept_t + share * t.lambda_t;
+  const auto mix = [this, share = broadcast(leak)](Vec4d& lambda, Vec4d kept) {
+    lambda = kept + share * (joint_ ? lambda - kept : lambda);
+  };
+  for (Point& p : points) mix(p.lambda, p.kept);
+  for (Tangents& t : tangents) mix(t.lambda_s, t.kept_s), mix(t.lambda_t, t.kept_t);
 }
 
 std::int64_t ContactBatch::sliding(std::span<const std::uint8_t> counted) const {
   std::int64_t sliding = 0;
+  const Vec4d before = broadcast(joint_ ? 0 : 1);
   for (const Block& block : blocks) {
     if (block.first_tangent < 0) continue;
     for (std::uint32_t k = 0; k < block.count; ++k) {
       const Point& p = points[block.first_point + k];
       const Tangents& tangent = tangents[block.first_tangent + k];
-      const Vec4d limit = broadcast(0.999) * block.friction * (p.kept + p.lambda);
-      const Vec4d s = tangent.kept_s + tangent.lambda_s, t = tangent.kept_t + tangent.lambda_t;
+      const Vec4d limit = broadcast(0.999) * block.friction * (before * p.kept + p.lambda);
+      const Vec4d s = before * tangent.kept_s + tangent.lambda_s, t = before * tangent.kept_t + tangent.lambda_t;
       const Mask4 at_limit = (limit > broadcast(0)) & (s * s + t * t >= limit * limit);
       for (std::size_t l = 0; l < lanes; ++l) sliding += at_limit[l] != 0 && block.manifold[l] >= 0 && counted[block.manifold[l]];
     }

@@ -106,10 +106,11 @@ class ContactBatch {
   void set_impulses(std::span<const Impulse> impulses);
   void get_impulses(std::span<Impulse> impulses) const;
 
-  // Between the stages: keep_impulses() puts the multipliers aside and starts the next stage from zero; leak_impulses() then
-  // makes them kept + leak * lambda. sliding() counts the points whose multipliers of both stages together are at friction's
-  // limit; call it between the two.
-  void keep_impulses();
+  // Between the stages: keep_impulses() puts the velocity stage's multipliers aside; the position stage then starts from zero and
+  // adds to them, or, if `joint`, from them. leak_impulses() afterwards leaves kept + leak * what the position stage added.
+  // sliding() counts the points whose multipliers of both stages together are at friction's limit; call it before
+  // leak_impulses().
+  void keep_impulses(bool joint);
   void leak_impulses(double leak);
   std::int64_t sliding(std::span<const std::uint8_t> counted) const;
 
@@ -130,6 +131,7 @@ class ContactBatch {
   const Contacts* contacts_ = nullptr;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
+  bool joint_ = true;  // lambda holds both stages' multipliers, rather than what is to be added to `kept`
 };
 
 }  // namespace unibody

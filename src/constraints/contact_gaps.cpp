@@ -1,4 +1,4 @@
-// Gaps evaluated anew before each iteration, rather than linear in the step (notes 6.5): for verification, and for steps in which
+// Gaps evaluated anew before each iteration, rather than linear in the step: for verification, and for steps in which
 // bodies turn far. Points are fixed to their bodies and the normal to the world; between two round bodies both follow the
 // centres.
 

@@ -80,7 +80,7 @@ void read_solver(const Value& value, Scene& scene) {
   SolverSettings& solver = scene.solver;
   read_fields(value, solver_fields, solver);
   const Value* iterations = value.find("iterations");
-  if (iterations && solver.stages == Stages::two && solver.iterations < 2)
+  if (iterations && solver.stages != Stages::position && solver.iterations < 2)
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");
 }
 

@@ -1,6 +1,6 @@
 // A body's motion apart from constraints: the prediction before the solve and the update of position after it.
 //
-// Spin (notes 1.1; Simo & Wong 1991): the torque-free part is the implicit midpoint rule in the body frame, which keeps the
+// Spin (Simo & Wong 1991): the torque-free part is the implicit midpoint rule in the body frame, which keeps the
 // energy and the magnitude of the angular momentum exactly; with the normalised quaternion update (a Cayley map) it keeps the
 // momentum's direction in space as well. The solver then works at the inertia of the start of the step.
 #pragma once

@@ -13,8 +13,8 @@ inline constexpr std::array<std::string_view, 5> friction_model_names{"disc", "c
 enum class Gap { frozen, reevaluated };
 inline constexpr std::array<std::string_view, 2> gap_names{"frozen", "reevaluated"};
 
-enum class Stages { two, position };
-inline constexpr std::array<std::string_view, 2> stages_names{"two", "position"};
+enum class Stages { two, joint, position };
+inline constexpr std::array<std::string_view, 3> stages_names{"two", "joint", "position"};
 
 enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
@@ -22,10 +22,13 @@ inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequen
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // accelerated_jacobi | jacobi | gauss_seidel
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
-  double tolerance = -1;        // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
-  Stages stages = Stages::two;  // two: velocity stage with leak, then position stage; position: the latter alone
-  double warm_start = 0.5;      // share of the old multipliers a single position stage starts from; [0, 1/2]
-  double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
+  double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
+  // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.
+  // joint: the position stage works on both stages' multipliers together: converges to the step's exact solution.
+  // position: the position stage alone.
+  Stages stages = Stages::two;
+  double warm_start = 0.5;  // share of the old multipliers a single position stage starts from; [0, 1/2]
+  double leak = -1;         // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
   FrictionModel friction = FrictionModel::disc;
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration
   Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only

@@ -45,7 +45,7 @@ struct Solver {
   std::string_view name;
   SolveFunction solve;
   bool sweeps_by_colour;           // the batch is laid out by colour rather than in key order
-  double (*leak)(int iterations);  // default share of the position stage's multipliers kept by the velocity stage (notes 6.2)
+  double (*leak)(int iterations);  // default share of the position stage's multipliers kept by the velocity stage
 };
 
 // The solver of that name; the scene reader has checked that there is one.

@@ -21,7 +21,7 @@ constexpr std::uint64_t seeds[] = {1, 2, 3, 4, 5};
 Vec3 project_plain(FrictionModel model, const Vec3& y, double mu) {
   const double length = std::hypot(y[1], y[2]);
   if (model == FrictionModel::cone || model == FrictionModel::saxce) {
-    if (length <= mu * y[0]) return y;
+    if (y[0] >= 0 && length <= mu * y[0]) return y;
     if (mu * length <= -y[0]) return Vec3::Zero();
     const double n = (y[0] + mu * length) / (1 + mu * mu);
     return {n, mu * n * y[1] / length, mu * n * y[2] / length};
