@@ -74,6 +74,25 @@ struct Occupancy {
   }
 };
 
+// Cells and large bodies of this rank, as far as a neighbour's bounds reach.
+Occupancy occupancy(const std::vector<Bounds>& bodies, const std::vector<Bounds>& everyone, const std::vector<int>& neighbours,
+                    double cell) {
+  Occupancy mine;
+  for (const Bounds& b : bodies) {
+    if (std::none_of(neighbours.begin(), neighbours.end(),
+                     [&](int r) { return overlap(b, everyone[static_cast<std::size_t>(r)]); }))
+      continue;
+    const CellRange range = cells_of(b, cell);
+    if (range.count() > cells_of_a_large_body)
+      mine.large.push_back(b);
+    else
+      for_each_cell(range, [&](std::int64_t key) { mine.cells.push_back(key); });
+  }
+  std::sort(mine.cells.begin(), mine.cells.end());
+  mine.cells.erase(std::unique(mine.cells.begin(), mine.cells.end()), mine.cells.end());
+  return mine;
+}
+
 }  // namespace
 
 Halo::Halo(MPI_Comm comm) : comm_(comm) {
@@ -132,36 +151,29 @@ void Halo::find_guests(World& world, const CollideSettings& settings) {
   std::vector<Guest> guests;
 
   if (size_ > 1) {
-    // The cell edge only sets the price. Twice the largest common size keeps most bodies in at most eight cells.
-    double local[2] = {0, static_cast<double>(world.homes)}, total[2] = {0, 0};
-    for (std::size_t i = 0; i < world.homes; ++i) local[0] += bounding_radius(world.properties[i].shape);
-    MPI_Reduce(local, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm_);  // inexact, and harmless: no result depends on it,
-    MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm_);                   // as long as every rank has the same
-    const double cell = std::max(1e-6, 3 * total[0] / std::max(1.0, total[1]));
-
-    Bounds all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
-    Occupancy mine;
     registered_.resize(world.homes);
+    double sizes[2] = {0, static_cast<double>(world.homes)};
     for (std::size_t i = 0; i < world.homes; ++i) {
       Bounds b = swept_bounds(world, i, settings);
-      const double skin = 0.1 * cell + 2 * settings.step * world.velocity[i].norm();
+      const double skin = 0.3 * bounding_radius(world.properties[i].shape) + settings.step * world.velocity[i].norm();
       b.lower.array() -= skin, b.upper.array() += skin;
       registered_[i] = b;
-      all.lower = all.lower.cwiseMin(b.lower), all.upper = all.upper.cwiseMax(b.upper);
-      const CellRange range = cells_of(b, cell);
-      if (range.count() > cells_of_a_large_body)
-        mine.large.push_back(b);
-      else
-        for_each_cell(range, [&](std::int64_t key) { mine.cells.push_back(key); });
+      sizes[0] += (b.upper - b.lower).maxCoeff();
     }
-    std::sort(mine.cells.begin(), mine.cells.end());
-    mine.cells.erase(std::unique(mine.cells.begin(), mine.cells.end()), mine.cells.end());
+    // The cell edge, the mean size of the bounds, only sets the price: a body of common size touches at most eight cells.
+    double total[2] = {0, 0};
+    MPI_Reduce(sizes, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm_);  // inexact, and harmless: no result depends on it,
+    MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm_);                   // as long as every rank has the same
+    const double cell = std::max(1e-6, total[0] / std::max(1.0, total[1]));
 
+    Bounds all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
+    for (const Bounds& b : registered_) all.lower = all.lower.cwiseMin(b.lower), all.upper = all.upper.cwiseMax(b.upper);
     std::vector<Bounds> everyone(static_cast<std::size_t>(size_));
     MPI_Allgather(&all, sizeof(Bounds), MPI_BYTE, everyone.data(), sizeof(Bounds), MPI_BYTE, comm_);
     std::vector<int> neighbours;
     for (int r = 0; r < size_; ++r)
       if (r != rank_ && overlap(all, everyone[static_cast<std::size_t>(r)])) neighbours.push_back(r);
+    const Occupancy mine = occupancy(registered_, everyone, neighbours, cell);
 
     const std::size_t n = neighbours.size();
     const auto cells = exchange_with(comm_, neighbours, std::vector(n, mine.cells), tag_cells);

@@ -6,11 +6,6 @@
 
 namespace unibody {
 
-Vec3 first_tangent_of(const Vec3& normal) {
-  const Vec3 axis = std::abs(normal.y()) < 0.7 ? Vec3::UnitY() : Vec3::UnitX();
-  return axis.cross(normal).normalized();
-}
-
 namespace {
 
 void set_lane(Vec3x4& v, std::size_t lane, const Vec3& x) { v.x[lane] = x.x(), v.y[lane] = x.y(), v.z[lane] = x.z(); }

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -38,7 +39,14 @@ struct Stage {
 };
 
 // The contact frame's first tangent s; the second is n x s. Fixed by the normal alone; in the x-z plane for normals in it.
-Vec3 first_tangent_of(const Vec3& normal);
+inline Vec3 first_tangent_of(const Vec3& n) {
+  if (std::abs(n.y()) < 0.7) {  // y x n
+    const double scale = 1 / std::sqrt(n.x() * n.x() + n.z() * n.z());
+    return {scale * n.z(), 0, -scale * n.x()};
+  }
+  const double scale = 1 / std::sqrt(n.y() * n.y() + n.z() * n.z());  // x x n
+  return {0, -scale * n.z(), scale * n.y()};
+}
 
 class ContactBatch {
  public:

@@ -15,9 +15,19 @@ using Mask4 = long long __attribute__((vector_size(lanes * sizeof(double))));
 
 inline Vec4d broadcast(double x) { return Vec4d{x, x, x, x}; }
 inline Vec4d select(Mask4 condition, Vec4d yes, Vec4d no) { return condition ? yes : no; }
+#ifdef __AVX__  // one instruction each, of the same meaning to the last bit
+inline Vec4d max(Vec4d a, Vec4d b) { return __builtin_ia32_maxpd256(a, b); }
+inline Vec4d min(Vec4d a, Vec4d b) { return __builtin_ia32_minpd256(a, b); }
+inline bool any(Mask4 m) { return __builtin_ia32_movmskpd256(reinterpret_cast<Vec4d>(m)) != 0; }
+#else
 inline Vec4d max(Vec4d a, Vec4d b) { return select(a > b, a, b); }
 inline Vec4d min(Vec4d a, Vec4d b) { return select(a < b, a, b); }
-inline Vec4d abs(Vec4d a) { return max(a, -a); }
+inline bool any(Mask4 m) { return (m[0] | m[1] | m[2] | m[3]) != 0; }
+#endif
+inline Vec4d abs(Vec4d a) {
+  constexpr long long all_but_sign = 0x7fffffffffffffff;
+  return reinterpret_cast<Vec4d>(reinterpret_cast<Mask4>(a) & Mask4{all_but_sign, all_but_sign, all_but_sign, all_but_sign});
+}
 inline Vec4d sqrt(Vec4d a) {  // correctly rounded either way
 #ifdef __AVX__
   return __builtin_ia32_sqrtpd256(a);
@@ -25,7 +35,6 @@ inline Vec4d sqrt(Vec4d a) {  // correctly rounded either way
   return Vec4d{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 #endif
 }
-inline bool any(Mask4 m) { return (m[0] | m[1] | m[2] | m[3]) != 0; }
 inline double horizontal_max(Vec4d a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 
 // Four 3-vectors, one a lane.
