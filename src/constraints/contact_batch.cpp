@@ -53,6 +53,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
   contacts_ = &contacts, joint_ = true, friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
   blocks.clear(), points.clear(), tangents.clear(), inertias.clear(), group_end_.clear();
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
+  reserve(contacts, order, groups);
 
   std::size_t begin = 0;
   for (const std::size_t end : groups) {
@@ -91,6 +92,24 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
     }
     group_end_.push_back(static_cast<std::uint32_t>(blocks.size()));
   }
+}
+
+// Room for the blocks to come and an eighth more: a vector that grows by itself may hold twice what it needs.
+void ContactBatch::reserve(const Contacts& contacts, std::span<const std::uint32_t> order,
+                           std::span<const std::uint32_t> groups) {
+  std::size_t block_count = 0, point_count = 0, begin = 0;
+  for (const std::size_t end : groups)
+    for (; begin < end; begin += std::min(lanes, end - begin)) {
+      std::uint32_t longest = 0;
+      for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l)
+        longest = std::max(longest, contacts.manifolds[order[begin + l]].count);
+      ++block_count, point_count += longest;
+    }
+  const auto make_room = [](auto& v, std::size_t n) {
+    if (v.capacity() < n) v.reserve(n + n / 8);
+  };
+  make_room(blocks, block_count), make_room(points, point_count);
+  if (friction_ != FrictionModel::none) make_room(tangents, point_count);
 }
 
 void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number, const std::vector<Vec3>& position) {

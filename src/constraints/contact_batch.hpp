@@ -131,6 +131,7 @@ class ContactBatch {
   std::vector<Inertia> inertias;
 
  private:
+  void reserve(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups);
   void fill_lane(Block& block, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);

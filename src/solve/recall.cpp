@@ -57,6 +57,10 @@ std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const 
 void remember(Multipliers& multipliers, const World& world, const Contacts& contacts,
               std::span<const ContactBatch::Impulse> impulses, double step) {
   multipliers.manifolds.clear(), multipliers.points.clear();
+  const auto make_room = [](auto& v, std::size_t n) {
+    if (v.capacity() < n) v.reserve(n + n / 8);
+  };
+  make_room(multipliers.manifolds, contacts.manifolds.size()), make_room(multipliers.points, contacts.points.size());
   for (const Manifold& m : contacts.manifolds) {
     const Slot body = carrier(world, m);
     const Mat3 to_body = world.orientation[body].conjugate().toRotationMatrix();
