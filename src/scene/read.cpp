@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "scene/body_entry.hpp"
+#include "solve/solver.hpp"
 
 namespace unibody {
 
@@ -52,7 +53,7 @@ double read_warm_start(const Value& v) {
 const Field<SolverSettings> solver_fields[] = {
     {"name",
      [](const Value& v, SolverSettings& s) {
-       v.choice({"accelerated_jacobi", "jacobi", "gauss_seidel"});
+       v.choice(solver_names());
        s.name = v.text;
      }},
     {"iterations", [](const Value& v, SolverSettings& s) { s.iterations = static_cast<int>(v.integer(1, 1'000'000'000)); }},

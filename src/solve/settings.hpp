@@ -20,7 +20,7 @@ enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
 
 struct SolverSettings {
-  std::string name = "accelerated_jacobi";  // accelerated_jacobi | jacobi | gauss_seidel
+  std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
   double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.

@@ -23,6 +23,12 @@ constexpr Solver solvers[] = {
 
 }  // namespace
 
+std::vector<std::string> solver_names() {
+  std::vector<std::string> names;
+  for (const Solver& solver : solvers) names.emplace_back(solver.name);
+  return names;
+}
+
 const Solver& find_solver(std::string_view name) {
   for (const Solver& solver : solvers)
     if (solver.name == name) return solver;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "constraints/contact_batch.hpp"
 #include "partition/cut.hpp"
@@ -47,6 +49,9 @@ struct Solver {
   bool sweeps_by_colour;           // the batch is laid out by colour rather than in key order
   double (*leak)(int iterations);  // default share of the position stage's multipliers kept by the velocity stage
 };
+
+// The names in the table, the default first: what a scene may ask for.
+std::vector<std::string> solver_names();
 
 // The solver of that name; the scene reader has checked that there is one.
 const Solver& find_solver(std::string_view name);
