@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "scene/body_entry.hpp"
-#include "solve/solver.hpp"
 
 namespace unibody {
 

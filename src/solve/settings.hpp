@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace unibody {
 
@@ -18,6 +19,9 @@ inline constexpr std::array<std::string_view, 3> stages_names{"two", "joint", "p
 
 enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
+
+// The solvers there are, the default first; solver.cpp has the table.
+std::vector<std::string> solver_names();
 
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()

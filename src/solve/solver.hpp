@@ -50,9 +50,6 @@ struct Solver {
   double (*leak)(int iterations);  // default share of the position stage's multipliers kept by the velocity stage
 };
 
-// The names in the table, the default first: what a scene may ask for.
-std::vector<std::string> solver_names();
-
 // The solver of that name; the scene reader has checked that there is one.
 const Solver& find_solver(std::string_view name);
 
