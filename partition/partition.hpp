@@ -7,7 +7,6 @@
 
 #include <mpi.h>
 
-#include <optional>
 #include <span>
 #include <vector>
 

@@ -10,8 +10,8 @@ namespace {
 using namespace testing_worlds;
 
 TEST(Render, DrawsWithoutADisplay) {
-  if (std::system("command -v xvfb-run >/dev/null && /usr/bin/python3 -c 'import vtk, h5py' 2>/dev/null") != 0)
-    GTEST_SKIP() << "needs xvfb and Python's VTK and h5py";
+  ASSERT_EQ(std::system("command -v xvfb-run >/dev/null && /usr/bin/python3 -c 'import vtk, h5py' 2>/dev/null"), 0)
+      << "needs xvfb and Python's VTK and h5py: scripts/install";
   const Folder folder;
   const World w = world(MPI_COMM_SELF, 30, [](Id) { return 0; });
   {
