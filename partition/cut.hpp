@@ -1,7 +1,7 @@
-// Cut: the bodies that a step's contacts share between ranks, and the one message an iteration that keeps them equal.
+// Cut: the bodies that a step's constraints share between ranks, and the one message an iteration that keeps them equal.
 //
-// A contact across a cut is found and evaluated by both ranks, so each knows without asking which bodies the other needs: the
-// lists on the two sides are equal by construction. What travels is a body's velocity, from its home to its guests.
+// A constraint across a cut is known to and evaluated by all its ranks, so each knows without asking which bodies the other
+// needs: the lists on the two sides are equal by construction. What travels is a body's velocity, from its home to its guests.
 #pragma once
 
 #include <mpi.h>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "collide/contacts.hpp"
+#include "constraints/constraint_batches.hpp"
 #include "core/phases.hpp"
 #include "partition/halo.hpp"
 #include "solve/system.hpp"
@@ -22,7 +23,10 @@ class Cut {
  public:
   Cut(const Halo& halo, PhaseClock& clock) : halo_(halo), clock_(clock) {}
 
-  // Finds the shared bodies of this step's contacts. Local.
+  // Finds the bodies shared by the constraints other than contacts: once, until slots move. Local.
+  void set_constraints(const World& world, const ConstraintBatches& constraints);
+
+  // Finds the shared bodies of this step's contacts, and adds those of the other constraints. Local.
   void build(const World& world, const Contacts& contacts);
 
   // Refreshes every shared guest from its home: one message to and from each neighbour.
@@ -62,6 +66,7 @@ class Cut {
   PhaseClock& clock_;
   std::vector<Neighbour> neighbours_;
   std::map<std::uint32_t, Ends> ends_;
+  std::map<int, Traffic> constrained_;  // by rank: what constraints other than contacts share
   std::vector<Traffic> all_;
   std::vector<std::vector<Traffic>> by_colour_;
 };

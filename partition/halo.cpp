@@ -11,7 +11,7 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_cells = 101, tag_large = 102, tag_guests = 103;
+constexpr int tag_cells = 101, tag_large = 102, tag_guests = 103, tag_homes = 104, tag_questions = 105, tag_wanted = 106;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t cells_of_a_large_body = 64;  // beyond this a body is compared by its bounds rather than by its cells
 
@@ -102,6 +102,30 @@ Halo::Halo(MPI_Comm comm) : comm_(comm) {
 
 Halo::~Halo() { destroy_vecs(); }
 
+// Who has which body is asked of a directory: rank id % size knows of the wanted ones.
+void Halo::reset(const World& world, const std::vector<Id>& wanted) {
+  valid_ = false;
+  subscribed_.clear();
+  std::int64_t any_wanted = static_cast<std::int64_t>(wanted.size());
+  if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &any_wanted, 1, MPI_INT64_T, MPI_SUM, comm_);
+  if (size_ == 1 || any_wanted == 0) return;
+  const auto ranks = static_cast<std::size_t>(size_);
+  const auto keeper = [&](Id id) { return static_cast<std::size_t>(id) % ranks; };
+  std::vector<std::vector<Id>> here(ranks), questions(ranks);
+  for (std::size_t i = 0; i < world.homes; ++i) here[keeper(world.id[i])].push_back(world.id[i]);
+  for (const Id id : wanted) questions[keeper(id)].push_back(id);
+  const auto homes = exchange_all(comm_, here, tag_homes);
+  const auto asked = exchange_all(comm_, questions, tag_questions);
+  std::vector<std::vector<std::pair<Id, int>>> to_home(ranks);  // at the home rank: who wants the body
+  for (std::size_t r = 0; r < ranks; ++r)
+    for (const Id id : asked[r])
+      for (std::size_t home = 0; home < ranks; ++home)
+        if (std::binary_search(homes[home].begin(), homes[home].end(), id)) to_home[home].emplace_back(id, static_cast<int>(r));
+  for (const auto& list : exchange_all(comm_, to_home, tag_wanted))
+    for (const auto& [id, rank] : list) subscribed_[rank].push_back(world.find(id));
+  for (auto& [rank, slots] : subscribed_) std::sort(slots.begin(), slots.end());
+}
+
 void Halo::destroy_vecs() {
   for (Vec& v : vec_)
     if (v) VecDestroy(&v);
@@ -144,6 +168,7 @@ bool Halo::still_valid(const World& world, const CollideSettings& settings) cons
 }
 
 void Halo::find_guests(World& world, const CollideSettings& settings) {
+  ++version_;
   // Drop the old guests: statics move down behind the homes.
   const std::size_t statics = world.size() - world.first_static();
   std::vector<Body> static_bodies(statics);
@@ -172,7 +197,7 @@ void Halo::find_guests(World& world, const CollideSettings& settings) {
     MPI_Allgather(&all, sizeof(Bounds), MPI_BYTE, everyone.data(), sizeof(Bounds), MPI_BYTE, comm_);
     std::vector<int> neighbours;
     for (int r = 0; r < size_; ++r)
-      if (r != rank_ && overlap(all, everyone[static_cast<std::size_t>(r)])) neighbours.push_back(r);
+      if (r != rank_ && (overlap(all, everyone[static_cast<std::size_t>(r)]) || subscribed_.contains(r))) neighbours.push_back(r);
     const Occupancy mine = occupancy(registered_, everyone, neighbours, cell);
 
     const std::size_t n = neighbours.size();
@@ -187,11 +212,17 @@ void Halo::find_guests(World& world, const CollideSettings& settings) {
     for (std::size_t k = 0; k < n; ++k) {
       const Occupancy theirs{cells[k], large[k]};
       const Bounds& reach = everyone[static_cast<std::size_t>(neighbours[k])];
+      const auto subscribed = subscribed_.find(neighbours[k]);
+      const auto is_wanted = [&](std::size_t i) {
+        return subscribed != subscribed_.end() &&
+               std::binary_search(subscribed->second.begin(), subscribed->second.end(), static_cast<Slot>(i));
+      };
       for (std::size_t i = 0; i < world.homes; ++i) {
         const Bounds& b = registered_[i];
-        if (!overlap(b, reach)) continue;
-        const bool large_body = cells_of(b, cell).count() > cells_of_a_large_body;
-        if (large_body || theirs.meets(b, cell)) to[k].push_back({world.body(i), first + static_cast<std::int64_t>(i), rank_});
+        const auto is_near = [&] {
+          return overlap(b, reach) && (cells_of(b, cell).count() > cells_of_a_large_body || theirs.meets(b, cell));
+        };
+        if (is_wanted(i) || is_near()) to[k].push_back({world.body(i), first + static_cast<std::int64_t>(i), rank_});
       }
     }
     for (const auto& list : exchange_with(comm_, neighbours, to, tag_guests))

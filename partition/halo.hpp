@@ -11,6 +11,7 @@
 
 #include <petscvec.h>
 
+#include <map>
 #include <vector>
 
 #include "collide/collide.hpp"
@@ -29,8 +30,13 @@ class Halo {
   // list was made for, or after reset(). The World's slots of guests and statics may move.
   void refresh_guests(World& world, const CollideSettings& settings);
 
-  // The home bodies have changed: the next refresh finds the guests anew.
-  void reset() { valid_ = false; }
+  // The home bodies have changed: the next refresh finds the guests anew. Bodies `wanted` (ascending ids, none home or static)
+  // become guests wherever they are: constraints tie home bodies to them. Wanting must be mutual: where a rank wants a body of
+  // another, that one wants one of its own. Collective.
+  void reset(const World& world, const std::vector<Id>& wanted);
+
+  // Grows whenever slots may have moved.
+  std::int64_t version() const { return version_; }
 
   MPI_Comm comm() const { return comm_; }
   int rank() const { return rank_; }
@@ -50,7 +56,9 @@ class Halo {
   MPI_Comm comm_;
   int rank_ = 0, size_ = 1;
   bool valid_ = false;
-  std::vector<Bounds> registered_;  // of each home body: the bounds that the guest list is good for
+  std::int64_t version_ = 0;
+  std::map<int, std::vector<Slot>> subscribed_;  // by rank: home bodies that it wants, ascending
+  std::vector<Bounds> registered_;               // of each home body: the bounds that the guest list is good for
   std::vector<int> guest_rank_;
   Vec vec_[field_count] = {};
 };

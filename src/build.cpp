@@ -1,5 +1,7 @@
 #include "build.hpp"
 
+#include <algorithm>
+
 namespace unibody {
 
 World build_world(MPI_Comm comm, const Scene& scene) {
@@ -20,6 +22,36 @@ World build_world(MPI_Comm comm, const Scene& scene) {
     }
   }
   return make_world(homes, statics);
+}
+
+ConstraintSet build_constraints(const Scene& scene, const World& world) {
+  const auto end = world.id.begin() + static_cast<std::ptrdiff_t>(world.homes);
+  const auto is_home = [&](Id id) { return std::binary_search(world.id.begin(), end, id); };
+  ConstraintSet result;
+  for (const ConstraintGroup& group : scene.constraint_groups) {
+    auto node = std::lower_bound(world.id.begin(), end, group.first);
+    for (; node != end && *node < group.first + group.count; ++node) {
+      ConstraintSet touching;
+      group.touching(*node, touching);
+      for_each_type(touching, [&](auto type, const auto& list) {
+        for (const auto& c : list)  // once: with the first of its home bodies
+          if (std::none_of(c.ids.begin(), c.ids.end(), [&](Id id) { return id < *node && is_home(id); }))
+            std::get<type.value>(result).push_back(c);
+      });
+    }
+  }
+  for_each_type(result, [](auto, auto& list) { std::sort(list.begin(), list.end()); });
+  return result;
+}
+
+void hold_pinned(const Scene& scene, World& world, double time) {
+  for (const Pin& pin : scene.pins) {
+    const Slot slot = world.find(pin.id);
+    if (slot < 0) continue;
+    const auto i = static_cast<std::size_t>(slot);
+    world.properties[i].motion = time < pin.release ? Motion::pinned : Motion::dynamic;
+    if (time < pin.release) world.velocity[i] = Vec3::Zero();
+  }
 }
 
 World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics) {

@@ -11,6 +11,12 @@ namespace unibody {
 // This rank's share of the moving bodies, by number alone, and all statics. No rank makes a body that it does not keep.
 World build_world(MPI_Comm comm, const Scene& scene);
 
+// Every constraint of the scene that touches one of this rank's home bodies.
+ConstraintSet build_constraints(const Scene& scene, const World& world);
+
+// Pins and releases the bodies that are here, as the scene has them at this time (s).
+void hold_pinned(const Scene& scene, World& world, double time);
+
 // A world of these home bodies and statics, each in ascending id; no guests yet.
 World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics);
 

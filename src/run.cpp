@@ -142,6 +142,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     simulation.world = build_world(comm, scene);
   else
     summary.first_frame = restore(comm, scene, options, simulation);
+  simulation.steps_done = summary.first_frame * scene.time.substeps;
   if (summary.first_frame > scene.time.frames)
     throw InputError("'" + options.restart + "' is of frame " + std::to_string(summary.first_frame) +
                      ": key 'time.frames': found " + std::to_string(scene.time.frames) + ", expected no fewer");
@@ -151,7 +152,11 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
 
   prepare_output_directory(comm, options.output, options.overwrite, options.restart);
   const std::string checkpoint_path = options.output + "/checkpoint.h5";
-  ReportFile report_file(comm, options.output + "/report.csv");
+  simulation.detect();  // guests are there
+  const auto constraint_values = [&](const StepReport& step) {
+    return constraint_columns(comm, scene, simulation.world, simulation.constraints, step.constraint_residuals);
+  };
+  ReportFile report_file(comm, options.output + "/report.csv", constraint_values({}));
   std::optional<Output> frames;
   if (scene.output.every > 0) frames.emplace(comm, options.output, scene.output, scene.body_count(), simulation.world);
   const auto write = [&](std::int64_t frame) {
@@ -176,8 +181,9 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     FrameReport report;
     report.step = frame, report.time = static_cast<double>(frame) * scene.time.step;
     report.converged = true;
+    StepReport last;
     for (int s = 0; s < scene.time.substeps; ++s) {
-      const StepReport step = simulation.step();
+      const StepReport step = last = simulation.step();
       // Before anything looks for contacts among such bodies.
       if (const Id bad = first_bad_body(comm, simulation.world); bad >= 0)
         stop_at_bad_body(comm, scene, simulation, bad, frame, s);
@@ -186,6 +192,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
       report.converged &= step.converged;
     }
     simulation.detect();
+    report.constraint_columns = constraint_values(last);
     report.measures =
         measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
     report.imbalance = balance.imbalance(simulation.world, simulation.contacts);

@@ -5,7 +5,9 @@
 #include <limits>
 #include <numeric>
 
+#include "build.hpp"
 #include "partition/migrate.hpp"
+#include "partition/migrate_constraints.hpp"
 #include "solve/free_motion.hpp"
 #include "solve/recall.hpp"
 
@@ -39,8 +41,11 @@ void Simulation::detect() {
   if (detected_) return;
   {
     const PhaseClock::Scope scope(clock_, Phase::halo);
+    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);
     halo_.refresh_guests(world, collide_settings_);
+    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);
   }
+  build_constraints();
   const PhaseClock::Scope scope(clock_, Phase::collide);
   collider_.collide(world, collide_settings_, contacts);
   detected_ = true;
@@ -53,14 +58,35 @@ StepReport Simulation::step() {
   const StepReport report = solve();
   finalise();
   detected_ = false;
+  ++steps_done;
   return report;
 }
 
 void Simulation::move_homes(std::span<const int> home) {
   const PhaseClock::Scope scope(clock_, Phase::partition);
+  auto records = constraint_records(world, constraints, constraint_multipliers, home, halo_.size());
   migrate(halo_.comm(), world, multipliers, home);
-  halo_.reset();
+  constraints = unibody::build_constraints(scene_, world);
+  constraint_multipliers = take_constraint_records(halo_.comm(), constraints, std::move(records));
+  halo_.reset(world, partners(world, constraints));
+  colours_ = {};
+  constraints_of_all_ = static_cast<std::int64_t>(constraint_count(constraints));
+  for_each_type(constraints, [&](auto type, const auto& list) {
+    for (const auto& constraint : list) colours_[type.value] = std::max(colours_[type.value], constraint.colour + 1);
+  });
+  MPI_Allreduce(MPI_IN_PLACE, colours_.data(), static_cast<int>(colours_.size()), MPI_INT32_T, MPI_MAX, halo_.comm());
+  MPI_Allreduce(MPI_IN_PLACE, &constraints_of_all_, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  built_version_ = -1;
   detected_ = false;
+}
+
+// The slots of the constraints' bodies, where they may have moved.
+void Simulation::build_constraints() {
+  if (built_version_ == halo_.version()) return;
+  built_version_ = halo_.version();
+  system_.constraints.build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver.order,
+                            colours_);
+  cut_.set_constraints(world, system_.constraints);
 }
 
 // v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits.
@@ -115,6 +141,7 @@ void Simulation::build_system() {
     groups = {static_cast<std::uint32_t>(n)};
     counts.assign(world.size() + 1, 0);
     for (const Manifold& m : contacts.manifolds) ++counts[m.slot_a], ++counts[m.slot_b];
+    system_.constraints.count(counts);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
     groups.resize(n);
@@ -124,8 +151,21 @@ void Simulation::build_system() {
     order = by_colour_and_length(colouring, groups);
     cut_.set_colours(colouring.colour, colouring.colours);
   }
+  fill_places(counts);
   system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
                          scene_.solver, step_);
+}
+
+void Simulation::fill_places(std::span<const std::int32_t> counts) {
+  system_.step = step_;
+  system_.places.clear();
+  if (constraints_of_all_ == 0) return;
+  system_.places.resize(world.size() + 1, Vec4d{});
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    const Vec3& x = world.position[i];
+    const double sharers = counts.empty() ? 1 : counts[i];
+    system_.places[i] = Vec4d{x.x(), x.y(), x.z(), sharers * system_.bodies[i].inverse_mass};
+  }
 }
 
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
@@ -134,6 +174,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
   system_.contacts.start_stage(stage);
   system_.before_iteration = nullptr;
+  system_.constrained = kind == Stage::Kind::position && constraints_of_all_ > 0;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
   const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance_);
@@ -141,13 +182,16 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   return report;
 }
 
-// Starts from a share of the last step's multipliers.
-void Simulation::warm_start(double share) {
+// Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
+void Simulation::warm_start(double share_of_contacts) {
   std::vector<ContactBatch::Impulse> start;
-  if (share > 0) start = recall(multipliers, world, contacts, share * step_);
+  if (share_of_contacts > 0) start = recall(multipliers, world, contacts, share_of_contacts * step_);
   system_.contacts.set_impulses(start);
-  if (start.empty()) return;
-  system_.contacts.add_impulses(system_.wrenches);
+  const double share = constraints_of_all_ > 0 ? scene_.solver.warm_start : 0;
+  if (constraints_of_all_ > 0) system_.constraints.set_multipliers(constraint_multipliers, share);
+  if (start.empty() && share == 0) return;
+  if (!start.empty()) system_.contacts.add_impulses(system_.wrenches);
+  if (share > 0) system_.constraints.add_impulses(system_.start(), system_.bodies, system_.wrenches);
   system_.apply_wrenches();
   cut_.exchange(system_.bodies);
 }
@@ -155,12 +199,13 @@ void Simulation::warm_start(double share) {
 // Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
 // A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
 // old multipliers that must not pass 1/2: an unconverged position stage that starts from all of them gains energy.
+// Constraints other than contacts belong to the position stage; where there are no contacts, it is the only one.
 StepReport Simulation::solve() {
   build_system();
   const SolverSettings& settings = scene_.solver;
-  const bool two_stages = settings.stages != Stages::position;
+  const bool two_stages = settings.stages != Stages::position && (constraints_of_all_ == 0 || any_contacts());
   StepReport report;
-  warm_start(two_stages ? 1 : settings.warm_start);
+  warm_start(settings.stages != Stages::position ? 1 : settings.warm_start);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
     system_.contacts.keep_impulses(settings.stages == Stages::joint);
@@ -168,15 +213,28 @@ StepReport Simulation::solve() {
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   measure_solution(report);
   if (two_stages) system_.contacts.leak_impulses(settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations));
+  if (constraints_of_all_ > 0) system_.constraints.get_multipliers(constraint_multipliers, constraints);
   impulses_.resize(contacts.points.size());
   system_.contacts.get_impulses(impulses_);
   remember(multipliers, world, contacts, impulses_, step_);
   return report;
 }
 
+bool Simulation::any_contacts() const {
+  int any = !contacts.manifolds.empty();
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, halo_.comm());
+  return any != 0;
+}
+
 void Simulation::measure_solution(StepReport& report) {
   report.residual = system_.contacts.residual(system_.bodies);
   report.sliding = system_.contacts.sliding(system_.counted);
+  if (constraints_of_all_ > 0) {
+    report.constraint_residuals = system_.constraints.residuals(system_.start(), system_.bodies);
+    for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);
+    MPI_Allreduce(MPI_IN_PLACE, report.constraint_residuals.data(), static_cast<int>(report.constraint_residuals.size()),
+                  MPI_DOUBLE, MPI_MAX, halo_.comm());
+  }
   MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
   MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   report.converged = report.residual <= tolerance_;
@@ -197,7 +255,7 @@ std::size_t Simulation::bytes() const {
   return of(world.id) + of(world.properties) + of(world.position) + of(world.orientation) + of(world.velocity) +
          of(world.angular_velocity) + of(multipliers.manifolds) + of(multipliers.points) + of(contacts.manifolds) +
          of(contacts.points) + of(system_.bodies) + of(system_.inertia) + of(system_.isotropic) + of(system_.wrenches) +
-         of(system_.counted) + of(gyroscopic_) + system_.contacts.bytes();
+         of(system_.counted) + of(gyroscopic_) + system_.contacts.bytes() + of(system_.places) + system_.constraints.bytes();
 }
 
 }  // namespace unibody

@@ -1,6 +1,7 @@
 // One step of the simulation: collide -> predict -> solve -> finalise (paper, Algorithm 1).
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -18,9 +19,10 @@ namespace unibody {
 
 struct StepReport {
   int iterations = 0;
-  double residual = 0;       // m, natural residual at the end of the step, max over ranks
-  bool converged = false;    // the residual is within the tolerance
-  std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
+  double residual = 0;                                               // m, natural residual at the end of the step, max over ranks
+  bool converged = false;                                            // the residual is within the tolerance
+  std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
+  std::int64_t sliding = 0;                                          // contact points at the limit of friction, over all ranks
 };
 
 // This rank's part of a running scene. All members are collective.
@@ -34,12 +36,17 @@ class Simulation {
   // Guests and contacts at the present state: of the state that step() left, and what the next step() starts from.
   void detect();
 
-  // Moves every home body to its new home rank.
+  // Moves every home body to its new home rank, and makes the constraints of those that are here then.
   void move_homes(std::span<const int> home);
 
+  // Steps taken since time 0; a run that goes on from a checkpoint sets it.
+  std::int64_t steps_done = 0;
+
   World world;
-  Multipliers multipliers;  // of the velocity stage, or of the only stage; history, checkpointed
-  Contacts contacts;        // valid after detect()
+  Multipliers multipliers;                       // of the velocity stage, or of the only stage; history, checkpointed
+  Contacts contacts;                             // valid after detect()
+  ConstraintSet constraints;                     // all that touch this rank's home bodies
+  ConstraintMultipliers constraint_multipliers;  // of each of them; history, checkpointed
 
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
@@ -48,12 +55,15 @@ class Simulation {
 
  private:
   void predict();
+  void build_constraints();
   void build_system();
+  void fill_places(std::span<const std::int32_t> counts);
   StepReport solve();
   std::vector<std::uint32_t> by_colour_and_length(const Colouring& colouring, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
   SolveReport run_stage(Stage::Kind kind, int iterations);
   void measure_solution(StepReport& report);
+  bool any_contacts() const;
   void finalise();
 
   const Scene& scene_;
@@ -66,6 +76,9 @@ class Simulation {
   const Solver& solver_;
   double step_ = 0, tolerance_ = 0;
   bool detected_ = false;
+  std::int64_t built_version_ = -1;  // of the halo, for which the constraints' slots hold
+  ConstraintBatches::Colours colours_{};
+  std::int64_t constraints_of_all_ = 0;
   std::vector<ContactBatch::Impulse> impulses_;
   std::vector<Vec3> gyroscopic_;  // kg m^2/s, of each home body: momentum that the predicted spin leaves out
 };

@@ -39,6 +39,7 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   PairManifold found;
   for (const IndexPair& pair : pairs_) {
     const Proxy &a = proxies_[pair.first], &b = proxies_[pair.second];
+    if (a.group >= 0 && a.group == b.group) continue;
     collide_pair(a, b, settings, found);
     if (found.count == 0) continue;
     const double friction = settings.friction[a.material * settings.material_count + b.material];

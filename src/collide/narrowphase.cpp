@@ -34,11 +34,12 @@ constexpr Cell round_with_round{round_round, sweep_round_round}, round_with_box{
 
 constexpr Cell flip(Cell c) { return {c.function, c.sweep, true}; }
 
-constexpr Cell table[4][4] = {
-    /* sphere */ {round_with_round, round_with_box, round_with_plane, round_with_round},
-    /* box    */ {flip(round_with_box), box_with_box, box_with_plane, flip(round_with_box)},
-    /* plane  */ {flip(round_with_plane), flip(box_with_plane), nothing, flip(round_with_plane)},
-    /* disc   */ {round_with_round, round_with_box, round_with_plane, round_with_round},
+constexpr Cell table[5][5] = {
+    /* sphere */ {round_with_round, round_with_box, round_with_plane, round_with_round, round_with_round},
+    /* box    */ {flip(round_with_box), box_with_box, box_with_plane, flip(round_with_box), flip(round_with_box)},
+    /* plane  */ {flip(round_with_plane), flip(box_with_plane), nothing, flip(round_with_plane), flip(round_with_plane)},
+    /* disc   */ {round_with_round, round_with_box, round_with_plane, round_with_round, round_with_round},
+    /* point  */ {round_with_round, round_with_box, round_with_plane, round_with_round, round_with_round},
 };
 
 // Drops points beyond the margin, keeps at most 8 of them, and puts them in the order of their features.
@@ -119,7 +120,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.home = slot < world.homes;
   p.dynamic = body.is_dynamic();
   p.fall = p.dynamic ? settings.gravity.norm() * settings.step * settings.step : 0;
-  p.material = body.material;
+  p.material = body.material, p.group = body.group;
   p.slot = static_cast<Slot>(slot);
   p.id = world.id[slot];
   return p;

@@ -22,7 +22,7 @@ struct Proxy {
   double half_size;   // m, half of the smallest size
   ShapeKind kind;
   bool home, dynamic;
-  std::int32_t material;
+  std::int32_t material, group;
   Slot slot;
   Id id;
 };

@@ -9,8 +9,6 @@ namespace unibody {
 
 namespace {
 
-bool is_round(const Shape& shape) { return shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::disc; }
-
 struct Moved {
   Vec3 centre;
   Vec3 travel;  // of the centre

@@ -18,7 +18,7 @@ namespace {
 const std::string format = "unibody checkpoint 1";
 
 // A body as one row of the data set "bodies": reals, then the small numbers, which doubles hold exactly.
-constexpr Id body_columns = 29;
+constexpr Id body_columns = 30;
 using BodyRow = std::array<double, body_columns>;
 
 BodyRow to_row(const BodyProperties& p, const BodyState& s) {
@@ -33,6 +33,7 @@ BodyRow to_row(const BodyProperties& p, const BodyState& s) {
   *at++ = static_cast<double>(p.shape.kind);
   *at++ = static_cast<double>(p.motion);
   *at++ = p.material;
+  *at++ = p.group;
   return row;
 }
 
@@ -49,6 +50,7 @@ Body from_row(Id id, const BodyRow& row) {
   b.properties.shape.kind = static_cast<ShapeKind>(*at++);
   b.properties.motion = static_cast<Motion>(*at++);
   b.properties.material = static_cast<std::int32_t>(*at++);
+  b.properties.group = static_cast<std::int32_t>(*at++);
   return b;
 }
 

@@ -143,7 +143,7 @@ void Output::reserve(Id columns) const {
 void Output::write_bodies(const World& world) {
   const auto rows = rows_by_id(comm_, world, count_, [&](std::size_t slot) {
     const BodyProperties& p = world.properties[slot];
-    const bool dynamic = p.is_dynamic(), plane = p.shape.kind == ShapeKind::plane;
+    const bool dynamic = !p.is_static(), plane = p.shape.kind == ShapeKind::plane;
     const Vec3 size = plane ? Vec3::Zero() : p.shape.size, moments = dynamic ? p.inertia : Vec3::Zero();
     return std::array<double, 10>{size[0],
                                   size[1],
@@ -173,7 +173,7 @@ void Output::write_bodies(const World& world) {
   std::string names;
   for (const auto name : shape_names) names.append(names.empty() ? "" : " ").append(name);
   h5::write_attribute(group, "shape_names", names);
-  h5::write_attribute(group, "motion_names", std::string("dynamic fixed kinematic"));
+  h5::write_attribute(group, "motion_names", std::string("dynamic fixed kinematic pinned"));
 }
 
 void Output::write(std::int64_t frame, double time, const World& world) {

@@ -52,29 +52,33 @@ const std::array columns{
 
 }  // namespace
 
-std::string report_header() {
+std::string report_header(std::span<const NamedValue> constraint_columns) {
   std::string line;
   for (const Column& c : columns) line.append(line.empty() ? "" : ",").append(c.name);
+  for (const NamedValue& c : constraint_columns) line.append(",").append(c.name);
   return line;
 }
 
 std::string report_row(const FrameReport& report) {
   std::string line;
-  for (const Column& c : columns) {
+  const auto put = [&](double value) {
     std::array<char, 40> text{};
-    std::snprintf(text.data(), text.size(), "%.17g", c.value(report));
+    std::snprintf(text.data(), text.size(), "%.17g", value);
     line.append(line.empty() ? "" : ",").append(text.data());
-  }
+  };
+  for (const Column& c : columns) put(c.value(report));
+  for (const NamedValue& c : report.constraint_columns) put(c.value);
   return line;
 }
 
-ReportFile::ReportFile(MPI_Comm comm, const std::string& path) : comm_(comm), path_(path) {
+ReportFile::ReportFile(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns)
+    : comm_(comm), path_(path) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   if (rank == 0) file_ = std::fopen(path.c_str(), "w");
   const auto fault = first_fault(comm, rank == 0 && file_ == nullptr ? "cannot write '" + path + "'" : "");
   if (!fault.empty()) throw RunError(fault);
-  write_line(report_header());
+  write_line(report_header(constraint_columns));
 }
 
 ReportFile::~ReportFile() {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "report/measure.hpp"
+#include "report/stretch.hpp"
 
 namespace unibody {
 
@@ -21,18 +22,20 @@ struct FrameReport {
   // Wall times (s) of the step, the largest of all ranks; imbalance: largest over mean busy time.
   double wall_collide = 0, wall_solve = 0, wall_halo = 0, wall_output = 0;
   double imbalance = 1;
+  std::vector<NamedValue> constraint_columns;  // of scenes with cloths or threads; the same names in every frame
 };
 
 // The first `report_comparable_columns` columns are equal, digit by digit, for equal runs on any number of ranks:
-// diff <(cut -d, -f1-20 a/report.csv) <(cut -d, -f1-20 b/report.csv). The rest depends on the machine.
+// diff <(cut -d, -f1-20 a/report.csv) <(cut -d, -f1-20 b/report.csv). The rest depends on the machine, all but the columns of
+// constraints, which come last.
 inline constexpr int report_comparable_columns = 20;
-std::string report_header();
+std::string report_header(std::span<const NamedValue> constraint_columns = {});
 std::string report_row(const FrameReport& report);
 
 // Writes the file on rank 0 and flushes it after every row. Members are collective and throw RunError on every rank.
 class ReportFile {
  public:
-  ReportFile(MPI_Comm comm, const std::string& path);
+  ReportFile(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns = {});
   ~ReportFile();
   ReportFile(const ReportFile&) = delete;
   ReportFile& operator=(const ReportFile&) = delete;

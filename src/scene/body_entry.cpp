@@ -28,25 +28,6 @@ double read_radius(const Value& value) {
   return radius->number(positive, "m");
 }
 
-Quat read_orientation(const Value& value, const Scene& scene) {
-  Quat q;
-  if (value.kind == Value::Kind::map) {
-    value.map({"axis", "angle"});
-    const Value *axis = value.find("axis"), *angle = value.find("angle");
-    if (!axis) value.fail_missing("axis", "a vector of length 1");
-    if (!angle) value.fail_missing("angle", "a number (degrees)");
-    q = Eigen::AngleAxisd(angle->number(any, "degrees") * degree, axis->unit_vector());
-  } else {
-    if (value.kind != Value::Kind::list) value.fail_expected("a quaternion [w, x, y, z] or a map with axis and angle (degrees)");
-    const auto c = value.numbers(4, any, "quaternion w, x, y, z");
-    q = Quat(c[0], c[1], c[2], c[3]);
-    if (!(std::abs(q.norm() - 1) <= 1e-3)) value.fail_expected("a quaternion of length 1");
-    if (q.norm() != 1) q.normalize();
-  }
-  if (scene.planar && (q.x() != 0 || q.z() != 0)) value.fail_expected("a turn about y (planar scene)");
-  return q;
-}
-
 Vec3 read_inertia(const Value& value) {
   const Vec3 moments = value.vector(positive, "kg m^2");
   if (!(2 * moments.maxCoeff() <= moments.sum() * (1 + 1e-12)))
@@ -89,6 +70,9 @@ void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
 BodyTemplate read_template(const Value& entry, const Shape& shape, const Scene& scene) {
   BodyTemplate body;
   body.properties.shape = shape;
+  if (shape.kind == ShapeKind::particle)
+    for (const char* key : {"inertia", "angular_velocity", "torque"})
+      if (const Value* value = entry.find(key)) value->fail_expected("no such key for a particle: it does not turn");
   read_motion(entry, body, scene);
   read_amount(entry, body);
   if (const Value* force = entry.find("force")) body.properties.force = read_vector(*force, scene, "N");
@@ -135,9 +119,10 @@ Generated read_generated(const Value& entry, BodyTemplate& body, const Generator
   const Takes takes = type ? type->takes : Takes::shape;
   const Value* shape = entry.find("shape");
   if (takes == Takes::shape) {
-    if (!shape) entry.fail_missing("shape", "a map with the key sphere, box, plane or disc");
+    if (!shape) entry.fail_missing("shape", "a map with the key sphere, box, plane, disc or particle");
     const Shape solid = read_shape(*shape, scene);
-    if (type && solid.kind == ShapeKind::plane) shape->fail("a plane in a " + std::string(type->key), "sphere, box or disc");
+    if (type && solid.kind == ShapeKind::plane)
+      shape->fail("a plane in a " + std::string(type->key), "sphere, box, disc or particle");
     body = read_template(entry, solid, scene);
     check_mass(entry, body, solid);
   } else if (takes == Takes::no_shape) {
@@ -199,8 +184,27 @@ Body make_plane(const BodyTemplate& body, const Vec3& position, const Vec3& norm
   return make_body(body, {ShapeKind::plane, Vec3::Zero()}, position, turn_to(normal));
 }
 
+Quat read_orientation(const Value& value, const Scene& scene) {
+  Quat q;
+  if (value.kind == Value::Kind::map) {
+    value.map({"axis", "angle"});
+    const Value *axis = value.find("axis"), *angle = value.find("angle");
+    if (!axis) value.fail_missing("axis", "a vector of length 1");
+    if (!angle) value.fail_missing("angle", "a number (degrees)");
+    q = Eigen::AngleAxisd(angle->number(any_number, "degrees") * degree, axis->unit_vector());
+  } else {
+    if (value.kind != Value::Kind::list) value.fail_expected("a quaternion [w, x, y, z] or a map with axis and angle (degrees)");
+    const auto c = value.numbers(4, any_number, "quaternion w, x, y, z");
+    q = Quat(c[0], c[1], c[2], c[3]);
+    if (!(std::abs(q.norm() - 1) <= 1e-3)) value.fail_expected("a quaternion of length 1");
+    if (q.norm() != 1) q.normalize();
+  }
+  if (scene.planar && (q.x() != 0 || q.z() != 0)) value.fail_expected("a turn about y (planar scene)");
+  return q;
+}
+
 Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit, bool rotation) {
-  const Vec3 v = value.vector(any, unit);
+  const Vec3 v = value.vector(any_number, unit);
   if (scene.planar && !rotation && v.y() != 0)
     value.fail_expected("0 as the second of three numbers (" + unit + "; planar scene)");
   if (scene.planar && rotation && (v.x() != 0 || v.z() != 0))
@@ -209,9 +213,9 @@ Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit
 }
 
 Shape read_shape(const Value& value, const Scene& scene) {
-  value.map({"sphere", "box", "plane", "disc"});
+  value.map({"sphere", "box", "plane", "disc", "particle"});
   if (value.children.size() != 1)
-    value.fail("a map of " + std::to_string(value.children.size()) + " shapes", "one of sphere, box, plane or disc");
+    value.fail("a map of " + std::to_string(value.children.size()) + " shapes", "one of sphere, box, plane, disc or particle");
   const auto& [name, solid] = value.children[0];
   if (name == "plane") {
     read_plane_normal(solid, scene);
@@ -223,6 +227,7 @@ Shape read_shape(const Value& value, const Scene& scene) {
     if (!size) solid.fail_missing("size", "a list of 3 numbers > 0 (m)");
     return {ShapeKind::box, 0.5 * size->vector(positive, "m, edge lengths")};
   }
+  if (name == "particle") return {ShapeKind::particle, Vec3(read_radius(solid), 0, 0)};
   if (name == "disc" && !scene.planar) solid.fail("a disc", "sphere, box or plane in a scene that is not planar");
   return {name == "disc" ? ShapeKind::disc : ShapeKind::sphere, Vec3(read_radius(solid), 0, 0)};
 }
@@ -230,7 +235,8 @@ Shape read_shape(const Value& value, const Scene& scene) {
 void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape) {
   if (!body.properties.is_dynamic()) return;
   const BodyProperties p = make_body(body, shape, Vec3::Zero()).properties;
-  const double least = std::min(p.mass, p.inertia.minCoeff()), most = std::max(p.mass, p.inertia.maxCoeff());
+  const double moment = shape.kind == ShapeKind::particle ? p.mass : p.inertia.minCoeff();
+  const double least = std::min(p.mass, moment), most = std::max(p.mass, p.inertia.maxCoeff());
   if (least > 0 && std::isfinite(most)) return;
   const Value* amount = entry.find(body.mass ? "mass" : "density");
   (amount ? *amount : entry).fail_expected("a mass and an inertia > 0 and finite for a body of this size");

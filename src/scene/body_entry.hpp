@@ -25,6 +25,9 @@ Body make_plane(const BodyTemplate& body, const Vec3& position, const Vec3& norm
 // The turn that takes z to the unit vector n; about y where n lies in the x-z plane.
 Quat turn_to(const Vec3& n);
 
+// A quaternion [w, x, y, z] or a map with axis and angle (degrees).
+Quat read_orientation(const Value& value, const Scene& scene);
+
 Shape read_shape(const Value& value, const Scene& scene);
 
 // A vector of a body; planar scenes have no component along y (or, for `rotation`, along y only).

@@ -81,7 +81,7 @@ Generated read_lattice(const Value& value, const BodyTemplate& body, const Scene
   Lattice lattice;
   lattice.cells = read_columns(value, scene);
   lattice.spacing = need(value, "spacing", "a list of 3 numbers > 0 (m)").vector(positive, "m");
-  lattice.height = read_optional(value, "height", 0, any, "m");
+  lattice.height = read_optional(value, "height", 0, any_number, "m");
   lattice.jitter = read_optional(value, "jitter", 0, not_negative, "m");
   lattice.turn = read_optional(value, "rotation_jitter", 0, not_negative, "rad");
   lattice.seed = read_seed(value);
@@ -217,7 +217,7 @@ Generated read_stack(const Value& value, const BodyTemplate& body, const Scene&)
   stack.height = 2 * (shape.kind == ShapeKind::box ? shape.size.z() : shape.size.x());
   stack.gap = read_optional(value, "gap", 0, not_negative, "m");
   if (const Value* offsets = value.find("offsets"))
-    stack.offsets = offsets->numbers(static_cast<std::size_t>(count), any, "m, along x");
+    stack.offsets = offsets->numbers(static_cast<std::size_t>(count), any_number, "m, along x");
   stack.body = body;
   return {count, stack};
 }

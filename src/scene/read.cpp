@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "scene/body_entry.hpp"
+#include "scene/cloth.hpp"
 
 namespace unibody {
 
@@ -44,7 +45,7 @@ const Field<OutputSettings> output_fields[] = {
 };
 
 double read_warm_start(const Value& v) {
-  const double share = v.number(any, "");
+  const double share = v.number(any_number, "");
   if (!(share >= 0 && share <= 0.5)) v.fail_expected("a number in [0, 0.5]: a full warm start at position level is unstable");
   return share;
 }
@@ -137,6 +138,8 @@ const Field<Scene> sections[] = {
     {"output", [](const Value& v, Scene& s) { read_fields(v, output_fields, s.output); }},
     {"materials", read_materials},
     {"bodies", read_bodies},
+    {"cloths", read_cloths},
+    {"threads", read_threads},
 };
 
 const BodyGroup& group_of(const Scene& scene, Id id) {

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "constraints/constraint_types.hpp"
 #include "solve/settings.hpp"
 #include "world/body.hpp"
 
@@ -34,6 +36,20 @@ struct BodyGroup {
   std::function<Body(Id k)> make;
 };
 
+// The constraints inside a run of bodies of consecutive ids, such as the nodes of a cloth. `touching(id, out)` adds every one
+// that touches body `id`: a pure function, so that each rank makes only those of its own bodies.
+struct ConstraintGroup {
+  Id first = 0;
+  Id count = 0;
+  std::function<void(Id id, ConstraintSet& out)> touching;
+};
+
+// A body that is held where it is until a time.
+struct Pin {
+  Id id = 0;
+  double release = std::numeric_limits<double>::infinity();  // s
+};
+
 struct Scene {
   std::string path;
   std::string title;
@@ -45,6 +61,9 @@ struct Scene {
   std::vector<std::string> materials{"default"};
   std::vector<double> friction{0.5};  // materials x materials, row major, symmetric: Coulomb's mu of each pair
   std::vector<BodyGroup> groups;      // in the order of the file; ids run on from group to group
+
+  std::vector<ConstraintGroup> constraint_groups;
+  std::vector<Pin> pins;  // ascending ids
 
   Id body_count() const;
   Body body(Id id) const;              // id in [0, body_count())

@@ -143,7 +143,7 @@ Vec3 Value::vector(const Range& range, const std::string& unit) const {
 }
 
 Vec3 Value::unit_vector() const {
-  const Vec3 v = vector(any, "");
+  const Vec3 v = vector(any_number, "");
   if (!(std::abs(v.norm() - 1) <= 1e-3)) fail(found() + " of length " + short_number(v.norm()), "a vector of length 1");
   return v.normalized();
 }

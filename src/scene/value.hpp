@@ -23,7 +23,7 @@ struct Range {
   std::string text() const;  // " > 0", " in [0, 0.5]", "" for any number
 };
 
-inline constexpr Range any{};
+inline constexpr Range any_number{};
 inline constexpr Range positive{0, 1e308, true};
 inline constexpr Range not_negative{0};
 

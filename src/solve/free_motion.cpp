@@ -5,6 +5,7 @@ namespace unibody {
 namespace {
 
 bool has_isotropic_inertia(const BodyProperties& body, bool planar) {
+  if (body.shape.kind == ShapeKind::particle) return true;
   if (planar) return body.shape.kind != ShapeKind::box;  // one axis only: a scalar, unless the arms leave the plane
   return body.inertia.x() == body.inertia.y() && body.inertia.y() == body.inertia.z();
 }
@@ -45,10 +46,10 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
     v += step * (gravity + body.force / body.mass);
     motion.isotropic = has_isotropic_inertia(body, planar);
     if (motion.isotropic) {
-      const double inverse = 1 / body.inertia.y();
+      const double inverse = body.shape.kind == ShapeKind::particle ? 0 : 1 / body.inertia.y();
       motion.body.inverse_inertia = inverse;
       motion.inverse_inertia = {inverse, inverse, inverse, 0, 0, 0};  // for blocks that a box shares
-      w += step * body.torque / body.inertia.y();
+      w += step * inverse * body.torque;
     } else {
       const Mat3 R = state.orientation.toRotationMatrix();
       const Vec3 inverse = planar ? Vec3(0, 1 / body.inertia.y(), 0) : Vec3(body.inertia.cwiseInverse());

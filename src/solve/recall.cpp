@@ -9,8 +9,6 @@ namespace {
 // A remembered point further off than this share of the smaller body's bounding radius is another point.
 constexpr double reach = 0.1;
 
-bool is_round(const Shape& shape) { return shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::disc; }
-
 // The body whose frame a manifold's points are remembered in: a, unless it is static and would not carry them along.
 Slot carrier(const World& world, const Manifold& m) { return world.is_static(m.slot_a) ? m.slot_b : m.slot_a; }
 

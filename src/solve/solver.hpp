@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "constraints/constraint_batches.hpp"
 #include "constraints/contact_batch.hpp"
 #include "partition/cut.hpp"
 #include "solve/settings.hpp"
@@ -21,8 +22,14 @@ struct System {
   std::vector<std::uint8_t> isotropic;  // of each body: SolverBody::inverse_inertia says it all
   std::vector<Wrench> wrenches;         // of each body; zero between sweeps
   ContactBatch contacts;
+  ConstraintBatches constraints;
+  std::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
+  double step = 0.016;        // s
+  bool constrained = false;   // the stage has the other constraints too, not only the contacts
   std::vector<std::uint8_t> counted;       // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
+
+  Places start() const { return {places, step}; }
 
   // Home bodies: u += W wrench. Clears the wrenches. Guests follow by the next exchange.
   void apply_wrenches();

@@ -9,6 +9,7 @@ enum class Motion : std::uint8_t {
   dynamic,    // moved by the solver
   fixed,      // never moves; inverse mass 0
   kinematic,  // moves with its prescribed velocity and angular velocity; inverse mass 0
+  pinned,     // dynamic, but held for now: inverse mass 0
 };
 
 // What a body is and does not change during a run. Trivially copyable: it travels when the body migrates.
@@ -16,12 +17,14 @@ struct BodyProperties {
   Shape shape;
   Motion motion = Motion::dynamic;
   std::int32_t material = 0;    // index into Scene::materials
+  std::int32_t group = -1;      // bodies of one group >= 0, such as the nodes of a cloth, do not touch each other
   double mass = 1;              // kg; ignored unless dynamic
   Vec3 inertia = Vec3::Ones();  // kg m^2, principal, body frame; ignored unless dynamic
   Vec3 force = Vec3::Zero();    // N, constant, world frame, at the centre
   Vec3 torque = Vec3::Zero();   // N m, constant, world frame
 
   bool is_dynamic() const { return motion == Motion::dynamic; }
+  bool is_static() const { return motion == Motion::fixed || motion == Motion::kinematic; }
 };
 
 // The state of a body. 13 doubles.

@@ -15,6 +15,7 @@ double bounding_radius(const Shape& shape) {
   switch (shape.kind) {
     case ShapeKind::sphere:
     case ShapeKind::disc:
+    case ShapeKind::particle:
       return shape.size.x();
     case ShapeKind::box:
       return shape.size.norm();
@@ -27,6 +28,7 @@ double bounding_radius(const Shape& shape) {
 Vec3 bounding_half_extents(const Shape& shape, const Quat& orientation) {
   switch (shape.kind) {
     case ShapeKind::sphere:
+    case ShapeKind::particle:
       return Vec3::Constant(shape.size.x());
     case ShapeKind::box:
       return orientation.toRotationMatrix().cwiseAbs() * shape.size;
@@ -44,6 +46,7 @@ double volume(const Shape& shape) {
   const double r = shape.size.x();
   switch (shape.kind) {
     case ShapeKind::sphere:
+    case ShapeKind::particle:
       return 4 * std::numbers::pi / 3 * r * r * r;
     case ShapeKind::box:
       return 8 * shape.size.prod();
@@ -64,6 +67,8 @@ Vec3 inertia(const Shape& shape, double mass) {
       return mass / 3 * Vec3(s.y() + s.z(), s.z() + s.x(), s.x() + s.y());
     case ShapeKind::disc:
       return mass * s.x() * Vec3(0.25, 0.5, 0.25);
+    case ShapeKind::particle:
+      return Vec3::Zero();
     case ShapeKind::plane:
       break;
   }
@@ -74,6 +79,7 @@ double smallest_size(const Shape& shape) {
   switch (shape.kind) {
     case ShapeKind::sphere:
     case ShapeKind::disc:
+    case ShapeKind::particle:
       return 2 * shape.size.x();
     case ShapeKind::box:
       return 2 * shape.size.minCoeff();

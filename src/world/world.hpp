@@ -5,6 +5,7 @@
 // Each of the three ranges is in ascending order of id. The first two are covered by the ghosted PETSc Vecs of the global state.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "world/body.hpp"
@@ -25,6 +26,18 @@ struct World {
   std::size_t first_static() const { return homes + guests; }
   bool is_home(Slot slot) const { return static_cast<std::size_t>(slot) < homes; }
   bool is_static(Slot slot) const { return static_cast<std::size_t>(slot) >= first_static(); }
+
+  // The slot of a body; -1 where it is not on this rank.
+  Slot find(Id body) const {
+    const std::size_t ends[] = {0, homes, first_static(), size()};
+    for (int range = 0; range < 3; ++range) {
+      const auto begin = id.begin() + static_cast<std::ptrdiff_t>(ends[range]);
+      const auto end = id.begin() + static_cast<std::ptrdiff_t>(ends[range + 1]);
+      const auto it = std::lower_bound(begin, end, body);
+      if (it != end && *it == body) return static_cast<Slot>(it - id.begin());
+    }
+    return -1;
+  }
 
   BodyState state(std::size_t slot) const { return {position[slot], orientation[slot], velocity[slot], angular_velocity[slot]}; }
   void set_state(std::size_t slot, const BodyState& s) {

@@ -92,11 +92,11 @@ const std::vector<BadInput> bad_values{
 
 const std::vector<BadInput> bad_bodies{
     {"no_shape", "bodies:\n  - mass: 1\n",
-     "FILE:2: key 'bodies[0].shape': found nothing, expected a map with the key sphere, box, plane or disc"},
+     "FILE:2: key 'bodies[0].shape': found nothing, expected a map with the key sphere, box, plane, disc or particle"},
     {"unknown_shape", "bodies:\n  - shape: {ball: {radius: 1}}\n",
-     "FILE:2: key 'bodies[0].shape.ball': found an unknown key, expected sphere, box, plane or disc"},
+     "FILE:2: key 'bodies[0].shape.ball': found an unknown key, expected sphere, box, plane, disc or particle"},
     {"two_shapes", "bodies:\n  - shape: {sphere: {radius: 1}, box: {size: [1, 1, 1]}}\n",
-     "FILE:2: key 'bodies[0].shape': found a map of 2 shapes, expected one of sphere, box, plane or disc"},
+     "FILE:2: key 'bodies[0].shape': found a map of 2 shapes, expected one of sphere, box, plane, disc or particle"},
     {"radius_missing", "bodies:\n  - shape: {sphere: {}}\n",
      "FILE:2: key 'bodies[0].shape.sphere.radius': found nothing, expected a number > 0 (m)"},
     {"negative_radius", "bodies:\n  - shape: {sphere: {radius: -1}}\n",

@@ -1,0 +1,106 @@
+// All constraints of one type on this rank, four to a block, and the passes that solvers make over them (paper, Algorithm 1).
+//
+// Row k of a constraint: r_k = (c_k + E_k lambda_k / h + rho D_k^T u) / (h + rho), m/s, with c and D taken anew at x = x_l + h u
+// in every pass; unknowns are impulses lambda = h gamma (N s). That is the residual of implicit Euler with compliance E and
+// damping rho, divided by h + rho: so scaled its derivative by lambda is symmetric, also where the damping differs from row to
+// row.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "constraints/constraint_type.hpp"
+#include "solve/system.hpp"
+
+namespace unibody {
+
+// What a pass reads of the step: positions at its start with, as fourth component, n_b / m_b: the inverse mass times the
+// number of constraints that share it (Jacobi), and the step.
+struct Places {
+  std::span<const Vec4d> start;  // x, y, z (m), n_b / m_b (1/kg)
+  double step;                   // s
+};
+
+template <ConstraintType C>
+class ConstraintBatch {
+ public:
+  static constexpr std::size_t stencil = C::stencil, rows = C::rows, parameter_count = C::parameter_names.size();
+
+  struct Block {
+    std::array<std::array<Slot, lanes>, stencil> slot;
+    std::array<Vec4d, parameter_count> parameters;
+  };
+  struct Softness {
+    std::array<Vec4d, rows> compliance;  // m/N
+    Vec4d damping;                       // s
+  };
+
+  // Lays out the constraints in the given order; groups[g] is the end of group g in `order`, and no block spans two groups. An
+  // empty lane ties the body that is nobody to itself. `slots(i)` are those of constraint i, counted(i) whether this rank
+  // counts it in sums over all.
+  template <typename SlotsOf, typename CountedOf>
+  void build(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
+             std::span<const std::uint32_t> groups, Slot nobody, SlotsOf&& slots, CountedOf&& counted);
+
+  // Index = that of the constraint in build()'s list.
+  using Multipliers = std::array<double, rows>;
+  void set_multipliers(std::span<const Multipliers> multipliers);  // empty: all zero
+  void get_multipliers(std::span<Multipliers> multipliers) const;
+
+  // Adds D lambda of all multipliers to the wrenches of their bodies: applies a warm start.
+  void add_impulses(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
+
+  // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate with `beta`, add the impulses to `wrenches`.
+  void sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
+                    SweepSums& sums);
+
+  // One Gauss-Seidel pass over a group, whose constraints share no moving body. Returns the largest change (m).
+  double relax(std::size_t group, const Places& places, std::span<SolverBody> bodies);
+
+  // Natural residual (m): max (h + rho) |r|, zero exactly at a solution.
+  double residual(const Places& places, std::span<const SolverBody> bodies) const;
+
+  template <typename F>
+  void for_each_stencil(F&& f) const {
+    std::array<Slot, stencil> ends;
+    for (std::size_t i = 0; i < order_.size(); ++i) {
+      if (order_[i] < 0) continue;
+      for (std::size_t e = 0; e < stencil; ++e) ends[e] = blocks_[i / lanes].slot[e][i % lanes];
+      f(std::span<const Slot>(ends));
+    }
+  }
+
+  std::size_t size() const { return order_.size(); }
+  std::size_t group_count() const { return group_end_.size(); }
+  std::size_t bytes() const;
+  const std::vector<Block>& blocks() const { return blocks_; }
+
+ private:
+  struct Ends {
+    std::array<Vec3x4, stencil> x, u;
+    std::array<Vec4d, stencil> shared_mass, inverse_mass;  // n_b / m_b and 1 / m_b
+  };
+  using Solution = std::array<Vec4d, rows>;
+
+  static Ends gather(const Block& block, const Places& places, std::span<const SolverBody> bodies);
+  Solution residual_of(std::size_t b, const Ends& ends, const Rows<stencil, rows>& at, const std::vector<Solution>& lambda,
+                       double step) const;
+  Solution solve_block(std::size_t b, const Rows<stencil, rows>& at, const std::array<Vec4d, stencil>& weight, const Solution& r,
+                       double step) const;
+  static void add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change, std::span<Wrench> wrenches);
+  const Softness* softness(std::size_t b) const { return softness_.empty() ? nullptr : &softness_[b]; }
+
+  std::vector<Block> blocks_;
+  std::vector<Softness> softness_;  // of each block; empty where all is stiff and undamped
+  std::vector<Solution> lambda_, y_;
+  std::vector<Mask4> counted_;
+  std::vector<std::uint32_t> group_end_;  // in blocks
+  std::vector<std::int32_t> order_;       // constraint of each lane of each block, -1: empty
+};
+
+}  // namespace unibody
+
+#include "constraints/constraint_kernels.hpp"

@@ -1,0 +1,115 @@
+#include "constraints/constraint_batches.hpp"
+
+#include <numeric>
+
+#include "world/world.hpp"
+
+namespace unibody {
+
+template <class C>
+void ConstraintBatches::build_type(ConstraintBatch<C>& batch, const ConstraintList<C>& list, const World& world, Slot nobody,
+                                   bool by_colour, Order order, std::int32_t colours) {
+  std::vector<std::uint32_t> numbers(list.size()), groups;
+  std::iota(numbers.begin(), numbers.end(), 0);
+  if (by_colour && order == Order::sequential) {
+    groups.resize(list.size());
+    std::iota(groups.begin(), groups.end(), 1);
+  } else if (by_colour) {
+    groups.assign(static_cast<std::size_t>(colours) + 1, 0);
+    for (const Constraint<C>& c : list) ++groups[static_cast<std::size_t>(c.colour) + 1];
+    std::partial_sum(groups.begin(), groups.end(), groups.begin());
+    for (std::uint32_t i = 0; i < list.size(); ++i) numbers[groups[static_cast<std::size_t>(list[i].colour)]++] = i;
+    groups.resize(static_cast<std::size_t>(colours));
+  } else {
+    groups = {static_cast<std::uint32_t>(list.size())};
+  }
+  const auto slots = [&](std::uint32_t i) {
+    std::array<Slot, C::stencil> ends;
+    for (std::size_t e = 0; e < C::stencil; ++e) ends[e] = world.find(list[i].ids[e]);
+    return ends;
+  };
+  const auto counted = [&](std::uint32_t i) {
+    for (const Id id : list[i].ids) {
+      const Slot s = world.find(id);
+      if (!world.is_static(s)) return world.is_home(s);
+    }
+    return false;
+  };
+  batch.build(list, numbers, groups, nobody, slots, counted);
+}
+
+void ConstraintBatches::build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, Order order,
+                              const Colours& colours) {
+  for_each_type(set, [&](auto type, const auto& list) {
+    build_type(std::get<type.value>(batches_), list, world, nobody, by_colour, order, colours[type.value]);
+  });
+}
+
+void ConstraintBatches::count(std::span<std::int32_t> counts) const {
+  for_each_stencil([&](std::span<const Slot> ends) {
+    for (const Slot s : ends) ++counts[static_cast<std::size_t>(s)];
+  });
+}
+
+bool ConstraintBatches::empty() const {
+  std::size_t n = 0;
+  for_each_type(batches_, [&](auto, const auto& batch) { n += batch.size(); });
+  return n == 0;
+}
+
+void ConstraintBatches::set_multipliers(const ConstraintMultipliers& multipliers, double share) {
+  for_each_type(batches_, [&](auto type, auto& batch) {
+    auto scaled = std::get<type.value>(multipliers);
+    for (auto& one : scaled)
+      for (double& lambda : one) lambda *= share;
+    batch.set_multipliers(scaled);
+  });
+}
+
+void ConstraintBatches::get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const {
+  for_each_type(batches_, [&](auto type, const auto& batch) {
+    auto& list = std::get<type.value>(multipliers);
+    list.resize(std::get<type.value>(set).size());
+    batch.get_multipliers(list);
+  });
+}
+
+void ConstraintBatches::add_impulses(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const {
+  for_each_type(batches_, [&](auto, const auto& batch) { batch.add_impulses(places, bodies, wrenches); });
+}
+
+void ConstraintBatches::sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+                                     double beta, SweepSums& sums) {
+  for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(places, bodies, wrenches, beta, sums); });
+}
+
+std::size_t ConstraintBatches::group_count() const {
+  std::size_t n = 0;
+  for_each_type(batches_, [&](auto, const auto& batch) { n += batch.group_count(); });
+  return n;
+}
+
+double ConstraintBatches::relax(std::size_t group, const Places& places, std::span<SolverBody> bodies) {
+  double change = 0;
+  std::size_t first = 0;
+  for_each_type(batches_, [&](auto, auto& batch) {
+    if (group >= first && group < first + batch.group_count()) change = batch.relax(group - first, places, bodies);
+    first += batch.group_count();
+  });
+  return change;
+}
+
+std::array<double, ConstraintTypes::size> ConstraintBatches::residuals(const Places& places,
+                                                                       std::span<const SolverBody> bodies) const {
+  std::array<double, ConstraintTypes::size> result{};
+  for_each_type(batches_, [&](auto type, const auto& batch) { result[type.value] = batch.residual(places, bodies); });
+  return result;
+}
+
+std::size_t ConstraintBatches::bytes() const {
+  std::size_t n = 0;
+  for_each_type(batches_, [&](auto, const auto& batch) { n += batch.bytes(); });
+  return n;
+}
+
+}  // namespace unibody

@@ -1,0 +1,56 @@
+// The constraints of all types: as the scene makes them, keyed by ids, and as a step's solve works on them.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "constraints/constraint_batch.hpp"
+#include "constraints/constraint_types.hpp"
+#include "solve/settings.hpp"
+
+namespace unibody {
+
+struct World;
+
+class ConstraintBatches {
+ public:
+  // Finds the bodies' slots and lays out the constraints: by colour for Gauss-Seidel (one by one where the order is sequential),
+  // in the order of the set for the Jacobi solvers. `nobody`: slot of the body that is nobody. `colours`: of each type, over
+  // all ranks.
+  using Colours = std::array<std::int32_t, ConstraintTypes::size>;
+  void build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, Order order, const Colours& colours);
+
+  // Adds one for each constraint to the counts of its bodies.
+  void count(std::span<std::int32_t> counts) const;
+
+  // Calls f(slots) with the bodies of each constraint.
+  template <typename F>
+  void for_each_stencil(F&& f) const {
+    for_each_type(batches_, [&](auto, const auto& batch) { batch.for_each_stencil(f); });
+  }
+
+  bool empty() const;
+  void set_multipliers(const ConstraintMultipliers& multipliers, double share);
+  void get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const;
+  void add_impulses(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
+  void sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
+                    SweepSums& sums);
+
+  // Groups of all types, one after the other: between two of them the shared bodies are exchanged.
+  std::size_t group_count() const;
+  double relax(std::size_t group, const Places& places, std::span<SolverBody> bodies);
+
+  // Natural residual (m) of each type, on this rank.
+  std::array<double, ConstraintTypes::size> residuals(const Places& places, std::span<const SolverBody> bodies) const;
+
+  std::size_t bytes() const;
+
+ private:
+  template <class C>
+  void build_type(ConstraintBatch<C>& batch, const ConstraintList<C>& list, const World& world, Slot nobody, bool by_colour,
+                  Order order, std::int32_t colours);
+
+  ConstraintTypes::Tuple<ConstraintBatch> batches_;
+};
+
+}  // namespace unibody

@@ -1,0 +1,261 @@
+// The passes of ConstraintBatch. Included by its header alone.
+#pragma once
+
+#include "constraints/constraint_batch.hpp"
+
+namespace unibody {
+
+namespace constraint_kernels {
+
+inline Vec4d inverse_or_zero(Vec4d x) {
+  const Mask4 proper = x > broadcast(0);
+  return select(proper, broadcast(1) / select(proper, x, broadcast(1)), broadcast(0));
+}
+
+// Solves A d = b for symmetric positive semidefinite A (lower triangle), four at once, by L D L^T without pivots; a row without
+// mass or compliance gives d = 0.
+template <std::size_t n>
+std::array<Vec4d, n> solve_symmetric(std::array<std::array<Vec4d, n>, n> a, std::array<Vec4d, n> b) {
+  if constexpr (n == 1) {
+    return {b[0] * inverse_or_zero(a[0][0])};
+  } else {
+    std::array<Vec4d, n> inverse;
+    for (std::size_t j = 0; j < n; ++j) {
+      inverse[j] = inverse_or_zero(a[j][j]);
+      for (std::size_t i = j + 1; i < n; ++i) {
+        const Vec4d l = a[i][j] * inverse[j];
+        for (std::size_t k = j + 1; k <= i; ++k) a[i][k] -= l * a[k][j];
+        b[i] -= l * b[j];
+      }
+    }
+    for (std::size_t i = n; i-- > 0;) {
+      for (std::size_t k = i + 1; k < n; ++k) b[i] -= a[k][i] * b[k];
+      b[i] = b[i] * inverse[i];
+    }
+    return b;
+  }
+}
+
+}  // namespace constraint_kernels
+
+template <ConstraintType C>
+template <typename SlotsOf, typename CountedOf>
+void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
+                               std::span<const std::uint32_t> groups, Slot nobody, SlotsOf&& slots, CountedOf&& counted) {
+  blocks_.clear(), softness_.clear(), lambda_.clear(), y_.clear(), counted_.clear(), group_end_.clear(), order_.clear();
+  bool soft = false;
+  for (const Constraint<C>& c : constraints)
+    soft |= c.damping != 0 || std::any_of(c.compliance.begin(), c.compliance.end(), [](double e) { return e != 0; });
+  std::size_t begin = 0;
+  for (const std::size_t end : groups) {
+    for (; begin < end; begin += std::min(lanes, end - begin)) {
+      const std::size_t used = std::min(lanes, end - begin);
+      Block& block = blocks_.emplace_back();
+      Softness softness{};
+      Mask4 counts{};
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const std::uint32_t i = order[begin + std::min(l, used - 1)];  // an empty lane has the parameters of a full one
+        for (std::size_t p = 0; p < parameter_count; ++p) block.parameters[p][l] = constraints[i].parameters[p];
+        for (std::size_t k = 0; k < rows; ++k) softness.compliance[k][l] = constraints[i].compliance[k];
+        softness.damping[l] = constraints[i].damping;
+        const std::array<Slot, stencil> ends = slots(i);
+        for (std::size_t e = 0; e < stencil; ++e) block.slot[e][l] = l < used ? ends[e] : nobody;
+        counts[l] = l < used && counted(i) ? -1 : 0;
+        order_.push_back(l < used ? static_cast<std::int32_t>(i) : -1);
+      }
+      if (soft) softness_.push_back(softness);
+      counted_.push_back(counts);
+    }
+    group_end_.push_back(static_cast<std::uint32_t>(blocks_.size()));
+  }
+  lambda_.assign(blocks_.size(), Solution{});
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::set_multipliers(std::span<const Multipliers> multipliers) {
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    for (std::size_t k = 0; k < rows; ++k)
+      lambda_[i / lanes][k][i % lanes] =
+          multipliers.empty() || order_[i] < 0 ? 0 : multipliers[static_cast<std::size_t>(order_[i])][k];
+  y_.clear();
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) const {
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    if (order_[i] >= 0)
+      for (std::size_t k = 0; k < rows; ++k)
+        multipliers[static_cast<std::size_t>(order_[i])][k] = lambda_[i / lanes][k][i % lanes];
+}
+
+template <ConstraintType C>
+typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block& block, const Places& places,
+                                                             std::span<const SolverBody> bodies) {
+  Ends ends;
+  const Vec4d step = broadcast(places.step);
+  for (std::size_t e = 0; e < stencil; ++e) {
+    const auto& s = block.slot[e];
+    Vec4d x = places.start[s[0]], y = places.start[s[1]], z = places.start[s[2]], w = places.start[s[3]];
+    transpose(x, y, z, w);
+    const auto of = [&](Slot slot) { return *reinterpret_cast<const Vec4dView*>(&bodies[slot]); };  // v and 1/m
+    Vec4d vx = of(s[0]), vy = of(s[1]), vz = of(s[2]), vw = of(s[3]);
+    transpose(vx, vy, vz, vw);
+    ends.u[e] = {vx, vy, vz};
+    ends.x[e] = Vec3x4{x, y, z} + ends.u[e] * step;
+    ends.shared_mass[e] = w, ends.inverse_mass[e] = vw;
+  }
+  return ends;
+}
+
+template <ConstraintType C>
+typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_t b, const Ends& ends,
+                                                                      const Rows<stencil, rows>& at,
+                                                                      const std::vector<Solution>& lambda, double step) const {
+  Solution r;
+  const Softness* soft = softness(b);
+  const Vec4d over_step = broadcast(1 / step);
+  for (std::size_t k = 0; k < rows; ++k) {
+    if (soft == nullptr) {
+      r[k] = at.value[k] * over_step;
+      continue;
+    }
+    Vec4d rate = broadcast(0);
+    for (std::size_t e = 0; e < stencil; ++e) rate += dot(at.gradient[k][e], ends.u[e]);
+    r[k] =
+        (at.value[k] + soft->compliance[k] * lambda[b][k] * over_step + soft->damping * rate) / (broadcast(step) + soft->damping);
+  }
+  return r;
+}
+
+// The step -P^-1 r, P = sum over the bodies of weight D^T D, plus E / (h (h + rho)): with weight n_b / m_b it bounds the whole
+// system from above, with 1 / m_b it is the constraint's own block.
+template <ConstraintType C>
+typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std::size_t b, const Rows<stencil, rows>& at,
+                                                                      const std::array<Vec4d, stencil>& weight, const Solution& r,
+                                                                      double step) const {
+  std::array<std::array<Vec4d, rows>, rows> P;
+  const Softness* soft = softness(b);
+  for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t j = 0; j <= i; ++j) {
+      P[i][j] = broadcast(0);
+      for (std::size_t e = 0; e < stencil; ++e) P[i][j] += weight[e] * dot(at.gradient[i][e], at.gradient[j][e]);
+    }
+  Solution right;
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (soft != nullptr) P[i][i] += soft->compliance[i] / (broadcast(step) * (broadcast(step) + soft->damping));
+    right[i] = -r[i];
+  }
+  return constraint_kernels::solve_symmetric<rows>(P, right);
+}
+
+// Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
+template <ConstraintType C>
+void ConstraintBatch<C>::add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
+                                    std::span<Wrench> wrenches) {
+  std::array<std::array<Vec4d, lanes>, stencil> force;
+  for (std::size_t e = 0; e < stencil; ++e) {
+    Vec3x4 f = at.gradient[0][e] * change[0];
+    for (std::size_t k = 1; k < rows; ++k) f = f + at.gradient[k][e] * change[k];
+    Vec4d none{};
+    transpose(f.x, f.y, f.z, none);
+    force[e] = {f.x, f.y, f.z, none};
+  }
+  for (std::size_t l = 0; l < lanes; ++l)
+    for (std::size_t e = 0; e < stencil; ++e) wrenches[block.slot[e][l]].force += force[e][l];
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::add_impulses(const Places& places, std::span<const SolverBody> bodies,
+                                      std::span<Wrench> wrenches) const {
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Ends ends = gather(blocks_[b], places, bodies);
+    Rows<stencil, rows> at;
+    C::evaluate(blocks_[b].parameters, ends.x, at);
+    add_forces(blocks_[b], at, lambda_[b], wrenches);
+  }
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+                                      double beta, SweepSums& sums) {
+  if (y_.empty()) y_ = lambda_;
+  const double per_unit = 1 / sums.unit;
+  const Vec4d momentum = broadcast(beta);
+  Vec4d change = broadcast(0), largest = broadcast(0);
+  Mask4 gradient{}, progress{};
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Ends ends = gather(blocks_[b], places, bodies);
+    Rows<stencil, rows> at;
+    C::evaluate(blocks_[b].parameters, ends.x, at);
+    const Solution r = residual_of(b, ends, at, y_, places.step);
+    const Solution step = solve_block(b, at, ends.shared_mass, r, places.step);
+    Solution moved;
+    Vec4d uphill = broadcast(0), squared = broadcast(0);
+    for (std::size_t k = 0; k < rows; ++k) {
+      const Vec4d next = y_[b][k] + step[k], forward = next - lambda_[b][k];
+      uphill += r[k] * forward, squared -= r[k] * step[k];
+      change = max(change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
+      lambda_[b][k] = next;
+      const Vec4d y = next + momentum * forward;
+      moved[k] = y - y_[b][k];
+      y_[b][k] = y;
+    }
+    largest = max(largest, max(abs(uphill), squared));
+    gradient += whole_units(uphill, per_unit) & counted_[b];
+    progress += whole_units(squared, per_unit) & counted_[b];
+    add_forces(blocks_[b], at, moved, wrenches);
+  }
+  for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
+  sums.change = std::max(sums.change, places.step * horizontal_max(change));
+  sums.largest = std::max(sums.largest, horizontal_max(largest));
+}
+
+template <ConstraintType C>
+double ConstraintBatch<C>::relax(std::size_t group, const Places& places, std::span<SolverBody> bodies) {
+  if (group >= group_end_.size()) return 0;
+  Vec4d change = broadcast(0);
+  for (std::size_t b = group == 0 ? 0 : group_end_[group - 1]; b < group_end_[group]; ++b) {
+    const Block& block = blocks_[b];
+    Ends ends = gather(block, places, bodies);
+    Rows<stencil, rows> at;
+    C::evaluate(block.parameters, ends.x, at);
+    const Solution r = residual_of(b, ends, at, lambda_, places.step);
+    const Solution step = solve_block(b, at, ends.inverse_mass, r, places.step);
+    for (std::size_t k = 0; k < rows; ++k) {
+      lambda_[b][k] += step[k];
+      change = max(change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
+    }
+    for (std::size_t e = 0; e < stencil; ++e) {
+      Vec3x4 u = ends.u[e];
+      for (std::size_t k = 0; k < rows; ++k) u = u + at.gradient[k][e] * (step[k] * ends.inverse_mass[e]);
+      Vec4d x = u.x, y = u.y, z = u.z, w = ends.inverse_mass[e];
+      transpose(x, y, z, w);
+      const auto put = [&](std::size_t l, Vec4d v) { *reinterpret_cast<Vec4dView*>(&bodies[block.slot[e][l]]) = v; };
+      put(0, x), put(1, y), put(2, z), put(3, w);
+    }
+  }
+  return places.step * horizontal_max(change);
+}
+
+template <ConstraintType C>
+double ConstraintBatch<C>::residual(const Places& places, std::span<const SolverBody> bodies) const {
+  Vec4d worst = broadcast(0);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    const Ends ends = gather(blocks_[b], places, bodies);
+    Rows<stencil, rows> at;
+    C::evaluate(blocks_[b].parameters, ends.x, at);
+    const Solution r = residual_of(b, ends, at, lambda_, places.step);
+    Vec4d moves = broadcast(0);  // two that cannot move leave a residual that nobody can solve
+    for (const Vec4d m : ends.inverse_mass) moves += m;
+    for (const Vec4d rk : r) worst = max(worst, select(moves > broadcast(0), abs(rk), broadcast(0)));
+  }
+  return places.step * horizontal_max(worst);
+}
+
+template <ConstraintType C>
+std::size_t ConstraintBatch<C>::bytes() const {
+  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return of(blocks_) + of(softness_) + of(lambda_) + of(y_) + of(counted_) + of(group_end_) + of(order_);
+}
+
+}  // namespace unibody

@@ -1,0 +1,47 @@
+// The list of all constraint types between bodies' centres. Solver, halo, graph, reader, report and output find them here.
+#pragma once
+
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "constraints/area.hpp"
+#include "constraints/dihedral.hpp"
+#include "constraints/distance.hpp"
+#include "constraints/membrane.hpp"
+
+namespace unibody {
+
+template <ConstraintType... C>
+struct TypeList {
+  static constexpr std::size_t size = sizeof...(C);
+  template <template <class> class Of>
+  using Tuple = std::tuple<Of<C>...>;
+};
+
+using ConstraintTypes = TypeList<Distance, BendingLink, Membrane, Dihedral, Area>;
+
+// Calls f(type index, element) for each element of a tuple made by ConstraintTypes::Tuple.
+template <typename Set, typename F>
+void for_each_type(Set& set, F&& f) {
+  [&]<std::size_t... k>(std::index_sequence<k...>) { (f(std::integral_constant<std::size_t, k>{}, std::get<k>(set)), ...); }
+  (std::make_index_sequence<ConstraintTypes::size>{});
+}
+
+// The constraints that touch some bodies, of each type in ascending order of ids.
+template <class C>
+using ConstraintList = std::vector<Constraint<C>>;
+using ConstraintSet = ConstraintTypes::Tuple<ConstraintList>;
+
+// Of each constraint of a set, its impulses (N s) in the last step.
+template <class C>
+using MultiplierList = std::vector<std::array<double, C::rows>>;
+using ConstraintMultipliers = ConstraintTypes::Tuple<MultiplierList>;
+
+inline std::size_t constraint_count(const ConstraintSet& set) {
+  std::size_t n = 0;
+  for_each_type(set, [&](auto, const auto& list) { n += list.size(); });
+  return n;
+}
+
+}  // namespace unibody

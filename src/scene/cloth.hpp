@@ -1,0 +1,40 @@
+// The sections `cloths` and `threads`: flexible bodies of particles and the constraints between them.
+#pragma once
+
+#include "scene/body_entry.hpp"
+
+namespace unibody {
+
+void read_cloths(const Value& list, Scene& scene);
+void read_threads(const Value& list, Scene& scene);
+
+// What cloths and threads have in common: the particles, where they are and how they start.
+struct Nodes {
+  BodyTemplate particle;  // of the contact radius; its mass is set by node
+  std::string name;
+  Vec3 position = Vec3::Zero();
+  Quat orientation = Quat::Identity();
+
+  // The node at this place in the entry's frame.
+  Body at(const Vec3& place, double mass) const;
+};
+
+// A spring law as the file gives it: stiffness (of the row's own unit; absent: stiff) and damping rho (s).
+struct Spring {
+  double stiffness = 0;  // 0: stiff
+  double damping = 0;
+  double compliance() const { return stiffness > 0 ? 1 / stiffness : 0; }
+};
+Spring read_spring(const Value& map, const std::string& unit);
+
+inline const std::vector<std::string> node_keys{"name", "position", "orientation", "velocity", "material", "pins"};
+Nodes read_nodes(const Value& entry, double radius, const Scene& scene);
+
+// Adds the nodes as bodies first .. first + count - 1, with their constraints; returns the first id.
+Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
+                std::function<void(Id first, Id node, ConstraintSet& out)> touching);
+
+// Reads `pins` where the entry has it: a list of {node: ..., release: s}; `number(value)` reads a node as the entry names it.
+void read_pins(const Value& entry, Scene& scene, Id first, const std::function<Id(const Value&)>& number);
+
+}  // namespace unibody

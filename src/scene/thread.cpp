@@ -1,0 +1,156 @@
+// Threads: nodes along a polyline, linked one to the next; and what threads have in common with cloths.
+#include <algorithm>
+#include <cmath>
+
+#include "scene/cloth.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+struct Thread {
+  std::vector<Vec3> corners;   // m, of the polyline
+  std::vector<double> arc{0};  // m, from the first corner to each
+  Id segments = 1;
+  Spring stretch;                 // of one segment (N/m)
+  std::optional<Spring> bending;  // links to the second neighbour (N/m)
+
+  double segment() const { return arc.back() / static_cast<double>(segments); }
+  Vec3 place(Id k) const {
+    const double s = arc.back() * static_cast<double>(k) / static_cast<double>(segments);
+    const auto after = std::upper_bound(arc.begin() + 1, arc.end() - 1, s);
+    const auto i = static_cast<std::size_t>(after - arc.begin());
+    return corners[i - 1] + (s - arc[i - 1]) / (arc[i] - arc[i - 1]) * (corners[i] - corners[i - 1]);
+  }
+};
+
+template <class Link>
+void add_link(const Thread& thread, Id first, Id a, Id reach, const Spring& spring, ConstraintSet& out) {
+  if (a < 0 || a + reach > thread.segments) return;
+  Constraint<Link> c;
+  c.ids = {first + a, first + a + reach};
+  c.parameters = {reach == 1 ? thread.segment() : (thread.place(a + reach) - thread.place(a)).norm()};
+  c.compliance = {spring.compliance()}, c.damping = spring.damping;
+  c.colour = static_cast<std::int32_t>(a / reach % 2);
+  std::get<ConstraintList<Link>>(out).push_back(c);
+}
+
+void read_line(const Value& points, Thread& thread, const Scene& scene) {
+  for (const Value& point : points.list("points")) thread.corners.push_back(read_vector(point, scene, "m"));
+  if (thread.corners.size() < 2) points.fail_expected("a list of at least 2 points");
+  for (std::size_t k = 1; k < thread.corners.size(); ++k) {
+    const double length = (thread.corners[k] - thread.corners[k - 1]).norm();
+    if (!(length > 0)) points.entries[k].fail("the point before it again", "a point at a distance");
+    thread.arc.push_back(thread.arc.back() + length);
+  }
+}
+
+void read_stretch(const Value& value, double radius, Thread& thread) {
+  value.map({"stiffness", "youngs_modulus", "damping"});
+  thread.stretch = read_spring(value, "N/m");
+  const Value *modulus = value.find("youngs_modulus"), *stiffness = value.find("stiffness");
+  if (modulus && stiffness) modulus->fail("a youngs_modulus beside stiffness", "only one of them");
+  if (modulus) thread.stretch.stiffness = modulus->number(positive, "Pa") * pi * radius * radius / thread.segment();
+}
+
+void read_thread(const Value& entry, Scene& scene) {
+  std::vector<std::string> keys = node_keys;
+  for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending"}) keys.emplace_back(key);
+  entry.map(keys);
+  Thread thread;
+  const auto need = [&](const char* key, const char* expected) -> const Value& {
+    const Value* value = entry.find(key);
+    if (!value) entry.fail_missing(key, expected);
+    return *value;
+  };
+  read_line(need("points", "a list of at least 2 points"), thread, scene);
+  thread.segments = need("segments", "an integer >= 1").integer(1, 1'000'000'000);
+  const double radius = need("radius", "a number > 0 (m)").number(positive, "m");
+  const double mass = need("mass", "a number > 0 (kg)").number(positive, "kg");
+  if (const Value* stretch = entry.find("stretch")) read_stretch(*stretch, radius, thread);
+  if (const Value* bending = entry.find("bending")) {
+    bending->map({"stiffness", "damping"});
+    thread.bending = read_spring(*bending, "N/m");
+  }
+  const Nodes nodes = read_nodes(entry, radius, scene);
+  const Id first = add_flexible(
+      scene, nodes, thread.segments + 1,
+      [thread, nodes, mass](Id k) {  // half a segment's mass at each of its ends
+        const bool end = k == 0 || k == thread.segments;
+        return nodes.at(thread.place(k), mass / static_cast<double>(thread.segments) * (end ? 0.5 : 1));
+      },
+      [thread](Id start, Id node, ConstraintSet& out) {
+        for (const Id a : {node - 1, node}) add_link<Distance>(thread, start, a, 1, thread.stretch, out);
+        if (!thread.bending) return;
+        for (const Id a : {node - 2, node}) add_link<BendingLink>(thread, start, a, 2, *thread.bending, out);
+      });
+  read_pins(entry, scene, first, [&](const Value& node) { return node.integer(0, thread.segments); });
+}
+
+}  // namespace
+
+void read_threads(const Value& list, Scene& scene) {
+  for (const Value& entry : list.list("threads")) read_thread(entry, scene);
+}
+
+Body Nodes::at(const Vec3& place, double mass) const {
+  BodyTemplate own = particle;
+  own.mass = mass;
+  return make_body(own, particle.properties.shape, position + orientation * place);
+}
+
+Spring read_spring(const Value& map, const std::string& unit) {
+  Spring spring;
+  if (const Value* stiffness = map.find("stiffness")) spring.stiffness = stiffness->number(positive, unit);
+  if (const Value* damping = map.find("damping")) spring.damping = damping->number(not_negative, "s");
+  return spring;
+}
+
+Nodes read_nodes(const Value& entry, double radius, const Scene& scene) {
+  Nodes nodes;
+  nodes.particle.properties.shape = {ShapeKind::particle, Vec3(radius, 0, 0)};
+  nodes.particle.properties.group = static_cast<std::int32_t>(scene.constraint_groups.size());
+  if (const Value* name = entry.find("name")) nodes.name = name->string("a name");
+  if (const Value* value = entry.find("position")) nodes.position = read_vector(*value, scene, "m");
+  if (const Value* value = entry.find("orientation")) nodes.orientation = read_orientation(*value, scene);
+  if (const Value* value = entry.find("velocity")) nodes.particle.velocity = read_vector(*value, scene, "m/s");
+  if (const Value* value = entry.find("material"))
+    nodes.particle.properties.material = static_cast<std::int32_t>(value->choice(scene.materials));
+  return nodes;
+}
+
+Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
+                std::function<void(Id first, Id node, ConstraintSet& out)> touching) {
+  const Id first = scene.body_count();
+  BodyGroup group;
+  group.first = first, group.count = count, group.name = nodes.name;
+  group.make = [first, make = std::move(make)](Id k) {
+    Body body = make(k);
+    body.id = first + k;
+    return body;
+  };
+  scene.groups.push_back(std::move(group));
+  scene.constraint_groups.push_back(
+      {first, count, [first, touching = std::move(touching)](Id id, ConstraintSet& out) { touching(first, id - first, out); }});
+  return first;
+}
+
+void read_pins(const Value& entry, Scene& scene, Id first, const std::function<Id(const Value&)>& number) {
+  const Value* list = entry.find("pins");
+  if (!list) return;
+  for (const Value& value : list->list("pins")) {
+    value.map({"node", "release"});
+    const Value* node = value.find("node");
+    if (!node) value.fail_missing("node", "a node");
+    Pin pin;
+    pin.id = first + number(*node);
+    if (const Value* release = value.find("release")) pin.release = release->number(not_negative, "s");
+    const auto at = std::lower_bound(scene.pins.begin(), scene.pins.end(), pin.id, [](const Pin& p, Id id) { return p.id < id; });
+    if (at != scene.pins.end() && at->id == pin.id) node->fail(node->found() + " a second time", "each node pinned once");
+    scene.pins.insert(at, pin);
+  }
+}
+
+}  // namespace unibody
