@@ -39,6 +39,7 @@ void Simulation::set_tolerance_from_bodies() {
 
 void Simulation::detect() {
   if (detected_) return;
+  if (!constraints_made_) make_constraints();
   {
     const PhaseClock::Scope scope(clock_, Phase::halo);
     hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);
@@ -66,8 +67,16 @@ void Simulation::move_homes(std::span<const int> home) {
   const PhaseClock::Scope scope(clock_, Phase::partition);
   auto records = constraint_records(world, constraints, constraint_multipliers, home, halo_.size());
   migrate(halo_.comm(), world, multipliers, home);
-  constraints = unibody::build_constraints(scene_, world);
+  make_constraints();
   constraint_multipliers = take_constraint_records(halo_.comm(), constraints, std::move(records));
+  detected_ = false;
+}
+
+// All constraints of the bodies that are home here, and what all ranks must agree on about them.
+void Simulation::make_constraints() {
+  constraints = unibody::build_constraints(scene_, world);
+  for_each_type(constraints,
+                [&](auto type, const auto& list) { std::get<type.value>(constraint_multipliers).assign(list.size(), {}); });
   halo_.reset(world, partners(world, constraints));
   colours_ = {};
   constraints_of_all_ = static_cast<std::int64_t>(constraint_count(constraints));
@@ -77,7 +86,7 @@ void Simulation::move_homes(std::span<const int> home) {
   MPI_Allreduce(MPI_IN_PLACE, colours_.data(), static_cast<int>(colours_.size()), MPI_INT32_T, MPI_MAX, halo_.comm());
   MPI_Allreduce(MPI_IN_PLACE, &constraints_of_all_, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   built_version_ = -1;
-  detected_ = false;
+  constraints_made_ = true;
 }
 
 // The slots of the constraints' bodies, where they may have moved.

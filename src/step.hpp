@@ -55,6 +55,7 @@ class Simulation {
 
  private:
   void predict();
+  void make_constraints();
   void build_constraints();
   void build_system();
   void fill_places(std::span<const std::int32_t> counts);
@@ -75,7 +76,7 @@ class Simulation {
   System system_;
   const Solver& solver_;
   double step_ = 0, tolerance_ = 0;
-  bool detected_ = false;
+  bool detected_ = false, constraints_made_ = false;
   std::int64_t built_version_ = -1;  // of the halo, for which the constraints' slots hold
   ConstraintBatches::Colours colours_{};
   std::int64_t constraints_of_all_ = 0;

@@ -26,7 +26,7 @@ struct Dihedral {
     const auto inverse = [&](Vec4d v) { return select(proper, one / select(proper, v, one), zero); };
     const Vec4d sine = dot(cross(n1, n2), edge) * inverse(length), cosine = dot(n1, n2);
     Vec4d angle = zero;
-    for (std::size_t l = 0; l < lanes; ++l) angle[l] = -std::atan2(sine[l], cosine[l]);
+    for (std::size_t l = 0; l < lanes; ++l) angle[l] = std::atan2(sine[l], cosine[l]);
 
     const Vec4d L = select(proper, parameters[1], zero);
     Vec4d turned = angle - parameters[0];  // the short way round

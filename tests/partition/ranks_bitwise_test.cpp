@@ -72,6 +72,38 @@ std::vector<std::uint64_t> together(const std::string& text, std::optional<std::
 
 }  // namespace
 
+// Cloths of both models, a thread and boxes that fall on them.
+std::string flexible_scene(const std::string& solver) {
+  return R"(
+bodies:
+  - shape: {plane: {normal: [0, 0, 1]}}
+  - pile: {count: 20, columns: [3, 3], seed: 3, mix: [{shape: {box: {size: [0.12, 0.1, 0.08]}}}, {shape: {sphere: {radius: 0.06}}}]}
+    density: 300
+    position: [0, 0, 0.5]
+cloths:
+  - grid: {size: [1, 1], nodes: [16, 15]}
+    mass_per_area: 0.4
+    thickness: 0.02
+    links: {diagonals: alternating, stiffness: 5000, damping: 0.01}
+    bending: {stiffness: 5}
+    position: [0, 0, 0.4]
+    pins: [{node: [0, 0]}, {node: [15, 0]}, {node: [0, 14], release: 0.3}]
+  - grid: {size: [0.8, 0.8], nodes: [12, 12]}
+    mass: 0.3
+    thickness: 0.02
+    membrane: {youngs_modulus: 1.0e+5, poissons_ratio: 0.3, damping: 0.005}
+    bending: {model: dihedral, stiffness: 0.01}
+    position: [0.1, 0, 0.3]
+threads:
+  - points: [[-0.5, 0, 0.9], [0.5, 0.1, 0.9], [0.5, 0.5, 0.9]]
+    segments: 40
+    radius: 0.01
+    mass: 0.1
+    bending: {stiffness: 1}
+solver: )" +
+         solver;
+}
+
 class RanksBitwise : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(RanksBitwise, AnyPartitionGivesTheStatesOfOneRank) {
@@ -84,6 +116,21 @@ TEST_P(RanksBitwise, AnyPartitionGivesTheStatesOfOneRank) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwise, ::testing::ValuesIn(solvers));
+
+class RanksBitwiseFlexible : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(RanksBitwiseFlexible, AnyPartitionGivesTheStatesOfOneRank) {
+  const std::string text = flexible_scene(GetParam());
+  const auto expected = alone(text);
+  EXPECT_EQ(together(text, std::nullopt, 0), expected) << "METIS";
+  EXPECT_EQ(together(text, std::nullopt, 7), expected) << "METIS, with migration";
+  EXPECT_EQ(together(text, 1, 0), expected) << "random";
+  EXPECT_EQ(together(text, 2, 13), expected) << "random, with migration";
+}
+
+INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwiseFlexible,
+                         ::testing::Values("{name: accelerated_jacobi, iterations: 12}", "{name: gauss_seidel, iterations: 8}",
+                                           "{name: jacobi, iterations: 6, stages: position, warm_start: 0}"));
 
 // Controls: the hash sees a change in the last bit of one number, and moves with time.
 TEST(RanksBitwiseControl, AChangedSceneDiffers) {
