@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 #include <fstream>
 
 #include "core/errors.hpp"
@@ -29,6 +30,14 @@ bool on_off(const std::string& option, const std::string& value) {
   if (value == "on") return true;
   if (value == "off") return false;
   throw InputError("option " + option + ": found '" + value + "', expected on or off");
+}
+
+// Whether the word behind one of PETSc's options is its value: nobody but PETSc knows which of them take one. Once the scene is
+// known any word is; before, one that names a file or ends in .yaml is the scene.
+bool is_petsc_value(const std::string& word, bool scene_is_known) {
+  std::error_code error;
+  if (word.starts_with("-")) return false;
+  return scene_is_known || (!word.ends_with(".yaml") && !std::filesystem::exists(word, error));
 }
 
 }  // namespace
@@ -61,10 +70,13 @@ Options parse_options(int argc, char** argv) {
       options.rebalance = on_off(word, value());
     } else if (std::any_of(std::begin(petsc_prefixes), std::end(petsc_prefixes), [&](auto p) { return word.starts_with(p); })) {
       options.petsc.push_back(word);
-      if (i + 1 < argc && argv[i + 1][0] != '-' && std::string_view(argv[i + 1]).find(".yaml") == std::string_view::npos)
+      if (word == "-options_file") {
+        options.petsc.push_back(value());
+        if (!std::ifstream(options.petsc.back()))
+          throw InputError("option -options_file: cannot read '" + options.petsc.back() + "'");
+      } else if (i + 1 < argc && is_petsc_value(argv[i + 1], !options.scene.empty())) {
         options.petsc.push_back(argv[++i]);
-      if (word == "-options_file" && !std::ifstream(options.petsc.back()))
-        throw InputError("option -options_file: cannot read '" + options.petsc.back() + "'");
+      }
     } else if (word.starts_with("-")) {
       throw InputError("unknown option " + word + " (-help lists them all)");
     } else if (options.scene.empty()) {
@@ -93,7 +105,8 @@ Simulates the scene file SCENE and writes its results into a folder.
   -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it
   -help                  this text
 
-PETSc options that begin with -log_, -options_, -malloc, -memory_, -vec_, -info or -on_error are passed on to PETSc:
+PETSc options that begin with -log_, -options_, -malloc, -memory_, -vec_, -info or -on_error are passed on to PETSc,
+with the value that follows. Best behind SCENE: before it, a word that names a file or ends in .yaml is taken as the scene.
   -log_view              time, messages and memory by phase (unibody_collide, unibody_solve, unibody_halo, ...)
   -options_file FILE     more PETSc options from a file
 

@@ -49,7 +49,7 @@ def at_a_time(rows, number, level, scene, ranks, limits, most, peer):
 
 
 def falls_with_iterations(rows):
-    text = 'no error floor: RMS falls with each doubling of the iterations, 10 to 80 (Gauss-Seidel)'
+    text = 'no error floor: RMS at rest falls with each doubling of the iterations, 10 to 80 (Gauss-Seidel)'
     chain = {r['iterations']: r['rms_mm'] for r in rows
              if r['ours'] and r['scene'] == 'B2000' and r['ranks'] == 1 and r['family'] == 'GS'}
     counts = [k for k in (10, 20, 40, 80) if k in chain]

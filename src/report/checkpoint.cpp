@@ -15,7 +15,7 @@ namespace unibody {
 
 namespace {
 
-const std::string format = "unibody checkpoint 1";
+const std::string format = "unibody checkpoint 2";
 
 // A body as one row of the data set "bodies": reals, then the small numbers, which doubles hold exactly.
 constexpr Id body_columns = 30;
@@ -74,6 +74,29 @@ RememberedPoint from_row(const PointRow& row) {
   return {Vec3(r[0], r[1], r[2]), r[3], Vec3(r[4], r[5], r[6]), static_cast<std::uint32_t>(row.feature), 0};
 }
 
+// A sum of hashes over all rows, in any order, since HDF5 protects its own records by checksums, but not the data.
+std::uint64_t sum_of_hashes(Id first, const std::vector<BodyRow>& bodies, const std::vector<PointRow>& points) {
+  std::uint64_t sum = 0;
+  for (const BodyRow& row : bodies) {
+    Hash hash;
+    hash.add(first++);
+    for (const double x : row) hash.add(x);
+    sum += hash.value();
+  }
+  for (const PointRow& p : points) {
+    Hash hash;
+    hash.add(p.owner).add(p.id_a).add(p.id_b).add(p.place_in_manifold).add(p.feature);
+    for (const double x : p.reals) hash.add(x);
+    sum += hash.value();
+  }
+  return sum;
+}
+
+std::string hash_of_all(MPI_Comm comm, std::uint64_t sum) {
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
+  return hex(sum);
+}
+
 bool in_range(const World& world, std::size_t first, std::size_t last, Id id) {
   const auto begin = world.id.begin() + static_cast<std::ptrdiff_t>(first),
              end = world.id.begin() + static_cast<std::ptrdiff_t>(last);
@@ -127,6 +150,8 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
   const auto points = point_rows(comm, count, world, multipliers);
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
+  const Id first = id_blocks(comm, count).first(rank);
+  const std::string hash = hash_of_all(comm, sum_of_hashes(first, bodies, points));
   const std::string part = path + ".part";
   auto total = static_cast<std::int64_t>(points.size());
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm);
@@ -151,9 +176,9 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     h5::write_attribute(file, "frame", frame);
     h5::write_attribute(file, "time", time);
     h5::write_attribute(file, "bodies", count);
+    h5::write_attribute(file, "hash", hash);
     const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, static_cast<hsize_t>(count), body_columns);
-    const auto first = static_cast<hsize_t>(id_blocks(comm, count).first(rank));
-    bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, first, bodies.size(), bodies.data());
+    bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), bodies.size(), bodies.data());
     good = write_points(comm, file, points, total) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
     if (!good) throw std::runtime_error("is the disk full?");
@@ -267,10 +292,27 @@ std::vector<PointRow> read_points(hid_t file, Id first, Id last) {
   return rows;
 }
 
+std::vector<BodyRow> read_body_rows(hid_t file, Id first, Id last) {
+  std::vector<BodyRow> rows(static_cast<std::size_t>(last - first));
+  h5::read_rows(h5::open_dataset(file, "bodies"), H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), rows.size(), rows.data());
+  return rows;
+}
+
+// Of this rank's share of the file.
+std::uint64_t sum_of_hashes(MPI_Comm comm, hid_t file, Id bodies, Id points) {
+  int rank = 0;
+  MPI_Comm_rank(comm, &rank);
+  const IdBlocks of_bodies = id_blocks(comm, bodies), of_points = id_blocks(comm, points);
+  const Id first = of_bodies.first(rank);
+  return sum_of_hashes(first, read_body_rows(file, first, of_bodies.first(rank + 1)),
+                       read_points(file, of_points.first(rank), of_points.first(rank + 1)));
+}
+
 }  // namespace
 
 Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint) : comm_(comm), path_(path) {
-  std::string fault;
+  std::string fault, hash;
+  std::uint64_t sum = 0;
   try {
     reading(path, [&] {
       std::error_code error;
@@ -287,20 +329,21 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
       const auto points = h5::dimensions(h5::open_dataset(file_, "multipliers/key"))[0];
       expect_shape(h5::open_dataset(file_, "multipliers/key"), points, key_columns);
       expect_shape(h5::open_dataset(file_, "multipliers/point"), points, 7);
+      hash = h5::read_string(file_, "hash");
+      sum = sum_of_hashes(comm, file_, count_, static_cast<Id>(points));
     });
   } catch (const InputError& e) {
     fault = e.what();
   }
   fault = first_fault(comm, fault);
   if (!fault.empty()) throw InputError(fault);
+  if (hash_of_all(comm, sum) != hash) damaged(path, "it does not hold what was written there: bits have changed");
 }
 
 std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
   return reading(path_, [&] {
     if (first < 0 || last > count_ || first > last) throw std::runtime_error("it has no such bodies");
-    std::vector<BodyRow> rows(static_cast<std::size_t>(last - first));
-    const auto dataset = h5::open_dataset(file_, "bodies");
-    h5::read_rows(dataset, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), rows.size(), rows.data());
+    const auto rows = read_body_rows(file_, first, last);
     std::vector<Body> bodies(rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) bodies[k] = from_row(first + static_cast<Id>(k), rows[k]);
     return bodies;

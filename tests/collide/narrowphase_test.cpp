@@ -105,6 +105,19 @@ TEST(NarrowPhase, PlaneCarriesSphereAndBox) {
   }
 }
 
+TEST(NarrowPhase, APlaneKnowsNoBackSide) {
+  for (const double depth : {0.0, 0.05, 0.3, 2.0}) {  // of the centre: a body that was pressed through is pushed back
+    const Pair p = collide_two(sphere(1, 0.2, Vec3(0, 0, -depth)), plane(5), still(0.01));
+    const Pair q = collide_two(box(1, Vec3(0.1, 0.1, 0.1), Vec3(0, 0, -depth)), plane(5), still(0.01));
+    ASSERT_EQ(p.points.size(), 1u);
+    ASSERT_EQ(q.points.size(), depth < 0.1 ? 4u : 8u);
+    EXPECT_EQ(p.normal, Vec3(Vec3::UnitZ()));
+    EXPECT_EQ(q.normal, Vec3(Vec3::UnitZ()));
+    EXPECT_NEAR(p.points[0].gap, -depth - 0.2, 1e-15);
+    EXPECT_NEAR(q.points[0].gap, -depth - 0.1, 1e-15);
+  }
+}
+
 TEST(NarrowPhase, MarginFollowsTheFasterBodyAndTheSpin) {
   CollideSettings s = still(0.002);
   s.gravity = Vec3(0, 0, -10);

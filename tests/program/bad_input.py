@@ -150,6 +150,23 @@ class BadOptions(RefusedTest):
     def test_missing_petsc_options_file(self):
         self.refused(self.scene(GOOD), "-options_file", self.folder / "nowhere", says=["nowhere"])
 
+    def test_petsc_options_beside_the_scene(self):
+        """Nobody but PETSc knows which of its options take a value: a file is the scene until there is one."""
+        scene = self.scene(GOOD, "ball.scene")
+        info = self.folder / "info"
+        options = self.folder / "options.yaml"
+        options.write_text("log_view:\n")
+        for n, words in enumerate((["-log_view", scene], [scene, "-log_view"], ["-info", info, scene], [scene, "-info", info],
+                                   ["-options_file", options, scene], ["-log_view", "-options_file", options, scene])):
+            with self.subTest(words=words):
+                run = unibody(*words, "-output", self.folder / f"results_{n}", timeout=60, folder=self.folder)
+                self.assertEqual((run.code, run.message), (0, []), run.err)
+        for words, says in ((["-log_view", "nowhere.yaml"], "nowhere.yaml"), (["-options_file"], "a value is missing")):
+            with self.subTest(words=words):
+                run = unibody(*words, ranks=2, timeout=60, folder=self.folder)
+                self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
+                self.assertIn(says, run.message[0])
+
     def test_every_rank_returns_the_code(self):
         codes = self.folder / "codes"
         scene = self.scene(GOOD.replace("mass: 1", "mass: -1"))

@@ -106,6 +106,24 @@ class Restart(ProgramTest):
                 self.assertIn(str(cut), run.message[0])
                 self.assertEqual(tree(self.folder), before, "something was written")
 
+    def test_a_changed_bit_is_found(self):
+        scene = self.scene(PILE)
+        checkpoint = self.first_half(scene)
+        good = contents(checkpoint)
+        with h5py.File(checkpoint, "r") as file:
+            tables = [file["bodies"], file["multipliers/key"], file["multipliers/point"]]
+            middles = [table.id.get_offset() + table.id.get_storage_size() // 2 for table in tables]
+        for middle in middles:
+            with self.subTest(byte=middle):
+                changed = self.folder / "changed.h5"
+                changed.write_bytes(good[:middle] + bytes([good[middle] ^ 1]) + good[middle + 1:])
+                before = tree(self.folder)
+                run = unibody(scene, "-output", self.folder / "rest", "-restart", changed, ranks=3, timeout=60)
+                self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
+                self.assertIn(f"'{changed}' is damaged", run.message[0])
+                self.assertIn("bits have changed", run.message[0])
+                self.assertEqual(tree(self.folder), before, "something was written")
+
     def test_a_killed_run_can_go_on(self):
         """Killed again and again while it writes a checkpoint a frame: what it leaves is always whole."""
         scene = self.scene(PILE)

@@ -149,6 +149,36 @@ TEST(RanksCheckpoint, RefusesWhatItCannotContinue) {
   MPI_Barrier(comm);
 }
 
+// Wherever one bit changes: either the file is refused, or it is where nothing is stored and all is read as it was written.
+TEST(RanksCheckpoint, RefusesChangedBits) {
+  const Folder folder;
+  const MPI_Comm comm = MPI_COMM_WORLD;
+  const std::string good = folder / "good", bad = folder / "bad";
+  const World w = world(comm, bodies, partitions(size_of(comm))[0]);
+  write(comm, w, good);
+  MPI_Barrier(comm);
+  const std::string bytes = contents(good);
+  std::size_t refused = 0, tried = 0;
+  for (std::size_t at = 13; at < bytes.size(); at += bytes.size() / 100, ++tried) {
+    std::string changed = bytes;
+    changed[at] = static_cast<char>(changed[at] ^ (1 << at % 8));
+    if (rank_of(comm) == 0) put(bad, changed);
+    MPI_Barrier(comm);
+    try {
+      const Checkpoint checkpoint(comm, bad, mark);
+      EXPECT_EQ(checkpoint.frame(), 17);
+      EXPECT_EQ(checkpoint.time(), 0.1 * 17);
+      for (const Body& b : checkpoint.read_bodies(0, bodies)) expect_equal(b, body(b.id));
+      expect_equal(checkpoint.read_multipliers(w), multipliers(w));
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("'" + bad + "' is damaged"), std::string::npos) << e.what();
+      ++refused;
+    }
+    MPI_Barrier(comm);
+  }
+  EXPECT_GT(refused, tried * 8 / 10);
+}
+
 TEST(RanksCheckpoint, AFailedWriteKeepsTheOldOne) {
   const Folder folder;
   const MPI_Comm comm = MPI_COMM_WORLD;
