@@ -29,7 +29,10 @@ class BoxTriangle {
       : half_(half), nodes_(nodes), reach_(reach), out_(out), rounding_(1e-9 * half.maxCoeff()) {}
 
   void run() {
-    if (is_far(nodes_[0].cwiseMin(nodes_[1]).cwiseMin(nodes_[2]), nodes_[0].cwiseMax(nodes_[1]).cwiseMax(nodes_[2]))) return;
+    const Vec3 low = nodes_[0].cwiseMin(nodes_[1]).cwiseMin(nodes_[2]), high = nodes_[0].cwiseMax(nodes_[1]).cwiseMax(nodes_[2]);
+    if (is_far(low, high)) return;
+    const double widest = std::max(reach_.margin, reach_.depth);  // of the two points of a contact
+    low_ = low.array() - widest, high_ = high.array() + widest;
     normal_ = face_normal(nodes_);
     const double length = normal_.norm();
     if (length > 0) normal_ /= normal_.dot(nodes_[0]) > 0 ? -length : length;  // towards the centre
@@ -46,10 +49,13 @@ class BoxTriangle {
   TriangleContacts& out_;
   double rounding_;  // m
   Vec3 normal_;
+  Vec3 low_, high_;  // where the points on the box may be
 
   bool is_far(const Vec3& low, const Vec3& high) const {
     return ((low - half_).array() > reach_.margin).any() || ((-high - half_).array() > reach_.margin).any();
   }
+
+  bool may_hold(double coordinate, Eigen::Index axis) const { return coordinate >= low_[axis] && coordinate <= high_[axis]; }
 
   // Where the body is beyond the triangle, the point of the triangle must lie within the body, or not much outside of it:
   // otherwise the two face away from each other.
@@ -63,6 +69,7 @@ class BoxTriangle {
   void add_corner(int corner) {
     const Vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
     const Vec3 v = sign.cwiseProduct(half_);
+    if (!may_hold(v[0], 0) || !may_hold(v[1], 1) || !may_hold(v[2], 2)) return;
     const TrianglePoint near = closest_on_triangle(v, nodes_[0], nodes_[1], nodes_[2]);
     const Vec3& x = near.point;
     const unsigned feature = near.feature();
@@ -90,6 +97,7 @@ class BoxTriangle {
   void add_edges(int edge) {
     const Eigen::Index k = edge / 4, k1 = (k + 1) % 3, k2 = (k + 2) % 3;
     const double side1 = edge & 1 ? 1 : -1, side2 = edge & 2 ? 1 : -1;
+    if (!may_hold(side1 * half_[k1], k1) || !may_hold(side2 * half_[k2], k2)) return;
     Vec3 start, end;
     start[k] = -half_[k], end[k] = half_[k];
     start[k1] = end[k1] = side1 * half_[k1], start[k2] = end[k2] = side2 * half_[k2];
