@@ -1,0 +1,194 @@
+#include "scene/obj.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "core/errors.hpp"
+#include "scene/value.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr std::array<std::string_view, 9> skipped{"vn", "vt", "vp", "l", "o", "g", "s", "usemtl", "mtllib"};
+
+struct Polygon {
+  std::int64_t line;
+  std::vector<std::int64_t> nodes;  // from 0
+};
+
+std::string quote(std::string_view text) {
+  constexpr std::size_t longest = 60;
+  return "'" + std::string(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
+}
+
+// The whole word as a number, whatever the locale.
+template <class Number>
+bool parse(std::string_view word, Number& number) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
+  return result.ec == std::errc() && result.ptr == word.data() + word.size();
+}
+
+// The words of a statement up to a comment.
+std::vector<std::string_view> words_of(std::string_view statement) {
+  constexpr std::string_view blanks = " \t\r\v\f";
+  statement = statement.substr(0, statement.find('#'));
+  std::vector<std::string_view> words;
+  for (std::size_t at = 0; (at = statement.find_first_not_of(blanks, at)) != std::string_view::npos;) {
+    const std::size_t end = std::min(statement.find_first_of(blanks, at), statement.size());
+    words.push_back(statement.substr(at, end - at));
+    at = end;
+  }
+  return words;
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : path_(path) {}
+
+  TriangleMesh read() {
+    std::ifstream file(path_);
+    std::string text, rest;
+    errno = 0;
+    // a folder can be opened, but not read
+    if (!file || file.peek() == std::ifstream::traits_type::eof())
+      fail(file && !file.bad() ? "an empty file" : std::string("no readable file (") + std::strerror(errno ? errno : EIO) + ")",
+           "a mesh in Wavefront OBJ");
+    while (std::getline(file, text)) {
+      ++line_;
+      const std::int64_t first = line_;
+      while (ends_in_backslash(text) && std::getline(file, rest)) ++line_, text += rest;
+      statement(text, first);
+    }
+    line_ = 0;
+    if (file.bad()) fail(std::string("a file that cannot be read to its end (") + std::strerror(errno) + ")", "a whole file");
+    if (polygons_.empty()) fail("no face", "at least one, 'f node node node'");
+    for (const Polygon& polygon : polygons_) add_triangles(polygon);
+    return std::move(mesh_);
+  }
+
+ private:
+  const std::string& path_;
+  std::int64_t line_ = 0;  // 0: the fault has no line
+  TriangleMesh mesh_;
+  std::vector<Polygon> polygons_;
+
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
+    const std::string where = line_ > 0 ? path_ + ":" + std::to_string(line_) : path_;
+    throw InputError(one_line(where + ": found " + found + ", expected " + expected));
+  }
+
+  // A statement goes on in the next line; the backslash is taken off.
+  static bool ends_in_backslash(std::string& text) {
+    if (!text.empty() && text.back() == '\r') text.pop_back();
+    if (text.empty() || text.back() != '\\') return false;
+    text.back() = ' ';
+    return true;
+  }
+
+  void statement(std::string_view text, std::int64_t first) {
+    const auto words = words_of(text);
+    if (words.empty()) return;
+    const std::int64_t last = line_;
+    line_ = first;
+    if (words[0] == "v") {
+      read_node(words);
+    } else if (words[0] == "f") {
+      read_face(words);
+    } else if (std::find(skipped.begin(), skipped.end(), words[0]) == skipped.end()) {
+      fail(quote(words[0]), "v, f, vn, vt, vp, l, o, g, s, usemtl, mtllib or a comment (#)");
+    }
+    line_ = last;
+  }
+
+  void read_node(const std::vector<std::string_view>& words) {
+    double numbers[7] = {};
+    const std::size_t count = words.size() - 1;  // x y z, x y z weight, x y z red green blue, or all seven
+    if (count != 3 && count != 4 && count != 6 && count != 7)
+      fail(std::to_string(count) + (count == 1 ? " number" : " numbers"), "the three coordinates of a node, 'v x y z' (m)");
+    for (std::size_t i = 0; i < count; ++i)
+      if (!parse(words[i + 1], numbers[i]) || !std::isfinite(numbers[i])) fail(quote(words[i + 1]), "a finite number");
+    if (mesh_.nodes.size() == std::numeric_limits<std::int32_t>::max()) fail("more than 2^31 - 1 nodes", "fewer");
+    mesh_.nodes.emplace_back(numbers[0], numbers[1], numbers[2]);
+  }
+
+  void read_face(const std::vector<std::string_view>& words) {
+    if (words.size() < 4)
+      fail("a face of " + std::to_string(words.size() - 1) + (words.size() == 2 ? " node" : " nodes"), "at least 3");
+    Polygon polygon{line_, {}};
+    for (std::size_t i = 1; i < words.size(); ++i) polygon.nodes.push_back(corner(words[i]));
+    for (std::size_t i = 1; i < polygon.nodes.size(); ++i)
+      if (std::find(polygon.nodes.begin(), polygon.nodes.begin() + static_cast<std::ptrdiff_t>(i), polygon.nodes[i]) !=
+          polygon.nodes.begin() + static_cast<std::ptrdiff_t>(i))
+        fail("node " + std::to_string(polygon.nodes[i] + 1) + " twice in a face", "different nodes");
+    polygons_.push_back(std::move(polygon));
+  }
+
+  // The node of "a", "a/b", "a//c" or "a/b/c"; b and c must be whole numbers, and are not looked up.
+  std::int64_t corner(std::string_view word) const {
+    std::array<std::string_view, 3> parts;
+    std::size_t count = 0;
+    for (std::string_view rest = word;; ++count) {
+      const std::size_t slash = rest.find('/');
+      if (count == 3) fail_corner(word);
+      parts[count] = rest.substr(0, slash);
+      if (slash == std::string_view::npos) break;
+      rest.remove_prefix(slash + 1);
+    }
+    std::int64_t node = 0, other = 0;
+    const bool good = parse(parts[0], node) && node != 0 &&
+                      (count < 1 || parse(parts[1], other) || (count == 2 && parts[1].empty())) &&
+                      (count < 2 || parse(parts[2], other));
+    if (!good) fail_corner(word);
+    const auto nodes = static_cast<std::int64_t>(mesh_.nodes.size());
+    if (node < -nodes) fail("node " + std::string(parts[0]) + " after " + nodes_text(), "a node that is there");
+    return node > 0 ? node - 1 : nodes + node;
+  }
+  [[noreturn]] void fail_corner(std::string_view word) const {
+    fail(quote(word), "a node of the face (a, a/b, a//c or a/b/c with whole numbers, from 1 or negative)");
+  }
+  std::string nodes_text() const { return std::to_string(mesh_.nodes.size()) + (mesh_.nodes.size() == 1 ? " node" : " nodes"); }
+
+  // Done when all nodes are known: a face may stand before its nodes.
+  void add_triangles(const Polygon& polygon) {
+    line_ = polygon.line;
+    const auto nodes = static_cast<std::int64_t>(mesh_.nodes.size());
+    for (const std::int64_t node : polygon.nodes)
+      if (node >= nodes) fail("node " + std::to_string(node + 1) + " of " + nodes_text(), "a node that is there");
+    if (polygon.nodes.size() > 3 && !is_convex(polygon)) fail("a face that isn't convex", "triangles or convex faces");
+    for (std::size_t i = 2; i < polygon.nodes.size(); ++i)
+      mesh_.triangles.push_back({static_cast<std::int32_t>(polygon.nodes[0]), static_cast<std::int32_t>(polygon.nodes[i - 1]),
+                                 static_cast<std::int32_t>(polygon.nodes[i])});
+  }
+
+  // Seen along its mean normal, the polygon turns left at every corner, and so does every triangle of the fan (which a star's
+  // don't). Straight corners pass.
+  bool is_convex(const Polygon& polygon) const {
+    const std::size_t n = polygon.nodes.size();
+    const auto node = [&](std::size_t i) -> const Vec3& { return mesh_.nodes[static_cast<std::size_t>(polygon.nodes[i % n])]; };
+    const auto twice_area = [&](std::size_t i, std::size_t j, std::size_t k) -> Vec3 {
+      return (node(j) - node(i)).cross(node(k) - node(i));
+    };
+    Vec3 normal = Vec3::Zero();
+    for (std::size_t i = 2; i < n; ++i) normal += twice_area(0, i - 1, i);
+    if (!(normal.squaredNorm() > 0)) return false;  // as much turns left as right
+    const double straight = -1e-9 * normal.squaredNorm();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!(twice_area(i, i + 1, i + 2).dot(normal) >= straight)) return false;
+      if (i >= 2 && !(twice_area(0, i - 1, i).dot(normal) >= straight)) return false;
+    }
+    return true;
+  }
+};
+
+}  // namespace
+
+TriangleMesh read_obj(const std::string& path) { return Reader(path).read(); }
+
+}  // namespace unibody
