@@ -161,25 +161,20 @@ StepReport Simulation::solve() {
   const bool two_stages = settings.stages != Stages::position;
   StepReport report;
   warm_start(two_stages ? 1 : settings.warm_start);
+  impulses_.resize(contacts.points.size());
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
-    system_.contacts.keep_impulses(settings.stages == Stages::joint);
+    system_.contacts.keep_impulses(settings.stages == Stages::joint, impulses_);
   }
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
-  measure_solution(report);
-  if (two_stages) system_.contacts.leak_impulses(settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations));
-  impulses_.resize(contacts.points.size());
-  system_.contacts.get_impulses(impulses_);
-  remember(multipliers, world, contacts, impulses_, step_);
-  return report;
-}
-
-void Simulation::measure_solution(StepReport& report) {
   report.residual = system_.contacts.residual(system_.bodies);
-  report.sliding = system_.contacts.sliding(system_.counted);
+  const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
+  report.sliding = system_.contacts.leak_impulses(leak, system_.counted, impulses_);
+  remember(multipliers, world, contacts, impulses_, step_);
   MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
   MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   report.converged = report.residual <= tolerance_;
+  return report;
 }
 
 // q = q_l (+) h v for home bodies, and for kinematic ones on every rank.

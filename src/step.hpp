@@ -53,7 +53,6 @@ class Simulation {
   std::vector<std::uint32_t> by_colour_and_length(const Colouring& colouring, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
   SolveReport run_stage(Stage::Kind kind, int iterations);
-  void measure_solution(StepReport& report);
   void finalise();
 
   const Scene& scene_;
