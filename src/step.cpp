@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/room.hpp"
 #include "partition/migrate.hpp"
 #include "solve/free_motion.hpp"
 #include "solve/recall.hpp"
@@ -42,16 +43,19 @@ void Simulation::detect() {
     halo_.refresh_guests(world, collide_settings_);
   }
   const PhaseClock::Scope scope(clock_, Phase::collide);
-  collider_.collide(world, collide_settings_, contacts);
+  const Scratch::Frame frame(scratch_);
+  Collider(&scratch_).collide(world, collide_settings_, contacts);
   detected_ = true;
 }
 
 StepReport Simulation::step() {
   detect();
   const PhaseClock::Scope scope(clock_, Phase::solve);
+  const Scratch::Frame frame(scratch_);
   predict();
   const StepReport report = solve();
   finalise();
+  system_ = System(&scratch_);
   detected_ = false;
   return report;
 }
@@ -68,35 +72,32 @@ void Simulation::predict() {
   const std::size_t n = world.size();
   system_.homes = world.homes;
   system_.bodies.assign(n + 1, SolverBody{});
-  system_.inertia.assign(n + 1, InverseInertia{});
   system_.isotropic.assign(n + 1, 1);
-  system_.wrenches.assign(n + 1, Wrench{});
-  gyroscopic_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const FreeMotion motion = predict_motion(world.properties[i], world.state(i), scene_.gravity, step_, scene_.planar);
     system_.bodies[i] = motion.body;
-    system_.inertia[i] = motion.inverse_inertia;
     system_.isotropic[i] = motion.isotropic;
-    gyroscopic_[i] = motion.gyroscopic;
+    if (motion.isotropic) continue;
+    if (system_.inertia.empty()) system_.inertia.resize(n), system_.gyroscopic.resize(n);
+    system_.inertia[i] = motion.inverse_inertia, system_.gyroscopic[i] = motion.gyroscopic;
   }
 }
 
 // Manifold numbers colour by colour, and within a colour by length, so that the four lanes of a block have much the same length.
 // A counting sort: stable, so that equal ones stay in key order.
-std::vector<std::uint32_t> Simulation::by_colour_and_length(const Colouring& colouring,
-                                                            std::vector<std::uint32_t>& groups) const {
+void Simulation::by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order,
+                                      std::vector<std::uint32_t>& groups) const {
   constexpr std::size_t lengths = 9;
   const std::size_t n = contacts.manifolds.size();
   const auto bucket = [&](std::size_t m) {
     return static_cast<std::size_t>(colouring.colour[m]) * lengths + (lengths - 1 - contacts.manifolds[m].count);
   };
-  std::vector<std::uint32_t> begin(colouring.colours * lengths + 1, 0), order(n);
+  std::vector<std::uint32_t> begin(colouring.colours * lengths + 1, 0);
   for (std::size_t m = 0; m < n; ++m) ++begin[bucket(m) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   groups.resize(colouring.colours);
   for (std::size_t c = 0; c < colouring.colours; ++c) groups[c] = begin[(c + 1) * lengths];
   for (std::size_t m = 0; m < n; ++m) order[begin[bucket(m)]++] = static_cast<std::uint32_t>(m);
-  return order;
 }
 
 // Lays out the contacts: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow it.
@@ -108,9 +109,10 @@ void Simulation::build_system() {
     const Manifold& manifold = contacts.manifolds[m];
     system_.counted[m] = world.is_home(world.is_static(manifold.slot_a) ? manifold.slot_b : manifold.slot_a);
   }
-  std::vector<std::uint32_t> order(n), groups;
+  std::pmr::vector<std::uint32_t> order(n, &scratch_);
   std::iota(order.begin(), order.end(), 0);
-  std::vector<std::int32_t> counts;
+  std::pmr::vector<std::int32_t> counts(&scratch_);
+  std::vector<std::uint32_t> groups;
   if (!solver_.sweeps_by_colour) {
     groups = {static_cast<std::uint32_t>(n)};
     counts.assign(world.size() + 1, 0);
@@ -120,8 +122,9 @@ void Simulation::build_system() {
     groups.resize(n);
     std::iota(groups.begin(), groups.end(), 1);
   } else {
-    const Colouring colouring = colour_manifolds(world, contacts, cut_);
-    order = by_colour_and_length(colouring, groups);
+    const Scratch::Frame frame(scratch_);
+    const Colouring colouring = colour_manifolds(world, contacts, cut_, &scratch_);
+    by_colour_and_length(colouring, order, groups);
     cut_.set_colours(colouring.colour, colouring.colours);
   }
   system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
@@ -143,12 +146,19 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
 
 // Starts from a share of the last step's multipliers.
 void Simulation::warm_start(double share) {
-  std::vector<ContactBatch::Impulse> start;
-  if (share > 0) start = recall(multipliers, world, contacts, share * step_);
-  system_.contacts.set_impulses(start);
-  if (start.empty()) return;
+  if (!solver_.sweeps_by_colour) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (share <= 0) return system_.contacts.set_impulses({});
+  {
+    const Scratch::Frame frame(scratch_);
+    std::pmr::vector<ContactBatch::Impulse> start(contacts.points.size(), &scratch_);
+    recall(multipliers, world, contacts, share * step_, start);
+    system_.contacts.set_impulses(start);
+  }
+  const Scratch::Frame frame(scratch_);
+  if (solver_.sweeps_by_colour) system_.wrenches.assign(world.size() + 1, Wrench{});
   system_.contacts.add_impulses(system_.wrenches);
   system_.apply_wrenches();
+  if (solver_.sweeps_by_colour) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
   cut_.exchange(system_.bodies);
 }
 
@@ -161,16 +171,16 @@ StepReport Simulation::solve() {
   const bool two_stages = settings.stages != Stages::position;
   StepReport report;
   warm_start(two_stages ? 1 : settings.warm_start);
-  impulses_.resize(contacts.points.size());
+  std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
-    system_.contacts.keep_impulses(settings.stages == Stages::joint, impulses_);
+    system_.contacts.keep_impulses(settings.stages == Stages::joint, impulses);
   }
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   report.residual = system_.contacts.residual(system_.bodies);
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
-  report.sliding = system_.contacts.leak_impulses(leak, system_.counted, impulses_);
-  remember(multipliers, world, contacts, impulses_, step_);
+  report.sliding = system_.contacts.leak_impulses(leak, system_.counted, impulses);
+  remember(multipliers, world, contacts, impulses, step_);
   MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
   MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   report.converged = report.residual <= tolerance_;
@@ -182,17 +192,16 @@ void Simulation::finalise() {
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (i >= world.homes && i < world.first_static()) continue;
     if (world.properties[i].motion == Motion::fixed) continue;
-    world.set_state(i,
-                    finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic_[i], step_, scene_.planar));
+    const Vec3 gyroscopic = system_.isotropic[i] ? Vec3(Vec3::Zero()) : system_.gyroscopic[i];
+    world.set_state(i, finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic, step_, scene_.planar));
   }
 }
 
 std::size_t Simulation::bytes() const {
-  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return of(world.id) + of(world.properties) + of(world.position) + of(world.orientation) + of(world.velocity) +
-         of(world.angular_velocity) + of(multipliers.manifolds) + of(multipliers.points) + of(contacts.manifolds) +
-         of(contacts.points) + of(system_.bodies) + of(system_.inertia) + of(system_.isotropic) + of(system_.wrenches) +
-         of(system_.counted) + of(gyroscopic_) + system_.contacts.bytes();
+  return bytes_of(world.id) + bytes_of(world.properties) + bytes_of(world.position) + bytes_of(world.orientation) +
+         bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
+         bytes_of(multipliers.points) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) + halo_.bytes() +
+         scratch_.bytes();
 }
 
 }  // namespace unibody

@@ -7,6 +7,7 @@
 #include "collide/collide.hpp"
 #include "constraints/multipliers.hpp"
 #include "core/phases.hpp"
+#include "core/scratch.hpp"
 #include "partition/cut.hpp"
 #include "partition/halo.hpp"
 #include "scene/scene.hpp"
@@ -44,13 +45,13 @@ class Simulation {
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
   void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"
-  std::size_t bytes() const;         // of this rank's arrays
+  std::size_t bytes() const;         // all that this rank holds: of the arrays that last, and of the phases' scratch memory
 
  private:
   void predict();
   void build_system();
   StepReport solve();
-  std::vector<std::uint32_t> by_colour_and_length(const Colouring& colouring, std::vector<std::uint32_t>& groups) const;
+  void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
   SolveReport run_stage(Stage::Kind kind, int iterations);
   void finalise();
@@ -59,14 +60,12 @@ class Simulation {
   PhaseClock& clock_;
   Halo halo_;
   Cut cut_;
-  Collider collider_;
   CollideSettings collide_settings_;
-  System system_;
   const Solver& solver_;
+  Scratch scratch_;           // of collision detection, then of the solve
+  System system_{&scratch_};  // within step()
   double step_ = 0, tolerance_ = 0;
   bool detected_ = false;
-  std::vector<ContactBatch::Impulse> impulses_;
-  std::vector<Vec3> gyroscopic_;  // kg m^2/s, of each home body: momentum that the predicted spin leaves out
 };
 
 }  // namespace unibody

@@ -46,6 +46,15 @@ Vec4d inverse_or_zero(Vec4d x) {
 
 }  // namespace
 
+ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
+    : blocks(memory),
+      points(memory),
+      tangents(memory),
+      couplings(memory),
+      normal_momenta(memory),
+      tangent_momenta(memory),
+      inertias(memory) {}
+
 void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                          const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
                          std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
@@ -55,7 +64,11 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
   couplings.clear(), normal_momenta.clear(), tangent_momenta.clear();
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
   const bool gauss_seidel = counts.empty();
-  reserve(order, groups, gauss_seidel);
+  const auto inertia_of = [&](Slot s) {
+    const double all = bodies[s].inverse_inertia;
+    return isotropic[s] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[s];
+  };
+  reserve(order, groups, isotropic, gauss_seidel);
 
   std::size_t begin = 0;
   for (const std::size_t end : groups) {
@@ -78,8 +91,8 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
       if (!all_isotropic) {
         Inertia& both = inertias.emplace_back();
         for (std::size_t l = 0; l < lanes; ++l) {
-          set_lane(both.a, l, inertia[block.slot_a[l]]);
-          set_lane(both.b, l, inertia[block.slot_b[l]]);
+          set_lane(both.a, l, inertia_of(block.slot_a[l]));
+          set_lane(both.b, l, inertia_of(block.slot_b[l]));
         }
       }
       for (std::size_t l = 0; l < used; ++l) fill_lane(block, l, order[begin + l], position);
@@ -93,25 +106,27 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
   }
 }
 
-// Room for the blocks to come and an eighth more: a vector that grows by itself may hold twice what it needs.
-void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups, bool gauss_seidel) {
-  std::size_t block_count = 0, point_count = 0, begin = 0;
+// Room for the blocks to come.
+void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+                           std::span<const std::uint8_t> isotropic, bool gauss_seidel) {
+  std::size_t block_count = 0, point_count = 0, general_count = 0, begin = 0;
   for (const std::size_t end : groups)
     for (; begin < end; begin += std::min(lanes, end - begin)) {
       std::uint32_t longest = 0;
-      for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l)
-        longest = std::max(longest, contacts_->manifolds[order[begin + l]].count);
-      ++block_count, point_count += longest;
+      bool general = false;
+      for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l) {
+        const Manifold& m = contacts_->manifolds[order[begin + l]];
+        longest = std::max(longest, m.count);
+        general |= !isotropic[m.slot_a] || !isotropic[m.slot_b];
+      }
+      ++block_count, point_count += longest, general_count += general;
     }
-  const auto make_room = [](auto& v, std::size_t n) {
-    if (v.capacity() < n) v.reserve(n + n / 8);
-  };
   const std::size_t tangent_count = friction_ == FrictionModel::none ? 0 : point_count;
-  make_room(blocks, block_count), make_room(points, point_count), make_room(tangents, tangent_count);
+  blocks.reserve(block_count), points.reserve(point_count), tangents.reserve(tangent_count), inertias.reserve(general_count);
   if (gauss_seidel)
-    make_room(couplings, tangent_count);
+    couplings.reserve(tangent_count);
   else
-    make_room(normal_momenta, point_count), make_room(tangent_momenta, tangent_count);
+    normal_momenta.reserve(point_count), tangent_momenta.reserve(tangent_count);
 }
 
 // Rows of zeros for the block's points.
@@ -290,11 +305,6 @@ std::int64_t ContactBatch::leak_impulses(double leak, std::span<const std::uint8
     kept[contact] = kept_ == Kept::nothing ? now : Impulse{mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
   });
   return sliding;
-}
-
-std::size_t ContactBatch::bytes() const {
-  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return of(blocks) + of(points) + of(tangents) + of(couplings) + of(normal_momenta) + of(tangent_momenta) + of(inertias);
 }
 
 }  // namespace unibody

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -87,6 +88,8 @@ class ContactBatch {
     Vec4d a[6], b[6];  // xx, yy, zz, yz, xz, xy
   };
 
+  explicit ContactBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+
   // Lays out the manifolds in the given order. `order` lists manifold numbers; groups[g] is the end of group g in `order`, and a
   // block never spans two groups (a group is a colour, or everything). counts: constraint count n_b of each slot for the Jacobi
   // scaling; empty for Gauss-Seidel, whose scale is the point's own block.
@@ -131,18 +134,18 @@ class ContactBatch {
   std::int64_t leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const;
 
   std::size_t group_count() const { return group_end_.size(); }
-  std::size_t bytes() const;
 
-  std::vector<Block> blocks;
-  std::vector<Point> points;
-  std::vector<Tangents> tangents;
-  std::vector<Coupling> couplings;
-  std::vector<NormalMomentum> normal_momenta;
-  std::vector<TangentMomentum> tangent_momenta;
-  std::vector<Inertia> inertias;
+  std::pmr::vector<Block> blocks;
+  std::pmr::vector<Point> points;
+  std::pmr::vector<Tangents> tangents;
+  std::pmr::vector<Coupling> couplings;
+  std::pmr::vector<NormalMomentum> normal_momenta;
+  std::pmr::vector<TangentMomentum> tangent_momenta;
+  std::pmr::vector<Inertia> inertias;
 
  private:
-  void reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups, bool gauss_seidel);
+  void reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+               std::span<const std::uint8_t> isotropic, bool gauss_seidel);
   void add_rows(Block& block, bool tangential, bool gauss_seidel);
   static constexpr std::size_t no_tangent = -1;
   // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use.

@@ -25,10 +25,10 @@ std::uint32_t priority_of(const Manifold& m) {
 }
 
 // Manifold numbers in the order of their priorities; ties by number, that is by key. A radix sort.
-std::vector<std::uint32_t> by_priority(const std::vector<Manifold>& manifolds) {
+std::pmr::vector<std::uint32_t> by_priority(const std::vector<Manifold>& manifolds, std::pmr::memory_resource* memory) {
   using Entry = std::pair<std::uint32_t, std::uint32_t>;
   constexpr int digit = 11;
-  std::vector<Entry> from(manifolds.size()), to(manifolds.size());
+  std::pmr::vector<Entry> from(manifolds.size(), memory), to(manifolds.size(), memory);
   for (std::uint32_t m = 0; m < from.size(); ++m) from[m] = {priority_of(manifolds[m]), m};
   for (int shift = 0; shift < 32; shift += digit) {
     std::uint32_t begin[(1 << digit) + 1] = {};
@@ -38,7 +38,7 @@ std::vector<std::uint32_t> by_priority(const std::vector<Manifold>& manifolds) {
     for (const Entry& e : from) to[begin[digit_of(e)]++] = e;
     std::swap(from, to);
   }
-  std::vector<std::uint32_t> order(from.size());
+  std::pmr::vector<std::uint32_t> order(from.size(), memory);
   for (std::size_t i = 0; i < from.size(); ++i) order[i] = from[i].second;
   return order;
 }
@@ -48,7 +48,7 @@ class TakenColours {
  public:
   using Words = std::span<const std::uint64_t>;
 
-  explicit TakenColours(std::size_t homes) : first_(homes, 0) {}
+  TakenColours(std::size_t homes, std::pmr::memory_resource* memory) : first_(homes, 0, memory) {}
 
   void take(Slot s, std::int32_t colour) {
     const auto word = static_cast<std::size_t>(colour) / 64;
@@ -73,7 +73,7 @@ class TakenColours {
   }
 
  private:
-  std::vector<std::uint64_t> first_;
+  std::pmr::vector<std::uint64_t> first_;
   std::unordered_map<Slot, std::vector<std::uint64_t>> more_;
 };
 
@@ -81,9 +81,13 @@ class TakenColours {
 // rank's offer: the colours taken at the body there, sent when it is first in line there. While it waits, so do those behind it.
 class Colourer {
  public:
-  Colourer(const World& world, const Contacts& contacts, const Cut& cut)
-      : world_(world), manifolds_(contacts.manifolds), cut_(cut), taken_(world.homes), waiting_(by_priority(contacts.manifolds)) {
-    result_.colour.assign(manifolds_.size(), -1);
+  Colourer(const World& world, const Contacts& contacts, const Cut& cut, std::pmr::memory_resource* memory)
+      : world_(world),
+        manifolds_(contacts.manifolds),
+        cut_(cut),
+        taken_(world.homes, memory),
+        waiting_(by_priority(contacts.manifolds, memory)),
+        result_{std::pmr::vector<std::int32_t>(manifolds_.size(), -1, memory), 0} {
     for (std::size_t k = 0; k < cut.neighbours().size(); ++k)
       for (std::size_t i = 0; i < cut.neighbours()[k].manifolds.size(); ++i)
         shared_.emplace(cut.neighbours()[k].manifolds[i], Shared{k, i, false, {}});
@@ -182,7 +186,7 @@ class Colourer {
   const std::vector<Manifold>& manifolds_;
   const Cut& cut_;
   TakenColours taken_;
-  std::vector<std::uint32_t> waiting_;                // in the order of their priorities
+  std::pmr::vector<std::uint32_t> waiting_;           // in the order of their priorities
   std::unordered_map<std::uint32_t, Shared> shared_;  // manifolds across the cut
   std::vector<std::vector<std::uint64_t>> offers_;    // to be sent, by neighbour
   Colouring result_;
@@ -190,8 +194,8 @@ class Colourer {
 
 }  // namespace
 
-Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut) {
-  return Colourer(world, contacts, cut).run();
+Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut, std::pmr::memory_resource* memory) {
+  return Colourer(world, contacts, cut, memory).run();
 }
 
 }  // namespace unibody

@@ -47,7 +47,6 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
     if (motion.isotropic) {
       const double inverse = 1 / body.inertia.y();
       motion.body.inverse_inertia = inverse;
-      motion.inverse_inertia = {inverse, inverse, inverse, 0, 0, 0};  // for blocks that a box shares
       w += step * body.torque / body.inertia.y();
     } else {
       const Mat3 R = state.orientation.toRotationMatrix();

@@ -1,6 +1,9 @@
 #include "solve/recall.hpp"
 
+#include <algorithm>
 #include <limits>
+
+#include "core/room.hpp"
 
 namespace unibody {
 
@@ -15,7 +18,7 @@ bool is_round(const Shape& shape) { return shape.kind == ShapeKind::sphere || sh
 Slot carrier(const World& world, const Manifold& m) { return world.is_static(m.slot_a) ? m.slot_b : m.slot_a; }
 
 void recall_pair(const World& world, const Contacts& contacts, const Manifold& m, std::span<const RememberedPoint> old,
-                 double step, std::vector<ContactBatch::Impulse>& impulses) {
+                 double step, std::span<ContactBatch::Impulse> impulses) {
   const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;
   const double size = reach * std::min(bounding_radius(a), bounding_radius(b));
   const bool one_point = is_round(a) || is_round(b);  // it rolls about its body, but it is the same contact
@@ -40,9 +43,9 @@ void recall_pair(const World& world, const Contacts& contacts, const Manifold& m
 
 }  // namespace
 
-std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts,
-                                          double step) {
-  std::vector<ContactBatch::Impulse> impulses(contacts.points.size(), {0, 0, 0});
+void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
+            std::span<ContactBatch::Impulse> impulses) {
+  std::fill(impulses.begin(), impulses.end(), ContactBatch::Impulse{0, 0, 0});
   auto old = multipliers.manifolds.begin();
   for (const Manifold& m : contacts.manifolds) {
     const auto key = std::pair(m.id_a, m.id_b);
@@ -51,15 +54,11 @@ std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const 
     if (std::pair(old->id_a, old->id_b) == key)
       recall_pair(world, contacts, m, {multipliers.points.data() + old->first, old->count}, step, impulses);
   }
-  return impulses;
 }
 
 void remember(Multipliers& multipliers, const World& world, const Contacts& contacts,
               std::span<const ContactBatch::Impulse> impulses, double step) {
   multipliers.manifolds.clear(), multipliers.points.clear();
-  const auto make_room = [](auto& v, std::size_t n) {
-    if (v.capacity() < n) v.reserve(n + n / 8);
-  };
   make_room(multipliers.manifolds, contacts.manifolds.size()), make_room(multipliers.points, contacts.points.size());
   for (const Manifold& m : contacts.manifolds) {
     const Slot body = carrier(world, m);

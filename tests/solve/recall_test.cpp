@@ -30,7 +30,11 @@ struct Faces {
     for (std::uint32_t k = 0; k < points.size(); ++k) contacts.points.push_back({points[k], 0, k});
   }
   void keep(const std::vector<ContactBatch::Impulse>& impulses) { remember(multipliers, world, contacts, impulses, h); }
-  std::vector<ContactBatch::Impulse> found() const { return recall(multipliers, world, contacts, h); }
+  std::vector<ContactBatch::Impulse> found(double step = h) const {
+    std::vector<ContactBatch::Impulse> impulses(contacts.points.size());
+    recall(multipliers, world, contacts, step, impulses);
+    return impulses;
+  }
 };
 
 const std::vector<Vec3> corners{{-.5, -.5, 1}, {.5, -.5, 1}, {-.5, .5, 1}, {.5, .5, 1}};
