@@ -63,7 +63,7 @@ BroadPhase::BroadPhase(std::pmr::memory_resource* memory)
       few_(memory),
       table_(memory),
       starts_(memory),
-      scratch_(memory) {}
+      sorted_(memory) {}
 
 void BroadPhase::find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs) {
   choose_levels(bounds, roles);
@@ -221,20 +221,20 @@ void BroadPhase::with_coarser(const Row& row, Pairs& pairs) const {
   }
 }
 
-void BroadPhase::sort(Pairs& pairs, std::size_t count) {
+std::span<const IndexPair> BroadPhase::sort(const Pairs& pairs, std::size_t count) {
   starts_.assign(count + 1, 0);
   for (const IndexPair& p : pairs) ++starts_[p.first + 1];
   for (std::size_t i = 0; i < count; ++i) starts_[i + 1] += starts_[i];
-  scratch_.resize(pairs.size());
-  for (const IndexPair& p : pairs) scratch_[starts_[p.first]++] = p;
+  sorted_.resize(pairs.size());
+  for (const IndexPair& p : pairs) sorted_[starts_[p.first]++] = p;
   std::uint32_t begin = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t end = starts_[i];  // the scatter has moved each start to its end
-    sort_few(scratch_.data() + begin, scratch_.data() + end,
+    sort_few(sorted_.data() + begin, sorted_.data() + end,
              [](const IndexPair& a, const IndexPair& b) { return a.second < b.second; });
     begin = end;
   }
-  pairs.swap(scratch_);
+  return sorted_;
 }
 
 }  // namespace unibody

@@ -8,6 +8,7 @@
 // bodies of very different sizes: 14 levels for a ratio of 10^4. Levels of a few bodies are tested one by one instead.
 #pragma once
 
+#include <deque>
 #include <memory_resource>
 #include <span>
 #include <vector>
@@ -25,7 +26,7 @@ struct IndexPair {
   std::int32_t first, second;
 };
 
-using Pairs = std::pmr::vector<IndexPair>;
+using Pairs = std::pmr::deque<IndexPair>;  // a vector that grows would need room for itself twice
 
 enum class Role : std::uint8_t { home, other, absent };  // absent: not in the grid (planes)
 
@@ -36,8 +37,9 @@ class BroadPhase {
   // Appends the pairs to `pairs`, in no particular order. Bounds that are not finite overlap nothing.
   void find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs);
 
-  // Sorts pairs of indices below `count` by (first, second): by counting on the first, then within each few.
-  void sort(Pairs& pairs, std::size_t count);
+  // Pairs of indices below `count`, sorted by (first, second): by counting on the first, then within each few. Valid until the
+  // next.
+  std::span<const IndexPair> sort(const Pairs& pairs, std::size_t count);
 
  private:
   struct Entry {
@@ -76,7 +78,7 @@ class BroadPhase {
   std::pmr::vector<std::int32_t> table_;                  // open addressing: row number or -1
   std::size_t mask_ = 0;
   std::pmr::vector<std::uint32_t> starts_;  // of sort()
-  Pairs scratch_;
+  std::pmr::vector<IndexPair> sorted_;
 };
 
 }  // namespace unibody

@@ -39,10 +39,9 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   gather(world, settings);
   pair_with_planes(settings);
   broad_phase_.find(bounds_, roles_, pairs_);
-  broad_phase_.sort(pairs_, proxies_.size());
 
   PairManifold found;
-  for (const IndexPair& pair : pairs_) {
+  for (const IndexPair& pair : broad_phase_.sort(pairs_, proxies_.size())) {
     const Proxy &a = proxies_[pair.first], &b = proxies_[pair.second];
     collide_pair(a, b, settings, found);
     if (found.count == 0) continue;

@@ -51,9 +51,8 @@ std::vector<std::pair<int, int>> brute_force(const Input& in) {
 std::vector<std::pair<int, int>> found(BroadPhase& broad, const Input& in) {
   Pairs pairs;
   broad.find(in.bounds, in.roles, pairs);
-  broad.sort(pairs, in.bounds.size());
   std::vector<std::pair<int, int>> result;
-  for (const auto& p : pairs) result.emplace_back(p.first, p.second);
+  for (const auto& p : broad.sort(pairs, in.bounds.size())) result.emplace_back(p.first, p.second);
   return result;
 }
 
