@@ -198,7 +198,7 @@ void Simulation::finalise() {
 }
 
 std::size_t Simulation::bytes() const {
-  return bytes_of(world.id) + bytes_of(world.properties) + bytes_of(world.position) + bytes_of(world.orientation) +
+  return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
          bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
          halo_.bytes() + scratch_.bytes();
