@@ -59,7 +59,8 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
                          const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
                          std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
                          std::span<const std::int32_t> counts, const SolverSettings& settings, double step) {
-  contacts_ = &contacts, kept_ = Kept::nothing, friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
+  contacts_ = &contacts, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction, scaling_ = settings.scaling,
+  step_ = step;
   blocks.clear(), points.clear(), tangents.clear(), inertias.clear(), group_end_.clear();
   couplings.clear(), normal_momenta.clear(), tangent_momenta.clear();
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
@@ -82,6 +83,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
         const Manifold& m = contacts.manifolds[order[begin + l]];
         block.slot_a[l] = m.slot_a, block.slot_b[l] = m.slot_b;
         block.manifold[l] = static_cast<std::int32_t>(order[begin + l]);
+        block.contact[l] = m.first, block.lane_count[l] = static_cast<std::uint8_t>(m.count);
         block.count = std::max(block.count, m.count);
         any_friction |= settings.friction != FrictionModel::none && m.friction > 0;
         all_isotropic &= isotropic[m.slot_a] && isotropic[m.slot_b];
@@ -151,6 +153,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
     Point& point = points[block.first_point + p];
     set_lane(point.arm_a, lane, contact.position - position[m.slot_a]);
     set_lane(point.arm_b, lane, contact.position - position[m.slot_b]);
+    point.bias[lane] = contact.gap;
     point.mobility[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }
 }
@@ -247,33 +250,33 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
 template <class F>
 void ContactBatch::for_each_row(F&& f) const {
   for (const Block& block : blocks)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      if (block.manifold[l] < 0) continue;
-      const Manifold& m = contacts_->manifolds[block.manifold[l]];
-      for (std::uint32_t p = 0; p < m.count; ++p)
-        f(block, l, block.first_point + p, block.first_tangent < 0 ? no_tangent : block.first_tangent + p, m.first + p);
-    }
+    for (std::size_t l = 0; l < lanes; ++l)
+      for (std::uint32_t p = 0; p < block.lane_count[l]; ++p)
+        f(block, l, block.first_point + p, block.first_tangent < 0 ? no_tangent : block.first_tangent + p, block.contact[l] + p);
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
-  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
-    points[p].bias[l] = contacts_->points[contact].gap;
-  });
+  if (!bias_is_gap_)
+    for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+      points[p].bias[l] = contacts_->points[contact].gap;
+    });
   for (Point& p : points) p.bias = stage.bias(p.bias);
+  bias_is_gap_ = false;
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
   for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
-    set_row(l, p, t, impulses.empty() ? Impulse{0, 0, 0} : impulses[contact]);
+    const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[contact];
+    points[p].lambda[l] = impulse.n;
+    if (t != no_tangent) tangents[t].lambda_s[l] = impulse.s, tangents[t].lambda_t[l] = impulse.t;
   });
+  start_momenta();
 }
 
-void ContactBatch::set_row(std::size_t l, std::size_t p, std::size_t t, const Impulse& impulse) {
-  points[p].lambda[l] = impulse.n;
-  if (!normal_momenta.empty()) normal_momenta[p].y[l] = impulse.n;
-  if (t == no_tangent) return;
-  tangents[t].lambda_s[l] = impulse.s, tangents[t].lambda_t[l] = impulse.t;
-  if (!tangent_momenta.empty()) tangent_momenta[t].y_s[l] = impulse.s, tangent_momenta[t].y_t[l] = impulse.t;
+void ContactBatch::start_momenta() {
+  for (std::size_t p = 0; p < normal_momenta.size(); ++p) normal_momenta[p].y = points[p].lambda;
+  for (std::size_t t = 0; t < tangent_momenta.size(); ++t)
+    tangent_momenta[t].y_s = tangents[t].lambda_s, tangent_momenta[t].y_t = tangents[t].lambda_t;
 }
 
 ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_t t) const {
@@ -287,11 +290,12 @@ void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
 }
 
 void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {
+  get_impulses(kept);
   kept_ = joint ? Kept::joint : Kept::apart;
-  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
-    kept[contact] = row(l, p, t);
-    set_row(l, p, t, joint ? kept[contact] : Impulse{0, 0, 0});
-  });
+  if (joint) return start_momenta();
+  for (Point& p : points) p.lambda = broadcast(0);
+  for (Tangents& t : tangents) t.lambda_s = t.lambda_t = broadcast(0);
+  start_momenta();
 }
 
 std::int64_t ContactBatch::leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const {

@@ -4,7 +4,7 @@
 // point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
 // A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
 // The grouping into blocks changes no result. A batch holds what its solver needs: with Gauss-Seidel a point costs 80 bytes and
-// its tangents 48, with the Jacobi solvers 96 and 56; a manifold costs 72, and 96 more with general inertia.
+// its tangents 48, with the Jacobi solvers 96 and 56; a manifold costs 80, and 96 more with general inertia.
 #pragma once
 
 #include <algorithm>
@@ -60,6 +60,8 @@ class ContactBatch {
     std::int32_t first_tangent;        // -1: no manifold of the block has friction
     std::int32_t inertia;              // -1: both bodies of every lane have isotropic inertia
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
+    std::uint32_t contact[lanes];      // the manifold's points in Contacts::points: the first of them, and how many
+    std::uint8_t lane_count[lanes];
   };
   struct Point {
     Vec3x4 arm_a, arm_b;  // m, from the centres
@@ -151,8 +153,8 @@ class ContactBatch {
   // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use.
   template <class F>
   void for_each_row(F&& f) const;
+  void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
-  void set_row(std::size_t lane, std::size_t point, std::size_t tangent, const Impulse& impulse);
   void fill_lane(Block& block, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
@@ -161,6 +163,7 @@ class ContactBatch {
   const Contacts* contacts_ = nullptr;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
+  bool bias_is_gap_ = false;                                        // just built: Point::bias holds the gap
   enum class Kept { nothing, apart, joint } kept_ = Kept::nothing;  // joint: lambda holds both stages' multipliers
 };
 
