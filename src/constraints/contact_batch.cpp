@@ -40,6 +40,16 @@ LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const Solve
   return m;
 }
 
+constexpr std::size_t ahead = 16;
+
+// Colours run through the contacts with strides that the processor does not foresee.
+void ask_for(const Contacts& contacts, const std::vector<Vec3>& position, std::uint32_t soon, std::uint32_t later) {
+  const Manifold& m = contacts.manifolds[soon];
+  __builtin_prefetch(&contacts.points[m.first]);
+  __builtin_prefetch(&position[static_cast<std::size_t>(m.slot_b)]);
+  __builtin_prefetch(&contacts.manifolds[later]);
+}
+
 Vec4d inverse_or_zero(Vec4d x) {
   return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0));
 }
@@ -76,6 +86,8 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
     for (; begin < end; begin += std::min(lanes, end - begin)) {
       Block block{};
       const std::size_t used = std::min(lanes, end - begin);
+      for (std::size_t k = begin + ahead; k < std::min(begin + ahead + lanes, order.size()); ++k)
+        ask_for(contacts, position, order[k], order[std::min(k + ahead, order.size() - 1)]);
       bool any_friction = false, all_isotropic = true;
       for (std::size_t l = 0; l < lanes; ++l) {
         block.slot_a[l] = block.slot_b[l] = nobody, block.manifold[l] = -1;

@@ -40,11 +40,11 @@ void Scratch::rewind(std::size_t place) {
   if (used_ == 0 && most_ > size_) grow();
 }
 
-// To the most that was ever needed and a sixteenth more. On huge pages, if the system gives them: bodies and contacts are read in
-// no order that a small page table cache could follow.
+// Addresses for twice the most that was ever needed: the system gives memory to what is used only. In huge pages, if it can:
+// bodies and contacts are read in no order that a small page table cache could follow.
 void Scratch::grow() {
   ::operator delete (std::exchange(block_, nullptr), std::align_val_t{huge_page});
-  size_ = most_ + most_ / 16;
+  size_ = 2 * most_;
   block_ = static_cast<std::byte*>(::operator new (size_, std::align_val_t{huge_page}));
 #ifdef MADV_HUGEPAGE
   if (size_ >= 4 * huge_page) madvise(block_, size_ / huge_page * huge_page, MADV_HUGEPAGE);

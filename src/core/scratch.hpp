@@ -28,7 +28,7 @@ class Scratch : public std::pmr::memory_resource {
     std::size_t start_;
   };
 
-  std::size_t bytes() const { return size_; }
+  std::size_t bytes() const { return most_; }  // of the block what was ever used: the rest is addresses without memory
 
  private:
   struct Spill {

@@ -12,6 +12,7 @@ namespace unibody {
 namespace {
 
 constexpr int tag_colours = 121;
+constexpr std::size_t ahead = 16;  // manifolds are asked for this long before their turn: they come in no order
 
 std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -116,7 +117,9 @@ class Colourer {
   void pass() {
     std::vector<std::uint8_t> blocked(world_.homes, 0);
     std::size_t kept = 0;
-    for (const std::uint32_t m : waiting_) {
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      const std::uint32_t m = waiting_[i];
+      if (i + ahead < waiting_.size()) __builtin_prefetch(&manifolds_[waiting_[i + ahead]].slot_a);
       const Slot ends[2] = {manifolds_[m].slot_a, manifolds_[m].slot_b};
       bool ready = true;
       for (const Slot s : ends) ready &= !world_.is_home(s) || !blocked[static_cast<std::size_t>(s)];
