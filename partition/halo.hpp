@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "collide/collide.hpp"
+#include "core/room.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -42,6 +43,8 @@ class Halo {
   int rank() const { return rank_; }
   int size() const { return size_; }
   int home_rank_of_guest(std::size_t guest) const { return guest_rank_[guest]; }
+
+  std::size_t bytes() const { return bytes_of(registered_) + bytes_of(guest_rank_); }
 
   // The ghosted Vecs: position (block 3), orientation (4: x, y, z, w), velocity (3), angular velocity (3).
   enum Field { position, orientation, velocity, angular_velocity, field_count };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <type_traits>
 
 #include "partition/messages.hpp"
 
@@ -9,19 +10,13 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_bodies = 141, tag_manifolds = 142, tag_points = 143;
+constexpr int tag_bodies = 141, tag_manifolds = 142, tag_points = 143, tag_places = 144;
 
 // Rank to which the body is going, for home bodies; -1 for ids that are not home here.
 int destination(const World& world, std::span<const int> home, Id id) {
   const auto end = world.id.begin() + static_cast<std::ptrdiff_t>(world.homes);
   const auto it = std::lower_bound(world.id.begin(), end, id);
   return it != end && *it == id ? home[static_cast<std::size_t>(it - world.id.begin())] : -1;
-}
-
-void append(Multipliers& to, const Multipliers& from, const RememberedManifold& m) {
-  const auto first = static_cast<std::uint32_t>(to.points.size());
-  to.points.insert(to.points.end(), from.points.begin() + m.first, from.points.begin() + m.first + m.count);
-  to.manifolds.push_back({m.id_a, m.id_b, first, m.count});
 }
 
 }  // namespace
@@ -37,7 +32,7 @@ Multipliers keep_own(const World& world, const Multipliers& all) {
     if (i > 0 && key(order[i]) == key(order[i - 1])) continue;
     const RememberedManifold& m = all.manifolds[order[i]];
     if (destination(world, zero, m.id_a) < 0 && destination(world, zero, m.id_b) < 0) continue;
-    append(own, all, m);
+    own.append(all, order[i]);
   }
   return own;
 }
@@ -50,10 +45,11 @@ void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<co
 
   // A pair's multipliers go wherever one of its bodies goes.
   std::vector<Multipliers> out(ranks);
-  for (const RememberedManifold& m : multipliers.manifolds) {
+  for (std::size_t i = 0; i < multipliers.manifolds.size(); ++i) {
+    const RememberedManifold& m = multipliers.manifolds[i];
     const int to_a = destination(world, home, m.id_a), to_b = destination(world, home, m.id_b);
-    if (to_a >= 0) append(out[static_cast<std::size_t>(to_a)], multipliers, m);
-    if (to_b >= 0 && to_b != to_a) append(out[static_cast<std::size_t>(to_b)], multipliers, m);
+    if (to_a >= 0) out[static_cast<std::size_t>(to_a)].append(multipliers, i);
+    if (to_b >= 0 && to_b != to_a) out[static_cast<std::size_t>(to_b)].append(multipliers, i);
   }
   std::vector<std::vector<Body>> bodies(ranks);
   for (std::size_t i = 0; i < world.homes; ++i) bodies[static_cast<std::size_t>(home[i])].push_back(world.body(i));
@@ -62,19 +58,18 @@ void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<co
   for (const auto& list : exchange_all(comm, bodies, tag_bodies)) mine.insert(mine.end(), list.begin(), list.end());
   std::sort(mine.begin(), mine.end(), [](const Body& a, const Body& b) { return a.id < b.id; });
 
-  std::vector<std::vector<RememberedManifold>> manifolds(ranks);
-  std::vector<std::vector<RememberedPoint>> points(ranks);
-  for (std::size_t r = 0; r < ranks; ++r) manifolds[r] = std::move(out[r].manifolds), points[r] = std::move(out[r].points);
-  const auto manifolds_in = exchange_all(comm, manifolds, tag_manifolds);
-  const auto points_in = exchange_all(comm, points, tag_points);
+  const auto exchange = [&](auto Multipliers::*list, int tag) {
+    std::vector<std::remove_reference_t<decltype(out[0].*list)>> lists(ranks);
+    for (std::size_t r = 0; r < ranks; ++r) lists[r] = std::move(out[r].*list);
+    return exchange_all(comm, lists, tag);
+  };
+  const auto manifolds = exchange(&Multipliers::manifolds, tag_manifolds);
+  const auto points = exchange(&Multipliers::points, tag_points);
+  const auto places = exchange(&Multipliers::places, tag_places);
   Multipliers all;
   for (std::size_t r = 0; r < ranks; ++r) {
-    const auto first = static_cast<std::uint32_t>(all.points.size());
-    for (RememberedManifold m : manifolds_in[r]) {
-      m.first += first;
-      all.manifolds.push_back(m);
-    }
-    all.points.insert(all.points.end(), points_in[r].begin(), points_in[r].end());
+    const Multipliers from{manifolds[r], points[r], places[r]};
+    for (std::size_t i = 0; i < from.manifolds.size(); ++i) all.append(from, i);
   }
 
   const std::size_t statics = world.size() - world.first_static();

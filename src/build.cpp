@@ -49,8 +49,12 @@ void hold_pinned(const Scene& scene, World& world, double time) {
     const Slot slot = world.find(pin.id);
     if (slot < 0) continue;
     const auto i = static_cast<std::size_t>(slot);
-    world.properties[i].motion = time < pin.release ? Motion::pinned : Motion::dynamic;
-    if (time < pin.release) world.velocity[i] = Vec3::Zero();
+    const Motion motion = time < pin.release ? Motion::pinned : Motion::dynamic;
+    if (motion == Motion::pinned) world.velocity[i] = Vec3::Zero();
+    if (world.properties[i].motion == motion) continue;
+    BodyProperties properties = world.properties[i];
+    properties.motion = motion;
+    world.properties.set(i, properties);
   }
 }
 

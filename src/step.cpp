@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "build.hpp"
+#include "core/room.hpp"
 #include "partition/migrate.hpp"
 #include "partition/migrate_constraints.hpp"
 #include "solve/free_motion.hpp"
@@ -48,16 +49,19 @@ void Simulation::detect() {
   }
   build_constraints();
   const PhaseClock::Scope scope(clock_, Phase::collide);
-  collider_.collide(world, collide_settings_, contacts);
+  const Scratch::Frame frame(scratch_);
+  Collider(&scratch_).collide(world, collide_settings_, contacts);
   detected_ = true;
 }
 
 StepReport Simulation::step() {
   detect();
   const PhaseClock::Scope scope(clock_, Phase::solve);
+  const Scratch::Frame frame(scratch_);
   predict();
   const StepReport report = solve();
   finalise();
+  system_ = System(&scratch_);
   detected_ = false;
   ++steps_done;
   return report;
@@ -93,9 +97,9 @@ void Simulation::make_constraints() {
 void Simulation::build_constraints() {
   if (built_version_ == halo_.version()) return;
   built_version_ = halo_.version();
-  system_.constraints.build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver.order,
+  constraint_batches_.build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver.order,
                             colours_);
-  cut_.set_constraints(world, system_.constraints);
+  cut_.set_constraints(world, constraint_batches_);
 }
 
 // v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits.
@@ -103,35 +107,32 @@ void Simulation::predict() {
   const std::size_t n = world.size();
   system_.homes = world.homes;
   system_.bodies.assign(n + 1, SolverBody{});
-  system_.inertia.assign(n + 1, InverseInertia{});
   system_.isotropic.assign(n + 1, 1);
-  system_.wrenches.assign(n + 1, Wrench{});
-  gyroscopic_.resize(n);
   for (std::size_t i = 0; i < n; ++i) {
     const FreeMotion motion = predict_motion(world.properties[i], world.state(i), scene_.gravity, step_, scene_.planar);
     system_.bodies[i] = motion.body;
-    system_.inertia[i] = motion.inverse_inertia;
     system_.isotropic[i] = motion.isotropic;
-    gyroscopic_[i] = motion.gyroscopic;
+    if (motion.isotropic) continue;
+    if (system_.inertia.empty()) system_.inertia.resize(n), system_.gyroscopic.resize(n);
+    system_.inertia[i] = motion.inverse_inertia, system_.gyroscopic[i] = motion.gyroscopic;
   }
 }
 
 // Manifold numbers colour by colour, and within a colour by length, so that the four lanes of a block have much the same length.
 // A counting sort: stable, so that equal ones stay in key order.
-std::vector<std::uint32_t> Simulation::by_colour_and_length(const Colouring& colouring,
-                                                            std::vector<std::uint32_t>& groups) const {
+void Simulation::by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order,
+                                      std::vector<std::uint32_t>& groups) const {
   constexpr std::size_t lengths = 9;
   const std::size_t n = contacts.manifolds.size();
   const auto bucket = [&](std::size_t m) {
     return static_cast<std::size_t>(colouring.colour[m]) * lengths + (lengths - 1 - contacts.manifolds[m].count);
   };
-  std::vector<std::uint32_t> begin(colouring.colours * lengths + 1, 0), order(n);
+  std::vector<std::uint32_t> begin(colouring.colours * lengths + 1, 0);
   for (std::size_t m = 0; m < n; ++m) ++begin[bucket(m) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   groups.resize(colouring.colours);
   for (std::size_t c = 0; c < colouring.colours; ++c) groups[c] = begin[(c + 1) * lengths];
   for (std::size_t m = 0; m < n; ++m) order[begin[bucket(m)]++] = static_cast<std::uint32_t>(m);
-  return order;
 }
 
 // Lays out the contacts: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow it.
@@ -143,21 +144,23 @@ void Simulation::build_system() {
     const Manifold& manifold = contacts.manifolds[m];
     system_.counted[m] = world.is_home(world.is_static(manifold.slot_a) ? manifold.slot_b : manifold.slot_a);
   }
-  std::vector<std::uint32_t> order(n), groups;
+  std::pmr::vector<std::uint32_t> order(n, &scratch_);
   std::iota(order.begin(), order.end(), 0);
-  std::vector<std::int32_t> counts;
+  std::pmr::vector<std::int32_t> counts(&scratch_);
+  std::vector<std::uint32_t> groups;
   if (!solver_.sweeps_by_colour) {
     groups = {static_cast<std::uint32_t>(n)};
     counts.assign(world.size() + 1, 0);
     for (const Manifold& m : contacts.manifolds) ++counts[m.slot_a], ++counts[m.slot_b];
-    system_.constraints.count(counts);
+    constraint_batches_.count(counts);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
     groups.resize(n);
     std::iota(groups.begin(), groups.end(), 1);
   } else {
-    const Colouring colouring = colour_manifolds(world, contacts, cut_);
-    order = by_colour_and_length(colouring, groups);
+    const Scratch::Frame frame(scratch_);
+    const Colouring colouring = colour_manifolds(world, contacts, cut_, &scratch_);
+    by_colour_and_length(colouring, order, groups);
     cut_.set_colours(colouring.colour, colouring.colours);
   }
   fill_places(counts);
@@ -183,7 +186,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
   system_.contacts.start_stage(stage);
   system_.before_iteration = nullptr;
-  system_.constrained = kind == Stage::Kind::position && constraints_of_all_ > 0;
+  system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? &constraint_batches_ : nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
   const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance_);
@@ -193,15 +196,25 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
 
 // Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
 void Simulation::warm_start(double share_of_contacts) {
-  std::vector<ContactBatch::Impulse> start;
-  if (share_of_contacts > 0) start = recall(multipliers, world, contacts, share_of_contacts * step_);
-  system_.contacts.set_impulses(start);
+  const bool jacobi = !solver_.sweeps_by_colour;
   const double share = constraints_of_all_ > 0 ? scene_.solver.warm_start : 0;
-  if (constraints_of_all_ > 0) system_.constraints.set_multipliers(constraint_multipliers, share);
-  if (start.empty() && share == 0) return;
-  if (!start.empty()) system_.contacts.add_impulses(system_.wrenches);
-  if (share > 0) system_.constraints.add_impulses(system_.start(), system_.bodies, system_.wrenches);
+  if (constraints_of_all_ > 0) constraint_batches_.set_multipliers(constraint_multipliers, share);
+  if (jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (share_of_contacts <= 0) {
+    system_.contacts.set_impulses({});
+    if (share <= 0) return;
+  } else {
+    const Scratch::Frame frame(scratch_);
+    std::pmr::vector<ContactBatch::Impulse> start(contacts.points.size(), &scratch_);
+    recall(multipliers, world, contacts, share_of_contacts * step_, start);
+    system_.contacts.set_impulses(start);
+  }
+  const Scratch::Frame frame(scratch_);
+  if (!jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
+  if (share > 0) constraint_batches_.add_impulses(system_.start(), system_.bodies, system_.wrenches);
   system_.apply_wrenches();
+  if (solver_.sweeps_by_colour) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
   cut_.exchange(system_.bodies);
 }
 
@@ -215,17 +228,18 @@ StepReport Simulation::solve() {
   const bool two_stages = settings.stages != Stages::position && (constraints_of_all_ == 0 || any_contacts());
   StepReport report;
   warm_start(settings.stages != Stages::position ? 1 : settings.warm_start);
+  std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
-    system_.contacts.keep_impulses(settings.stages == Stages::joint);
+    system_.contacts.keep_impulses(settings.stages == Stages::joint, impulses);
   }
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
+  const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
-  if (two_stages) system_.contacts.leak_impulses(settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations));
-  if (constraints_of_all_ > 0) system_.constraints.get_multipliers(constraint_multipliers, constraints);
-  impulses_.resize(contacts.points.size());
-  system_.contacts.get_impulses(impulses_);
-  remember(multipliers, world, contacts, impulses_, step_);
+  report.sliding = system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
+  remember(multipliers, world, contacts, impulses, step_);
+  if (constraints_of_all_ > 0) constraint_batches_.get_multipliers(constraint_multipliers, constraints);
+  MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   return report;
 }
 
@@ -237,15 +251,13 @@ bool Simulation::any_contacts() const {
 
 void Simulation::measure_solution(StepReport& report) {
   report.residual = system_.contacts.residual(system_.bodies);
-  report.sliding = system_.contacts.sliding(system_.counted);
   if (constraints_of_all_ > 0) {
-    report.constraint_residuals = system_.constraints.residuals(system_.start(), system_.bodies);
+    report.constraint_residuals = constraint_batches_.residuals(system_.start(), system_.bodies);
     for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);
     MPI_Allreduce(MPI_IN_PLACE, report.constraint_residuals.data(), static_cast<int>(report.constraint_residuals.size()),
                   MPI_DOUBLE, MPI_MAX, halo_.comm());
   }
   MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
-  MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   report.converged = report.residual <= tolerance_;
 }
 
@@ -254,17 +266,16 @@ void Simulation::finalise() {
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (i >= world.homes && i < world.first_static()) continue;
     if (world.properties[i].motion == Motion::fixed) continue;
-    world.set_state(i,
-                    finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic_[i], step_, scene_.planar));
+    const Vec3 gyroscopic = system_.isotropic[i] ? Vec3(Vec3::Zero()) : system_.gyroscopic[i];
+    world.set_state(i, finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic, step_, scene_.planar));
   }
 }
 
 std::size_t Simulation::bytes() const {
-  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return of(world.id) + of(world.properties) + of(world.position) + of(world.orientation) + of(world.velocity) +
-         of(world.angular_velocity) + of(multipliers.manifolds) + of(multipliers.points) + of(contacts.manifolds) +
-         of(contacts.points) + of(system_.bodies) + of(system_.inertia) + of(system_.isotropic) + of(system_.wrenches) +
-         of(system_.counted) + of(gyroscopic_) + system_.contacts.bytes() + of(system_.places) + system_.constraints.bytes();
+  return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
+         bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
+         bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
+         halo_.bytes() + scratch_.bytes() + constraint_batches_.bytes();
 }
 
 }  // namespace unibody

@@ -8,6 +8,7 @@
 #include "collide/collide.hpp"
 #include "constraints/multipliers.hpp"
 #include "core/phases.hpp"
+#include "core/scratch.hpp"
 #include "partition/cut.hpp"
 #include "partition/halo.hpp"
 #include "scene/scene.hpp"
@@ -51,7 +52,7 @@ class Simulation {
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
   void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"
-  std::size_t bytes() const;         // of this rank's arrays
+  std::size_t bytes() const;         // all that this rank holds: of the arrays that last, and of the phases' scratch memory
 
  private:
   void predict();
@@ -60,7 +61,7 @@ class Simulation {
   void build_system();
   void fill_places(std::span<const std::int32_t> counts);
   StepReport solve();
-  std::vector<std::uint32_t> by_colour_and_length(const Colouring& colouring, std::vector<std::uint32_t>& groups) const;
+  void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
   SolveReport run_stage(Stage::Kind kind, int iterations);
   void measure_solution(StepReport& report);
@@ -71,17 +72,16 @@ class Simulation {
   PhaseClock& clock_;
   Halo halo_;
   Cut cut_;
-  Collider collider_;
   CollideSettings collide_settings_;
-  System system_;
   const Solver& solver_;
+  Scratch scratch_;           // of collision detection, then of the solve
+  System system_{&scratch_};  // within step()
   double step_ = 0, tolerance_ = 0;
   bool detected_ = false, constraints_made_ = false;
-  std::int64_t built_version_ = -1;  // of the halo, for which the constraints' slots hold
+  ConstraintBatches constraint_batches_;
+  std::int64_t built_version_ = -1;  // of the halo, for which their slots hold
   ConstraintBatches::Colours colours_{};
   std::int64_t constraints_of_all_ = 0;
-  std::vector<ContactBatch::Impulse> impulses_;
-  std::vector<Vec3> gyroscopic_;  // kg m^2/s, of each home body: momentum that the predicted spin leaves out
 };
 
 }  // namespace unibody

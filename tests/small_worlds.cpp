@@ -99,9 +99,9 @@ double Experiment::gap(Id a, Id b) {
 double Experiment::normal_force(Id a, Id b) const {
   double force = 0;
   const Multipliers& all = simulation->multipliers;
-  for (const RememberedManifold& m : all.manifolds)
-    if (m.id_a == std::min(a, b) && m.id_b == std::max(a, b))
-      for (std::uint32_t p = m.first; p < m.first + m.count; ++p) force += all.points[p].normal;
+  for (std::size_t m = 0; m < all.manifolds.size(); ++m)
+    if (all.manifolds[m].id_a == std::min(a, b) && all.manifolds[m].id_b == std::max(a, b))
+      for (const RememberedPoint& p : all.points_of(m)) force += p.normal;
   return force;
 }
 

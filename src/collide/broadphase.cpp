@@ -30,7 +30,7 @@ std::size_t hash(std::int64_t y, std::int64_t z, std::int64_t level) {
 }
 
 template <class Entry>
-void test(const Entry& a, const Entry& b, std::vector<IndexPair>& pairs) {
+void test(const Entry& a, const Entry& b, Pairs& pairs) {
   const bool overlap = (a.lower.x() <= b.upper.x()) & (b.lower.x() <= a.upper.x()) & (a.lower.y() <= b.upper.y()) &
                        (b.lower.y() <= a.upper.y()) & (a.lower.z() <= b.upper.z()) & (b.lower.z() <= a.upper.z());
   if (overlap & (a.home | b.home)) pairs.push_back({std::min(a.index, b.index), std::max(a.index, b.index)});
@@ -53,7 +53,19 @@ constexpr std::array<std::array<int, 2>, 4> forward{{{1, 0}, {-1, 1}, {0, 1}, {1
 
 }  // namespace
 
-void BroadPhase::find(const std::vector<Bounds>& bounds, const std::vector<Role>& roles, std::vector<IndexPair>& pairs) {
+BroadPhase::BroadPhase(std::pmr::memory_resource* memory)
+    : levels_(memory),
+      level_of_(memory),
+      row_of_(memory),
+      rows_(memory),
+      places_(memory),
+      entries_(memory),
+      few_(memory),
+      table_(memory),
+      starts_(memory),
+      sorted_(memory) {}
+
+void BroadPhase::find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs) {
   choose_levels(bounds, roles);
   fill(bounds, roles);
   for (const Row& row : rows_) {
@@ -67,7 +79,7 @@ void BroadPhase::find(const std::vector<Bounds>& bounds, const std::vector<Role>
 }
 
 // Cell sizes are f 2^k with one f in [1/2, 1) for all levels: the one that leaves the cells the least too large, by volume.
-void BroadPhase::choose_levels(const std::vector<Bounds>& bounds, const std::vector<Role>& roles) {
+void BroadPhase::choose_levels(std::span<const Bounds> bounds, std::span<const Role> roles) {
   std::array<std::int32_t, bins> histogram{};
   const auto bin_of = [](double mantissa) { return std::min(static_cast<int>((mantissa - 0.5) * 2 * bins), bins - 1); };
   for (std::size_t i = 0; i < bounds.size(); ++i) {
@@ -109,7 +121,7 @@ void BroadPhase::choose_levels(const std::vector<Bounds>& bounds, const std::vec
     if (level >= 0) level = number[level];
 }
 
-void BroadPhase::fill(const std::vector<Bounds>& bounds, const std::vector<Role>& roles) {
+void BroadPhase::fill(std::span<const Bounds> bounds, std::span<const Role> roles) {
   std::size_t capacity = 64;
   while (capacity < 2 * bounds.size()) capacity *= 2;
   mask_ = capacity - 1;
@@ -165,14 +177,14 @@ std::int32_t BroadPhase::find_or_add_row(std::int64_t y, std::int64_t z, std::in
   }
 }
 
-void BroadPhase::within_row(const Row& row, std::vector<IndexPair>& pairs) const {
+void BroadPhase::within_row(const Row& row, Pairs& pairs) const {
   const Entry* end = entries_.data() + row.last;
   for (const Entry* a = entries_.data() + row.first; a < end; ++a)
     for (const Entry* b = a + 1; b < end && b->lower.x() <= a->upper.x(); ++b) test(*a, *b, pairs);
 }
 
 // No body of a level is longer than its cells, so what begins more than a cell before a body ends before it.
-void BroadPhase::between_rows(const Row& a, const Row& b, std::vector<IndexPair>& pairs) const {
+void BroadPhase::between_rows(const Row& a, const Row& b, Pairs& pairs) const {
   const double size = levels_[a.level].size;
   const Entry *p = entries_.data() + b.first, *end = entries_.data() + b.last;
   for (std::int32_t i = a.first; i < a.last; ++i) {
@@ -184,7 +196,7 @@ void BroadPhase::between_rows(const Row& a, const Row& b, std::vector<IndexPair>
 
 // A coarser level's bodies reach at most half a cell from their centres, so those that can touch have their centres within
 // the bounds grown by that (and by a hair: the centres are rounded).
-void BroadPhase::with_coarser(const Row& row, std::vector<IndexPair>& pairs) const {
+void BroadPhase::with_coarser(const Row& row, Pairs& pairs) const {
   for (std::size_t l = row.level + 1; l < levels_.size(); ++l) {
     const Level& level = levels_[l];
     for (std::int32_t i = row.first; i < row.last; ++i) {
@@ -209,20 +221,20 @@ void BroadPhase::with_coarser(const Row& row, std::vector<IndexPair>& pairs) con
   }
 }
 
-void BroadPhase::sort(std::vector<IndexPair>& pairs, std::size_t count) {
+std::span<const IndexPair> BroadPhase::sort(const Pairs& pairs, std::size_t count) {
   starts_.assign(count + 1, 0);
   for (const IndexPair& p : pairs) ++starts_[p.first + 1];
   for (std::size_t i = 0; i < count; ++i) starts_[i + 1] += starts_[i];
-  scratch_.resize(pairs.size());
-  for (const IndexPair& p : pairs) scratch_[starts_[p.first]++] = p;
+  sorted_.resize(pairs.size());
+  for (const IndexPair& p : pairs) sorted_[starts_[p.first]++] = p;
   std::uint32_t begin = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t end = starts_[i];  // the scatter has moved each start to its end
-    sort_few(scratch_.data() + begin, scratch_.data() + end,
+    sort_few(sorted_.data() + begin, sorted_.data() + end,
              [](const IndexPair& a, const IndexPair& b) { return a.second < b.second; });
     begin = end;
   }
-  pairs.swap(scratch_);
+  return sorted_;
 }
 
 }  // namespace unibody

@@ -8,7 +8,12 @@
 // bodies of very different sizes: 14 levels for a ratio of 10^4. Levels of a few bodies are tested one by one instead.
 #pragma once
 
-#include "collide/contacts.hpp"
+#include <deque>
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "core/types.hpp"
 
 namespace unibody {
 
@@ -21,15 +26,20 @@ struct IndexPair {
   std::int32_t first, second;
 };
 
+using Pairs = std::pmr::deque<IndexPair>;  // a vector that grows would need room for itself twice
+
 enum class Role : std::uint8_t { home, other, absent };  // absent: not in the grid (planes)
 
 class BroadPhase {
  public:
-  // Appends the pairs to `pairs`, in no particular order. Bounds that are not finite overlap nothing.
-  void find(const std::vector<Bounds>& bounds, const std::vector<Role>& roles, std::vector<IndexPair>& pairs);
+  explicit BroadPhase(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
-  // Sorts pairs of indices below `count` by (first, second): by counting on the first, then within each few.
-  void sort(std::vector<IndexPair>& pairs, std::size_t count);
+  // Appends the pairs to `pairs`, in no particular order. Bounds that are not finite overlap nothing.
+  void find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs);
+
+  // Pairs of indices below `count`, sorted by (first, second): by counting on the first, then within each few. Valid until the
+  // next.
+  std::span<const IndexPair> sort(const Pairs& pairs, std::size_t count);
 
  private:
   struct Entry {
@@ -50,25 +60,25 @@ class BroadPhase {
     std::int32_t index;
   };
 
-  void choose_levels(const std::vector<Bounds>& bounds, const std::vector<Role>& roles);
-  void fill(const std::vector<Bounds>& bounds, const std::vector<Role>& roles);
+  void choose_levels(std::span<const Bounds> bounds, std::span<const Role> roles);
+  void fill(std::span<const Bounds> bounds, std::span<const Role> roles);
   std::int32_t find_row(std::int64_t y, std::int64_t z, std::int32_t level) const;
   std::int32_t find_or_add_row(std::int64_t y, std::int64_t z, std::int32_t level);
-  void within_row(const Row& row, std::vector<IndexPair>& pairs) const;
-  void between_rows(const Row& a, const Row& b, std::vector<IndexPair>& pairs) const;
-  void with_coarser(const Row& row, std::vector<IndexPair>& pairs) const;
+  void within_row(const Row& row, Pairs& pairs) const;
+  void between_rows(const Row& a, const Row& b, Pairs& pairs) const;
+  void with_coarser(const Row& row, Pairs& pairs) const;
 
-  std::vector<Level> levels_;           // the occupied ones, ascending in size
-  std::vector<std::int32_t> level_of_;  // by body; -1 when not in the grid
-  std::vector<std::int32_t> row_of_;    // by body
-  std::vector<Row> rows_;
-  std::vector<Place> places_;                   // by row, then x
-  std::vector<Entry> entries_;                  // likewise
-  std::vector<std::vector<std::int32_t>> few_;  // by level: its entries, if they are few
-  std::vector<std::int32_t> table_;             // open addressing: row number or -1
+  std::pmr::vector<Level> levels_;           // the occupied ones, ascending in size
+  std::pmr::vector<std::int32_t> level_of_;  // by body; -1 when not in the grid
+  std::pmr::vector<std::int32_t> row_of_;    // by body
+  std::pmr::vector<Row> rows_;
+  std::pmr::vector<Place> places_;                        // by row, then x
+  std::pmr::vector<Entry> entries_;                       // likewise
+  std::pmr::vector<std::pmr::vector<std::int32_t>> few_;  // by level: its entries, if they are few
+  std::pmr::vector<std::int32_t> table_;                  // open addressing: row number or -1
   std::size_t mask_ = 0;
-  std::vector<std::uint32_t> starts_;  // of sort()
-  std::vector<IndexPair> scratch_;
+  std::pmr::vector<std::uint32_t> starts_;  // of sort()
+  std::pmr::vector<IndexPair> sorted_;
 };
 
 }  // namespace unibody

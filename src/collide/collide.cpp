@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/room.hpp"
+
 namespace unibody {
 
 namespace {
@@ -28,20 +30,24 @@ Bounds swept_bounds(const World& world, std::size_t slot, const CollideSettings&
   return swept_bounds_of(make_proxy(world, slot, settings), settings);
 }
 
+Collider::Collider(std::pmr::memory_resource* memory)
+    : proxies_(memory), bounds_(memory), roles_(memory), planes_(memory), pairs_(memory), broad_phase_(memory) {}
+
 void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts) {
   contacts.clear();
   pairs_.clear();
   gather(world, settings);
   pair_with_planes(settings);
   broad_phase_.find(bounds_, roles_, pairs_);
-  broad_phase_.sort(pairs_, proxies_.size());
 
   PairManifold found;
-  for (const IndexPair& pair : pairs_) {
+  for (const IndexPair& pair : broad_phase_.sort(pairs_, proxies_.size())) {
     const Proxy &a = proxies_[pair.first], &b = proxies_[pair.second];
     if (a.group >= 0 && a.group == b.group) continue;
     collide_pair(a, b, settings, found);
     if (found.count == 0) continue;
+    make_room(contacts.manifolds, contacts.manifolds.size() + 1);
+    make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
     const double friction = settings.friction[a.material * settings.material_count + b.material];
     contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
                                   static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count)});
@@ -52,6 +58,7 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
 // Merges homes, guests and statics, each in ascending id, into one order by id: pairs sorted by index are then sorted by id.
 void Collider::gather(const World& world, const CollideSettings& settings) {
   proxies_.clear(), bounds_.clear(), roles_.clear(), planes_.clear();
+  proxies_.reserve(world.size()), bounds_.reserve(world.size()), roles_.reserve(world.size());
   const std::size_t ends[3] = {world.homes, world.first_static(), world.size()};
   std::size_t next[3] = {0, world.homes, world.first_static()};
   for (std::size_t k = 0; k < world.size(); ++k) {

@@ -17,6 +17,8 @@ Bounds swept_bounds(const World& world, std::size_t slot, const CollideSettings&
 // static are left out. An object keeps its buffers, and nothing else, from call to call.
 class Collider {
  public:
+  explicit Collider(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+
   // `contacts` is overwritten: manifolds in ascending (id_a, id_b), points in ascending feature.
   void collide(const World& world, const CollideSettings& settings, Contacts& contacts);
 
@@ -24,11 +26,11 @@ class Collider {
   void gather(const World& world, const CollideSettings& settings);
   void pair_with_planes(const CollideSettings& settings);
 
-  std::vector<Proxy> proxies_;  // in ascending id
-  std::vector<Bounds> bounds_;
-  std::vector<Role> roles_;
-  std::vector<std::int32_t> planes_;
-  std::vector<IndexPair> pairs_;
+  std::pmr::vector<Proxy> proxies_;  // in ascending id
+  std::pmr::vector<Bounds> bounds_;
+  std::pmr::vector<Role> roles_;
+  std::pmr::vector<std::int32_t> planes_;
+  Pairs pairs_;
   BroadPhase broad_phase_;
 };
 

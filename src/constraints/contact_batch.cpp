@@ -40,26 +40,54 @@ LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const Solve
   return m;
 }
 
+constexpr std::size_t ahead = 16;
+
+// Colours run through the contacts with strides that the processor does not foresee.
+void ask_for(const Contacts& contacts, const std::vector<Vec3>& position, std::uint32_t soon, std::uint32_t later) {
+  const Manifold& m = contacts.manifolds[soon];
+  __builtin_prefetch(&contacts.points[m.first]);
+  __builtin_prefetch(&position[static_cast<std::size_t>(m.slot_b)]);
+  __builtin_prefetch(&contacts.manifolds[later]);
+}
+
 Vec4d inverse_or_zero(Vec4d x) {
   return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0));
 }
 
 }  // namespace
 
+ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
+    : blocks(memory),
+      points(memory),
+      tangents(memory),
+      couplings(memory),
+      normal_momenta(memory),
+      tangent_momenta(memory),
+      inertias(memory) {}
+
 void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                          const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
                          std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
                          std::span<const std::int32_t> counts, const SolverSettings& settings, double step) {
-  contacts_ = &contacts, joint_ = true, friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
+  contacts_ = &contacts, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction, scaling_ = settings.scaling,
+  step_ = step;
   blocks.clear(), points.clear(), tangents.clear(), inertias.clear(), group_end_.clear();
+  couplings.clear(), normal_momenta.clear(), tangent_momenta.clear();
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
-  reserve(contacts, order, groups);
+  const bool gauss_seidel = counts.empty();
+  const auto inertia_of = [&](Slot s) {
+    const double all = bodies[s].inverse_inertia;
+    return isotropic[s] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[s];
+  };
+  reserve(order, groups, isotropic, gauss_seidel);
 
   std::size_t begin = 0;
   for (const std::size_t end : groups) {
     for (; begin < end; begin += std::min(lanes, end - begin)) {
       Block block{};
       const std::size_t used = std::min(lanes, end - begin);
+      for (std::size_t k = begin + ahead; k < std::min(begin + ahead + lanes, order.size()); ++k)
+        ask_for(contacts, position, order[k], order[std::min(k + ahead, order.size() - 1)]);
       bool any_friction = false, all_isotropic = true;
       for (std::size_t l = 0; l < lanes; ++l) {
         block.slot_a[l] = block.slot_b[l] = nobody, block.manifold[l] = -1;
@@ -67,24 +95,22 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
         const Manifold& m = contacts.manifolds[order[begin + l]];
         block.slot_a[l] = m.slot_a, block.slot_b[l] = m.slot_b;
         block.manifold[l] = static_cast<std::int32_t>(order[begin + l]);
+        block.contact[l] = m.first, block.lane_count[l] = static_cast<std::uint8_t>(m.count);
         block.count = std::max(block.count, m.count);
         any_friction |= settings.friction != FrictionModel::none && m.friction > 0;
         all_isotropic &= isotropic[m.slot_a] && isotropic[m.slot_b];
       }
-      block.first_point = static_cast<std::uint32_t>(points.size());
-      points.resize(points.size() + block.count);
-      block.first_tangent = any_friction ? static_cast<std::int32_t>(tangents.size()) : -1;
-      if (any_friction) tangents.resize(tangents.size() + block.count);
+      add_rows(block, any_friction, gauss_seidel);
       block.inertia = all_isotropic ? -1 : static_cast<std::int32_t>(inertias.size());
       if (!all_isotropic) {
         Inertia& both = inertias.emplace_back();
         for (std::size_t l = 0; l < lanes; ++l) {
-          set_lane(both.a, l, inertia[block.slot_a[l]]);
-          set_lane(both.b, l, inertia[block.slot_b[l]]);
+          set_lane(both.a, l, inertia_of(block.slot_a[l]));
+          set_lane(both.b, l, inertia_of(block.slot_b[l]));
         }
       }
       for (std::size_t l = 0; l < used; ++l) fill_lane(block, l, order[begin + l], position);
-      if (counts.empty())
+      if (gauss_seidel)
         scale_gauss_seidel(block, bodies);
       else
         scale_jacobi(block, bodies, counts);
@@ -94,22 +120,39 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
   }
 }
 
-// Room for the blocks to come and an eighth more: a vector that grows by itself may hold twice what it needs.
-void ContactBatch::reserve(const Contacts& contacts, std::span<const std::uint32_t> order,
-                           std::span<const std::uint32_t> groups) {
-  std::size_t block_count = 0, point_count = 0, begin = 0;
+// Room for the blocks to come.
+void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+                           std::span<const std::uint8_t> isotropic, bool gauss_seidel) {
+  std::size_t block_count = 0, point_count = 0, general_count = 0, begin = 0;
   for (const std::size_t end : groups)
     for (; begin < end; begin += std::min(lanes, end - begin)) {
       std::uint32_t longest = 0;
-      for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l)
-        longest = std::max(longest, contacts.manifolds[order[begin + l]].count);
-      ++block_count, point_count += longest;
+      bool general = false;
+      for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l) {
+        const Manifold& m = contacts_->manifolds[order[begin + l]];
+        longest = std::max(longest, m.count);
+        general |= !isotropic[m.slot_a] || !isotropic[m.slot_b];
+      }
+      ++block_count, point_count += longest, general_count += general;
     }
-  const auto make_room = [](auto& v, std::size_t n) {
-    if (v.capacity() < n) v.reserve(n + n / 8);
-  };
-  make_room(blocks, block_count), make_room(points, point_count);
-  if (friction_ != FrictionModel::none) make_room(tangents, point_count);
+  const std::size_t tangent_count = friction_ == FrictionModel::none ? 0 : point_count;
+  blocks.reserve(block_count), points.reserve(point_count), tangents.reserve(tangent_count), inertias.reserve(general_count);
+  if (gauss_seidel)
+    couplings.reserve(tangent_count);
+  else
+    normal_momenta.reserve(point_count), tangent_momenta.reserve(tangent_count);
+}
+
+// Rows of zeros for the block's points.
+void ContactBatch::add_rows(Block& block, bool tangential, bool gauss_seidel) {
+  block.first_point = static_cast<std::uint32_t>(points.size());
+  block.first_tangent = tangential ? static_cast<std::int32_t>(tangents.size()) : -1;
+  points.resize(points.size() + block.count);
+  if (tangential) tangents.resize(tangents.size() + block.count);
+  if (gauss_seidel)
+    couplings.resize(tangents.size());
+  else
+    normal_momenta.resize(points.size()), tangent_momenta.resize(tangents.size());
 }
 
 void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number, const std::vector<Vec3>& position) {
@@ -122,7 +165,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
     Point& point = points[block.first_point + p];
     set_lane(point.arm_a, lane, contact.position - position[m.slot_a]);
     set_lane(point.arm_b, lane, contact.position - position[m.slot_b]);
-    point.gap[lane] = contact.gap;
+    point.bias[lane] = contact.gap;
     point.mobility[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }
 }
@@ -141,8 +184,7 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     const Vec3x4 wan = w.turn_a(an), wbn = w.turn_b(bn);
     const Vec4d K_nn = linear + dot(an, wan) + dot(bn, wbn);
     point.mobility = K_nn * in_use;
-    point.scale = point.mobility;
-    point.inverse_scale = inverse_or_zero(point.scale);
+    point.inverse_scale = inverse_or_zero(point.mobility);
     if (block.first_tangent < 0) continue;
     Tangents& tangent = tangents[block.first_tangent + p];
     const Vec3x4 as = cross(point.arm_a, block.s), bs = cross(point.arm_b, block.s);
@@ -150,17 +192,15 @@ void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> 
     const Vec3x4 was = w.turn_a(as), wbs = w.turn_b(bs), wat = w.turn_a(at), wbt = w.turn_b(bt);
     const Vec4d K_ss = linear + dot(as, was) + dot(bs, wbs), K_tt = linear + dot(at, wat) + dot(bt, wbt);
     const Vec4d K_st = dot(as, wat) + dot(bs, wbt);
-    tangent.K_ns = dot(as, wan) + dot(bs, wbn), tangent.K_nt = dot(at, wan) + dot(bt, wbn);
+    const Vec4d K_ns = dot(as, wan) + dot(bs, wbn), K_nt = dot(at, wan) + dot(bt, wbn);
+    if (!couplings.empty()) couplings[block.first_tangent + p] = {K_ns, K_nt};
     tangent.mobility = select(rough, max(K_ss + abs(K_st), K_tt + abs(K_st)) * in_use, broadcast(0));
+    tangent.inverse_scale = inverse_or_zero(tangent.mobility);
     if (uses_cone_projection(friction_)) {
-      const Vec4d coupling = abs(tangent.K_ns) + abs(tangent.K_nt);
-      const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(tangent.K_ns), K_tt + abs(K_st) + abs(tangent.K_nt)));
-      point.scale = select(rough, bound, K_nn) * in_use;
-      tangent.scale = select(rough, point.scale, broadcast(0));
-      point.inverse_scale = inverse_or_zero(point.scale), tangent.inverse_scale = inverse_or_zero(tangent.scale);
-    } else {
-      tangent.scale = tangent.mobility;
-      tangent.inverse_scale = inverse_or_zero(tangent.scale);
+      const Vec4d coupling = abs(K_ns) + abs(K_nt);
+      const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(K_ns), K_tt + abs(K_st) + abs(K_nt)));
+      point.inverse_scale = inverse_or_zero(select(rough, bound, K_nn) * in_use);
+      tangent.inverse_scale = select(rough, point.inverse_scale, broadcast(0));
     }
   }
 }
@@ -204,92 +244,83 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     }
   for (std::uint32_t p = 0; p < block.count; ++p) {
     const std::uint32_t i = rows_a_point * p;
+    const auto set = [](Vec4d& scale, Vec4d& inverse, Vec4d value) { scale = value, inverse = inverse_or_zero(value); };
     Point& point = points[block.first_point + p];
+    Vec4d& scale = normal_momenta[block.first_point + p].scale;
     if (rows_a_point == 1) {
-      point.scale = sum[i], point.inverse_scale = inverse_or_zero(sum[i]);
+      set(scale, point.inverse_scale, sum[i]);
       continue;
     }
     Vec4d tangential = max(sum[i + 1], sum[i + 2]), normal = sum[i];
     if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
-    Tangents& tangent = tangents[block.first_tangent + p];
-    point.scale = normal, point.inverse_scale = inverse_or_zero(normal);
-    tangent.scale = select(block.friction > broadcast(0), tangential, broadcast(0));
-    tangent.inverse_scale = inverse_or_zero(tangent.scale);
+    const std::size_t k = block.first_tangent + p;
+    set(scale, point.inverse_scale, normal);
+    set(tangent_momenta[k].scale, tangents[k].inverse_scale, select(block.friction > broadcast(0), tangential, broadcast(0)));
   }
+}
+
+template <class F>
+void ContactBatch::for_each_row(F&& f) const {
+  for (const Block& block : blocks)
+    for (std::size_t l = 0; l < lanes; ++l)
+      for (std::uint32_t p = 0; p < block.lane_count[l]; ++p)
+        f(block, l, block.first_point + p, block.first_tangent < 0 ? no_tangent : block.first_tangent + p, block.contact[l] + p);
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
-  for (Point& p : points) p.bias = stage.bias(p.gap);
+  if (!bias_is_gap_)
+    for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+      points[p].bias[l] = contacts_->points[contact].gap;
+    });
+  for (Point& p : points) p.bias = stage.bias(p.bias);
+  bias_is_gap_ = false;
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
-  for (const Block& block : blocks)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      if (block.manifold[l] < 0) continue;
-      const Manifold& m = contacts_->manifolds[block.manifold[l]];
-      for (std::uint32_t p = 0; p < m.count; ++p) {
-        const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[m.first + p];
-        Point& point = points[block.first_point + p];
-        point.lambda[l] = point.y[l] = impulse.n, point.kept[l] = 0;
-        if (block.first_tangent < 0) continue;
-        Tangents& tangent = tangents[block.first_tangent + p];
-        tangent.lambda_s[l] = tangent.y_s[l] = impulse.s, tangent.lambda_t[l] = tangent.y_t[l] = impulse.t;
-      }
-    }
+  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[contact];
+    points[p].lambda[l] = impulse.n;
+    if (t != no_tangent) tangents[t].lambda_s[l] = impulse.s, tangents[t].lambda_t[l] = impulse.t;
+  });
+  start_momenta();
+}
+
+void ContactBatch::start_momenta() {
+  for (std::size_t p = 0; p < normal_momenta.size(); ++p) normal_momenta[p].y = points[p].lambda;
+  for (std::size_t t = 0; t < tangent_momenta.size(); ++t)
+    tangent_momenta[t].y_s = tangents[t].lambda_s, tangent_momenta[t].y_t = tangents[t].lambda_t;
+}
+
+ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_t t) const {
+  if (t == no_tangent) return {points[p].lambda[l], 0, 0};
+  return {points[p].lambda[l], tangents[t].lambda_s[l], tangents[t].lambda_t[l]};
 }
 
 void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
-  for (const Block& block : blocks)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      if (block.manifold[l] < 0) continue;
-      const Manifold& m = contacts_->manifolds[block.manifold[l]];
-      for (std::uint32_t p = 0; p < m.count; ++p) {
-        Impulse& impulse = impulses[m.first + p];
-        impulse = {points[block.first_point + p].lambda[l], 0, 0};
-        if (block.first_tangent < 0) continue;
-        const Tangents& tangent = tangents[block.first_tangent + p];
-        impulse.s = tangent.lambda_s[l], impulse.t = tangent.lambda_t[l];
-      }
-    }
+  for_each_row(
+      [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
 }
 
-void ContactBatch::keep_impulses(bool joint) {
-  joint_ = joint;
-  const auto keep = [share = broadcast(joint ? 1 : 0)](Vec4d& kept, Vec4d& lambda, Vec4d& y) {
-    kept = lambda, lambda = y = share * kept;
-  };
-  for (Point& p : points) keep(p.kept, p.lambda, p.y);
-  for (Tangents& t : tangents) keep(t.kept_s, t.lambda_s, t.y_s), keep(t.kept_t, t.lambda_t, t.y_t);
+void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {
+  get_impulses(kept);
+  kept_ = joint ? Kept::joint : Kept::apart;
+  if (joint) return start_momenta();
+  for (Point& p : points) p.lambda = broadcast(0);
+  for (Tangents& t : tangents) t.lambda_s = t.lambda_t = broadcast(0);
+  start_momenta();
 }
 
-void ContactBatch::leak_impulses(double leak) {
-  const auto mix = [this, share = broadcast(leak)](Vec4d& lambda, Vec4d kept) {
-    lambda = kept + share * (joint_ ? lambda - kept : lambda);
-  };
-  for (Point& p : points) mix(p.lambda, p.kept);
-  for (Tangents& t : tangents) mix(t.lambda_s, t.kept_s), mix(t.lambda_t, t.kept_t);
-}
-
-std::int64_t ContactBatch::sliding(std::span<const std::uint8_t> counted) const {
+std::int64_t ContactBatch::leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const {
   std::int64_t sliding = 0;
-  const Vec4d before = broadcast(joint_ ? 0 : 1);
-  for (const Block& block : blocks) {
-    if (block.first_tangent < 0) continue;
-    for (std::uint32_t k = 0; k < block.count; ++k) {
-      const Point& p = points[block.first_point + k];
-      const Tangents& tangent = tangents[block.first_tangent + k];
-      const Vec4d limit = broadcast(0.999) * block.friction * (before * p.kept + p.lambda);
-      const Vec4d s = before * tangent.kept_s + tangent.lambda_s, t = before * tangent.kept_t + tangent.lambda_t;
-      const Mask4 at_limit = (limit > broadcast(0)) & (s * s + t * t >= limit * limit);
-      for (std::size_t l = 0; l < lanes; ++l) sliding += at_limit[l] != 0 && block.manifold[l] >= 0 && counted[block.manifold[l]];
-    }
-  }
+  for_each_row([&](const Block& block, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    const Impulse old = kept_ == Kept::nothing ? Impulse{0, 0, 0} : kept[contact], now = row(l, p, t);
+    const Impulse before = kept_ == Kept::apart ? old : Impulse{0, 0, 0};
+    const double limit = 0.999 * block.friction[l] * (before.n + now.n), s = before.s + now.s, f = before.t + now.t;
+    sliding += t != no_tangent && limit > 0 && s * s + f * f >= limit * limit && counted[block.manifold[l]];
+    const auto mix = [&](double x, double y) { return x + leak * (kept_ == Kept::apart ? y : y - x); };
+    kept[contact] = kept_ == Kept::nothing ? now : Impulse{mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
+  });
   return sliding;
-}
-
-std::size_t ContactBatch::bytes() const {
-  return blocks.capacity() * sizeof(Block) + points.capacity() * sizeof(Point) + tangents.capacity() * sizeof(Tangents) +
-         inertias.capacity() * sizeof(Inertia);
 }
 
 }  // namespace unibody

@@ -3,12 +3,14 @@
 // Rows of a point: normal r_n = bias + n.u, tangents r_s = s.u, r_t = t.u, with u the relative velocity of the two bodies at the
 // point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
 // A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
-// The grouping into blocks changes no result. A point costs 112 bytes, its tangents 88 more, a manifold 76, general inertia 96.
+// The grouping into blocks changes no result. A batch holds what its solver needs: with Gauss-Seidel a point costs 80 bytes and
+// its tangents 48, with the Jacobi solvers 96 and 56; a manifold costs 80, and 96 more with general inertia.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -58,26 +60,37 @@ class ContactBatch {
     std::int32_t first_tangent;        // -1: no manifold of the block has friction
     std::int32_t inertia;              // -1: both bodies of every lane have isotropic inertia
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
+    std::uint32_t contact[lanes];      // the manifold's points in Contacts::points: the first of them, and how many
+    std::uint8_t lane_count[lanes];
   };
   struct Point {
     Vec3x4 arm_a, arm_b;  // m, from the centres
-    Vec4d gap;            // m, at the start of the step
     Vec4d bias;           // m/s
-    Vec4d scale;          // 1/kg, P_n: bounds the row's share of D^T W D, so that a step of 1/P_n is safe
-    Vec4d inverse_scale;  // kg, 1/P_n
+    Vec4d inverse_scale;  // kg, 1/P_n. P_n bounds the row's share of D^T W D, so that a step of 1/P_n is safe
     Vec4d mobility;       // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
-    Vec4d lambda, y;      // N s; y: the extrapolated one (accelerated Jacobi)
-    Vec4d kept;           // N s, of the stage before
+    Vec4d lambda;         // N s
   };
   struct Tangents {
-    Vec4d scale, inverse_scale;  // 1/kg, kg: P_T and 1/P_T
-    Vec4d mobility;              // 1/kg
-    Vec4d K_ns, K_nt;            // 1/kg, coupling of the normal impulse to the tangential velocities (Gauss-Seidel)
-    Vec4d lambda_s, lambda_t, y_s, y_t, kept_s, kept_t;
+    Vec4d inverse_scale;       // kg, 1/P_T
+    Vec4d mobility;            // 1/kg
+    Vec4d lambda_s, lambda_t;  // N s
+  };
+  struct Coupling {    // Gauss-Seidel, for each of `tangents`
+    Vec4d K_ns, K_nt;  // 1/kg, of the normal impulse to the tangential velocities
+  };
+  struct NormalMomentum {  // Jacobi solvers, for each of `points`
+    Vec4d scale;           // 1/kg, P_n
+    Vec4d y;               // N s, the extrapolated multiplier
+  };
+  struct TangentMomentum {  // Jacobi solvers, for each of `tangents`
+    Vec4d scale;            // 1/kg, P_T
+    Vec4d y_s, y_t;         // N s
   };
   struct Inertia {
     Vec4d a[6], b[6];  // xx, yy, zz, yz, xz, xy
   };
+
+  explicit ContactBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   // Lays out the manifolds in the given order. `order` lists manifold numbers; groups[g] is the end of group g in `order`, and a
   // block never spans two groups (a group is a colour, or everything). counts: constraint count n_b of each slot for the Jacobi
@@ -114,24 +127,34 @@ class ContactBatch {
   void set_impulses(std::span<const Impulse> impulses);
   void get_impulses(std::span<Impulse> impulses) const;
 
-  // Between the stages: keep_impulses() puts the velocity stage's multipliers aside; the position stage then starts from zero and
-  // adds to them, or, if `joint`, from them. leak_impulses() afterwards leaves kept + leak * what the position stage added.
-  // sliding() counts the points whose multipliers of both stages together are at friction's limit; call it before
-  // leak_impulses().
-  void keep_impulses(bool joint);
-  void leak_impulses(double leak);
-  std::int64_t sliding(std::span<const std::uint8_t> counted) const;
+  // Between the stages: writes the velocity stage's multipliers to `kept`; the position stage then starts from zero and adds to
+  // them, or, if `joint`, from them.
+  void keep_impulses(bool joint, std::span<Impulse> kept);
+
+  // At the end: leaves kept + leak * what the position stage added in `kept`; after a single stage all of its multipliers.
+  // Returns the number of counted points whose multipliers of both stages together are at friction's limit.
+  std::int64_t leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const;
 
   std::size_t group_count() const { return group_end_.size(); }
-  std::size_t bytes() const;
 
-  std::vector<Block> blocks;
-  std::vector<Point> points;
-  std::vector<Tangents> tangents;
-  std::vector<Inertia> inertias;
+  std::pmr::vector<Block> blocks;
+  std::pmr::vector<Point> points;
+  std::pmr::vector<Tangents> tangents;
+  std::pmr::vector<Coupling> couplings;
+  std::pmr::vector<NormalMomentum> normal_momenta;
+  std::pmr::vector<TangentMomentum> tangent_momenta;
+  std::pmr::vector<Inertia> inertias;
 
  private:
-  void reserve(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups);
+  void reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+               std::span<const std::uint8_t> isotropic, bool gauss_seidel);
+  void add_rows(Block& block, bool tangential, bool gauss_seidel);
+  static constexpr std::size_t no_tangent = -1;
+  // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use.
+  template <class F>
+  void for_each_row(F&& f) const;
+  void start_momenta();  // at the multipliers, at rest
+  Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
   void fill_lane(Block& block, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
@@ -140,7 +163,8 @@ class ContactBatch {
   const Contacts* contacts_ = nullptr;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
-  bool joint_ = true;  // lambda holds both stages' multipliers, rather than what is to be added to `kept`
+  bool bias_is_gap_ = false;                                        // just built: Point::bias holds the gap
+  enum class Kept { nothing, apart, joint } kept_ = Kept::nothing;  // joint: lambda holds both stages' multipliers
 };
 
 }  // namespace unibody

@@ -13,6 +13,9 @@ namespace {
 using Block = ContactBatch::Block;
 using Point = ContactBatch::Point;
 using Tangents = ContactBatch::Tangents;
+using Coupling = ContactBatch::Coupling;
+using NormalMomentum = ContactBatch::NormalMomentum;
+using TangentMomentum = ContactBatch::TangentMomentum;
 using Inertia = ContactBatch::Inertia;
 
 // The velocities of one side's four bodies, with their inverse mass and isotropic inverse inertia.
@@ -106,8 +109,8 @@ Vec4d point_residual(const Block& block, const Point& p, const Tangents* tangent
 }
 
 template <FrictionModel model, bool tangential, bool isotropic>
-Vec4d relax_block(const Block& block, Point* points, Tangents* tangents, const Inertia* inertia, bool backwards,
-                  std::span<SolverBody> bodies) {
+Vec4d relax_block(const Block& block, Point* points, Tangents* tangents, const Coupling* couplings, const Inertia* inertia,
+                  bool backwards, std::span<SolverBody> bodies) {
   Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
   Vec4d change = broadcast(0);
@@ -129,8 +132,8 @@ Vec4d relax_block(const Block& block, Point* points, Tangents* tangents, const I
       } else {  // the normal first, then the tangents with the velocity that it leaves
         next.n = max(broadcast(0), p.lambda - p.inverse_scale * (u.n + p.bias));
         const Vec4d dn = next.n - p.lambda;
-        next.s = tangent.lambda_s - tangent.inverse_scale * (u.s + tangent.K_ns * dn);
-        next.t = tangent.lambda_t - tangent.inverse_scale * (u.t + tangent.K_nt * dn);
+        next.s = tangent.lambda_s - tangent.inverse_scale * (u.s + couplings[k].K_ns * dn);
+        next.t = tangent.lambda_t - tangent.inverse_scale * (u.t + couplings[k].K_nt * dn);
         next = project<model>(next, block.friction);
       }
       const Vec4d dn = next.n - p.lambda, ds = next.s - tangent.lambda_s, dt = next.t - tangent.lambda_t;
@@ -164,7 +167,8 @@ struct SweepTerms {
 };
 
 template <FrictionModel model, bool tangential>
-SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, double beta, std::span<const SolverBody> bodies,
+SweepTerms sweep_block(const Block& block, Point* points, NormalMomentum* normal_momenta, Tangents* tangents,
+                       TangentMomentum* tangent_momenta, double beta, std::span<const SolverBody> bodies,
                        std::span<Wrench> wrenches) {
   const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
@@ -173,10 +177,12 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
   SweepTerms sums;
   for (std::uint32_t k = 0; k < block.count; ++k) {
     Point& p = points[k];
+    NormalMomentum& normal = normal_momenta[k];
     Tangents* tangent = tangential ? tangents + k : nullptr;
+    TangentMomentum* sideways = tangential ? tangent_momenta + k : nullptr;
     const PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
-    ConeForce from{p.y, zero, zero};
-    if constexpr (tangential) from.s = tangent->y_s, from.t = tangent->y_t;
+    ConeForce from{normal.y, zero, zero};
+    if constexpr (tangential) from.s = sideways->y_s, from.t = sideways->y_t;
     const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
 
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
@@ -190,11 +196,11 @@ SweepTerms sweep_block(const Block& block, Point* points, Tangents* tangents, do
       y = new_y;
       return dy;
     };
-    const Vec4d dn = advance(p.lambda, p.y, next.n, u.n + p.bias, p.scale);
+    const Vec4d dn = advance(p.lambda, normal.y, next.n, u.n + p.bias, normal.scale);
     Vec4d ds = zero, dt = zero;
     if constexpr (tangential) {
-      ds = advance(tangent->lambda_s, tangent->y_s, next.s, u.s, tangent->scale);
-      dt = advance(tangent->lambda_t, tangent->y_t, next.t, u.t, tangent->scale);
+      ds = advance(tangent->lambda_s, sideways->y_s, next.s, u.s, sideways->scale);
+      dt = advance(tangent->lambda_t, sideways->y_t, next.t, u.t, sideways->scale);
     }
     const Vec3x4 f = impulse_vector<tangential>(block, t, dn, ds, dt);
     force = force + f, torque_a = torque_a + cross(p.arm_a, f), torque_b = torque_b + cross(p.arm_b, f);
@@ -231,13 +237,16 @@ double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBo
       const Block& block = blocks[i];
       Point* first = &points[block.first_point];
       Tangents* tangent = block.first_tangent < 0 ? nullptr : &tangents[block.first_tangent];
+      const Coupling* coupling = block.first_tangent < 0 ? nullptr : &couplings[block.first_tangent];
       const Inertia* inertia = block.inertia < 0 ? nullptr : &inertias[block.inertia];
       if (tangent)
-        change = max(change, inertia ? relax_block<model, true, false>(block, first, tangent, inertia, backwards, bodies)
-                                     : relax_block<model, true, true>(block, first, tangent, inertia, backwards, bodies));
+        change =
+            max(change, inertia ? relax_block<model, true, false>(block, first, tangent, coupling, inertia, backwards, bodies)
+                                : relax_block<model, true, true>(block, first, tangent, coupling, inertia, backwards, bodies));
       else
-        change = max(change, inertia ? relax_block<model, false, false>(block, first, tangent, inertia, backwards, bodies)
-                                     : relax_block<model, false, true>(block, first, tangent, inertia, backwards, bodies));
+        change =
+            max(change, inertia ? relax_block<model, false, false>(block, first, tangent, coupling, inertia, backwards, bodies)
+                                : relax_block<model, false, true>(block, first, tangent, coupling, inertia, backwards, bodies));
     }
     return step_ * horizontal_max(change);
   });
@@ -249,10 +258,12 @@ void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wr
   with_model(friction_, [&]<FrictionModel model>() {
     Vec4d change = broadcast(0), largest = broadcast(0);
     for (const Block& block : blocks) {
-      Point* first = &points[block.first_point];
-      const SweepTerms terms = block.first_tangent < 0 ? sweep_block<model, false>(block, first, nullptr, beta, bodies, wrenches)
-                                                       : sweep_block<model, true>(block, first, &tangents[block.first_tangent],
-                                                                                  beta, bodies, wrenches);
+      const std::uint32_t p = block.first_point;
+      const std::int32_t t = block.first_tangent;
+      const SweepTerms terms =
+          t < 0 ? sweep_block<model, false>(block, &points[p], &normal_momenta[p], nullptr, nullptr, beta, bodies, wrenches)
+                : sweep_block<model, true>(block, &points[p], &normal_momenta[p], &tangents[t], &tangent_momenta[t], beta, bodies,
+                                           wrenches);
       change = max(change, terms.change);
       largest = max(largest, max(abs(terms.gradient), terms.progress));
       for (std::size_t l = 0; l < lanes; ++l) {

@@ -1,7 +1,9 @@
 // The contact multipliers that persist from step to step: the only history of the simulation, part of every checkpoint.
-// Keyed by (id, id); within a pair a new point takes the multipliers of the nearest old one in body a's frame.
+// Keyed by (id, id); within a pair a new point takes the multipliers of the nearest old one in body a's frame. Where one body is
+// round there is but one point, and no place is kept.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/types.hpp"
@@ -9,21 +11,39 @@
 namespace unibody {
 
 struct RememberedPoint {
-  Vec3 place;       // m, contact point in the frame of body a (of b where a is static)
   double normal;    // N, along the normal
   Vec3 tangential;  // N, world frame, on body a
-  std::uint32_t feature;
-  std::uint32_t unused = 0;  // keeps every byte defined: these records are hashed and written as they are
 };
 
 struct RememberedManifold {
-  Id id_a, id_b;               // id_a < id_b
-  std::uint32_t first, count;  // into Multipliers::points
+  Id id_a, id_b;                           // id_a < id_b
+  std::uint32_t first_point, first_place;  // into Multipliers::points and places; they end where the next manifold's begin
 };
 
 struct Multipliers {
   std::vector<RememberedManifold> manifolds;  // ascending (id_a, id_b); of all pairs with a home body here
   std::vector<RememberedPoint> points;
+  std::vector<Vec3> places;  // m, of each point of a manifold or of none, in the frame of body a (of b where a is static)
+
+  std::span<const RememberedPoint> points_of(std::size_t m) const {
+    const std::size_t first = manifolds[m].first_point;
+    return {points.data() + first, (m + 1 < manifolds.size() ? manifolds[m + 1].first_point : points.size()) - first};
+  }
+  std::span<const Vec3> places_of(std::size_t m) const {
+    const std::size_t first = manifolds[m].first_place;
+    return {places.data() + first, (m + 1 < manifolds.size() ? manifolds[m + 1].first_place : places.size()) - first};
+  }
+
+  void begin_manifold(Id id_a, Id id_b) {
+    manifolds.push_back({id_a, id_b, static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(places.size())});
+  }
+  void append(const Multipliers& from, std::size_t m) {
+    const auto new_points = from.points_of(m);
+    const auto new_places = from.places_of(m);
+    begin_manifold(from.manifolds[m].id_a, from.manifolds[m].id_b);
+    points.insert(points.end(), new_points.begin(), new_points.end());
+    places.insert(places.end(), new_places.begin(), new_places.end());
+  }
 };
 
 }  // namespace unibody

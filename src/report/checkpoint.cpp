@@ -57,21 +57,29 @@ Body from_row(Id id, const BodyRow& row) {
 // One remembered contact point with the key of its manifold. The owner is the pair's first dynamic body: the file is sorted by
 // it, then by key and place in the manifold, so that a ground that touches everything does not gather all points on one rank.
 struct PointRow {
-  std::int64_t owner, id_a, id_b, place_in_manifold, feature;
-  std::array<double, 7> reals;  // place, normal, tangential
+  std::int64_t owner, id_a, id_b, place_in_manifold, placed;  // placed: 1, or 0 where no place is kept
+  std::array<double, 7> reals;                                // place, normal, tangential
 };
 constexpr Id key_columns = 5;
 
 auto order(const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b, p.place_in_manifold}; }
 
-PointRow to_row(Id owner, const RememberedManifold& m, std::uint32_t k, const RememberedPoint& p) {
-  return {owner, m.id_a,    m.id_b,
-          k,     p.feature, {p.place[0], p.place[1], p.place[2], p.normal, p.tangential[0], p.tangential[1], p.tangential[2]}};
+PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k) {
+  const RememberedPoint& p = all.points_of(m)[k];
+  const auto places = all.places_of(m);
+  const Vec3 place = places.empty() ? Vec3(Vec3::Zero()) : places[k];
+  return {owner,
+          all.manifolds[m].id_a,
+          all.manifolds[m].id_b,
+          static_cast<std::int64_t>(k),
+          !places.empty(),
+          {place[0], place[1], place[2], p.normal, p.tangential[0], p.tangential[1], p.tangential[2]}};
 }
 
-RememberedPoint from_row(const PointRow& row) {
+void append(Multipliers& to, const PointRow& row) {
   const auto& r = row.reals;
-  return {Vec3(r[0], r[1], r[2]), r[3], Vec3(r[4], r[5], r[6]), static_cast<std::uint32_t>(row.feature), 0};
+  to.points.push_back({r[3], Vec3(r[4], r[5], r[6])});
+  if (row.placed != 0) to.places.emplace_back(r[0], r[1], r[2]);
 }
 
 // A sum of hashes over all rows, in any order, since HDF5 protects its own records by checksums, but not the data.
@@ -85,7 +93,7 @@ std::uint64_t sum_of_hashes(Id first, const std::vector<BodyRow>& bodies, const 
   }
   for (const PointRow& p : points) {
     Hash hash;
-    hash.add(p.owner).add(p.id_a).add(p.id_b).add(p.place_in_manifold).add(p.feature);
+    hash.add(p.owner).add(p.id_a).add(p.id_b).add(p.place_in_manifold).add(p.placed);
     for (const double x : p.reals) hash.add(x);
     sum += hash.value();
   }
@@ -108,11 +116,12 @@ std::vector<PointRow> point_rows(MPI_Comm comm, Id count, const World& world, co
   const IdBlocks blocks = id_blocks(comm, count);
   std::vector<PointRow> mine;
   std::vector<int> target;
-  for (const auto& m : multipliers.manifolds) {
+  for (std::size_t i = 0; i < multipliers.manifolds.size(); ++i) {
+    const RememberedManifold& m = multipliers.manifolds[i];
     const bool a_is_static = in_range(world, world.first_static(), world.size(), m.id_a);
     const Id owner = a_is_static ? m.id_b : m.id_a;
     if (!in_range(world, 0, world.homes, owner)) continue;
-    for (std::uint32_t k = 0; k < m.count; ++k) mine.push_back(to_row(owner, m, k, multipliers.points[m.first + k]));
+    for (std::size_t k = 0; k < multipliers.points_of(i).size(); ++k) mine.push_back(to_row(owner, multipliers, i, k));
     target.resize(mine.size(), blocks.owner(owner));
   }
   auto rows = exchange<PointRow>(comm, target, mine);
@@ -127,14 +136,14 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
   std::vector<std::int64_t> keys;
   std::vector<double> reals;
   for (const PointRow& p : rows) {
-    keys.insert(keys.end(), {p.owner, p.id_a, p.id_b, p.place_in_manifold, p.feature});
+    keys.insert(keys.end(), {p.owner, p.id_a, p.id_b, p.place_in_manifold, p.placed});
     reals.insert(reals.end(), p.reals.begin(), p.reals.end());
   }
   const auto first = static_cast<hsize_t>(last - mine);
   const auto group = h5::create_group(file, "multipliers");
   const auto key = h5::create_dataset(group, "key", H5T_STD_I64LE, static_cast<hsize_t>(total), key_columns);
   const bool good = h5::write_rows(key, H5T_NATIVE_INT64, first, rows.size(), keys.data());
-  h5::write_attribute(key, "columns", std::string("owner id_a id_b place_in_manifold feature"));
+  h5::write_attribute(key, "columns", std::string("owner id_a id_b place_in_manifold placed"));
   const auto force = h5::create_dataset(group, "point", H5T_IEEE_F64LE, static_cast<hsize_t>(total), 7);
   h5::write_attribute(force, "columns", std::string("place[3] (m) normal (N) tangential[3] (N)"));
   return h5::write_rows(force, H5T_NATIVE_DOUBLE, first, rows.size(), reals.data()) && good;
@@ -267,11 +276,10 @@ Multipliers assemble(std::vector<PointRow> rows) {
              rows.end());
   Multipliers result;
   for (const PointRow& p : rows) {
-    auto& manifolds = result.manifolds;
+    const auto& manifolds = result.manifolds;
     if (manifolds.empty() || manifolds.back().id_a != p.id_a || manifolds.back().id_b != p.id_b)
-      manifolds.push_back({p.id_a, p.id_b, static_cast<std::uint32_t>(result.points.size()), 0});
-    ++manifolds.back().count;
-    result.points.push_back(from_row(p));
+      result.begin_manifold(p.id_a, p.id_b);
+    append(result, p);
   }
   return result;
 }

@@ -12,6 +12,7 @@ namespace unibody {
 namespace {
 
 constexpr int tag_colours = 121;
+constexpr std::size_t ahead = 16;  // manifolds are asked for this long before their turn: they come in no order
 
 std::uint64_t mix(std::uint64_t x) {  // splitmix64's finaliser
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -25,10 +26,10 @@ std::uint32_t priority_of(const Manifold& m) {
 }
 
 // Manifold numbers in the order of their priorities; ties by number, that is by key. A radix sort.
-std::vector<std::uint32_t> by_priority(const std::vector<Manifold>& manifolds) {
+std::pmr::vector<std::uint32_t> by_priority(const std::vector<Manifold>& manifolds, std::pmr::memory_resource* memory) {
   using Entry = std::pair<std::uint32_t, std::uint32_t>;
   constexpr int digit = 11;
-  std::vector<Entry> from(manifolds.size()), to(manifolds.size());
+  std::pmr::vector<Entry> from(manifolds.size(), memory), to(manifolds.size(), memory);
   for (std::uint32_t m = 0; m < from.size(); ++m) from[m] = {priority_of(manifolds[m]), m};
   for (int shift = 0; shift < 32; shift += digit) {
     std::uint32_t begin[(1 << digit) + 1] = {};
@@ -38,7 +39,7 @@ std::vector<std::uint32_t> by_priority(const std::vector<Manifold>& manifolds) {
     for (const Entry& e : from) to[begin[digit_of(e)]++] = e;
     std::swap(from, to);
   }
-  std::vector<std::uint32_t> order(from.size());
+  std::pmr::vector<std::uint32_t> order(from.size(), memory);
   for (std::size_t i = 0; i < from.size(); ++i) order[i] = from[i].second;
   return order;
 }
@@ -48,7 +49,7 @@ class TakenColours {
  public:
   using Words = std::span<const std::uint64_t>;
 
-  explicit TakenColours(std::size_t homes) : first_(homes, 0) {}
+  TakenColours(std::size_t homes, std::pmr::memory_resource* memory) : first_(homes, 0, memory) {}
 
   void take(Slot s, std::int32_t colour) {
     const auto word = static_cast<std::size_t>(colour) / 64;
@@ -73,7 +74,7 @@ class TakenColours {
   }
 
  private:
-  std::vector<std::uint64_t> first_;
+  std::pmr::vector<std::uint64_t> first_;
   std::unordered_map<Slot, std::vector<std::uint64_t>> more_;
 };
 
@@ -81,9 +82,13 @@ class TakenColours {
 // rank's offer: the colours taken at the body there, sent when it is first in line there. While it waits, so do those behind it.
 class Colourer {
  public:
-  Colourer(const World& world, const Contacts& contacts, const Cut& cut)
-      : world_(world), manifolds_(contacts.manifolds), cut_(cut), taken_(world.homes), waiting_(by_priority(contacts.manifolds)) {
-    result_.colour.assign(manifolds_.size(), -1);
+  Colourer(const World& world, const Contacts& contacts, const Cut& cut, std::pmr::memory_resource* memory)
+      : world_(world),
+        manifolds_(contacts.manifolds),
+        cut_(cut),
+        taken_(world.homes, memory),
+        waiting_(by_priority(contacts.manifolds, memory)),
+        result_{std::pmr::vector<std::int32_t>(manifolds_.size(), -1, memory), 0} {
     for (std::size_t k = 0; k < cut.neighbours().size(); ++k)
       for (std::size_t i = 0; i < cut.neighbours()[k].manifolds.size(); ++i)
         shared_.emplace(cut.neighbours()[k].manifolds[i], Shared{k, i, false, {}});
@@ -112,7 +117,9 @@ class Colourer {
   void pass() {
     std::vector<std::uint8_t> blocked(world_.homes, 0);
     std::size_t kept = 0;
-    for (const std::uint32_t m : waiting_) {
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      const std::uint32_t m = waiting_[i];
+      if (i + ahead < waiting_.size()) __builtin_prefetch(&manifolds_[waiting_[i + ahead]].slot_a);
       const Slot ends[2] = {manifolds_[m].slot_a, manifolds_[m].slot_b};
       bool ready = true;
       for (const Slot s : ends) ready &= !world_.is_home(s) || !blocked[static_cast<std::size_t>(s)];
@@ -182,7 +189,7 @@ class Colourer {
   const std::vector<Manifold>& manifolds_;
   const Cut& cut_;
   TakenColours taken_;
-  std::vector<std::uint32_t> waiting_;                // in the order of their priorities
+  std::pmr::vector<std::uint32_t> waiting_;           // in the order of their priorities
   std::unordered_map<std::uint32_t, Shared> shared_;  // manifolds across the cut
   std::vector<std::vector<std::uint64_t>> offers_;    // to be sent, by neighbour
   Colouring result_;
@@ -190,8 +197,8 @@ class Colourer {
 
 }  // namespace
 
-Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut) {
-  return Colourer(world, contacts, cut).run();
+Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut, std::pmr::memory_resource* memory) {
+  return Colourer(world, contacts, cut, memory).run();
 }
 
 }  // namespace unibody

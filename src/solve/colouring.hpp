@@ -6,6 +6,7 @@
 // across a cut waits until it is first in line at both its bodies; each side then tells the other the colours taken at its own.
 #pragma once
 
+#include <memory_resource>
 #include <vector>
 
 #include "partition/cut.hpp"
@@ -13,11 +14,12 @@
 namespace unibody {
 
 struct Colouring {
-  std::vector<std::int32_t> colour;  // of each manifold
-  std::size_t colours = 0;           // on this rank
+  std::pmr::vector<std::int32_t> colour;  // of each manifold
+  std::size_t colours = 0;                // on this rank
 };
 
 // Collective among neighbours.
-Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut);
+Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut,
+                           std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 }  // namespace unibody

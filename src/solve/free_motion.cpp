@@ -48,7 +48,6 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
     if (motion.isotropic) {
       const double inverse = body.shape.kind == ShapeKind::particle ? 0 : 1 / body.inertia.y();
       motion.body.inverse_inertia = inverse;
-      motion.inverse_inertia = {inverse, inverse, inverse, 0, 0, 0};  // for blocks that a box shares
       w += step * inverse * body.torque;
     } else {
       const Mat3 R = state.orientation.toRotationMatrix();

@@ -12,7 +12,7 @@ namespace unibody {
 
 struct FreeMotion {
   SolverBody body;                 // v~ and w~, inverse mass; w~ is the mean spin over the step
-  InverseInertia inverse_inertia;  // world frame, at the start of the step
+  InverseInertia inverse_inertia;  // world frame, at the start of the step; where not isotropic
   bool isotropic;
   Vec3 gyroscopic;  // kg m^2/s: I w - I w~ before torque, what the mean spin leaves out of the momentum
 };

@@ -17,7 +17,7 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
     }
     const bool backwards = report.iterations % 2 == 1;
     double change = 0;
-    const std::size_t groups = colours + (system.constrained ? system.constraints.group_count() : 0);
+    const std::size_t groups = colours + (system.constraints ? system.constraints->group_count() : 0);
     for (std::size_t i = 0; i < groups; ++i) {
       const std::size_t group = backwards ? groups - 1 - i : i;
       if (group < colours) {
@@ -25,7 +25,7 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
         change = std::max(change, system.contacts.relax(group, backwards, system.bodies));
       } else {
         cut.exchange(system.bodies);
-        change = std::max(change, system.constraints.relax(group - colours, system.start(), system.bodies));
+        change = std::max(change, system.constraints->relax(group - colours, system.start(), system.bodies));
       }
     }
     ++report.iterations;

@@ -1,6 +1,9 @@
 #include "solve/recall.hpp"
 
-#include <limits>
+#include <algorithm>
+#include <array>
+
+#include "core/room.hpp"
 
 namespace unibody {
 
@@ -12,66 +15,82 @@ constexpr double reach = 0.1;
 // The body whose frame a manifold's points are remembered in: a, unless it is static and would not carry them along.
 Slot carrier(const World& world, const Manifold& m) { return world.is_static(m.slot_a) ? m.slot_b : m.slot_a; }
 
-void recall_pair(const World& world, const Contacts& contacts, const Manifold& m, std::span<const RememberedPoint> old,
-                 double step, std::vector<ContactBatch::Impulse>& impulses) {
+// There is one point at most, which rolls about its body and is the same contact wherever it is.
+bool has_one_point(const World& world, const Manifold& m) {
+  return is_round(world.properties[m.slot_a].shape) || is_round(world.properties[m.slot_b].shape);
+}
+
+// In the frame of the body that carries a manifold's points.
+class Places {
+ public:
+  Places(const World& world, const Manifold& m) : position_(world.position[carrier(world, m)]) {
+    to_body_ = world.orientation[carrier(world, m)].conjugate().toRotationMatrix();
+  }
+  Vec3 of(const ContactPoint& p) const { return to_body_ * (p.position - position_); }
+
+ private:
+  Vec3 position_;
+  Mat3 to_body_;
+};
+
+// For each of the manifold's points the nearest old one within reach that is not taken yet; -1: none.
+void match(const World& world, const Contacts& contacts, const Manifold& m, std::span<const Vec3> old, std::span<int> matches) {
   const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;
   const double size = reach * std::min(bounding_radius(a), bounding_radius(b));
-  const bool one_point = is_round(a) || is_round(b);  // it rolls about its body, but it is the same contact
-  const Slot body = carrier(world, m);
-  const Mat3 to_body = world.orientation[body].conjugate().toRotationMatrix();
-  const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+  const Places places(world, m);
   std::uint32_t used = 0;  // bit k: old point k is taken
   for (std::uint32_t p = 0; p < m.count; ++p) {
-    const Vec3 place = to_body * (contacts.points[m.first + p].position - world.position[body]);
-    double nearest = one_point ? std::numeric_limits<double>::infinity() : size * size;
-    std::size_t best = old.size();
+    const Vec3 place = places.of(contacts.points[m.first + p]);
+    double nearest = size * size;
+    matches[p] = -1;
     for (std::size_t k = 0; k < old.size(); ++k) {
-      const double distance2 = (old[k].place - place).squaredNorm();
-      if ((used >> k & 1) == 0 && distance2 < nearest) nearest = distance2, best = k;
+      const double distance2 = (old[k] - place).squaredNorm();
+      if ((used >> k & 1) == 0 && distance2 < nearest) nearest = distance2, matches[p] = static_cast<int>(k);
     }
-    if (best == old.size()) continue;
-    used |= 1u << best;
-    const RememberedPoint& from = old[best];
-    impulses[m.first + p] = {from.normal * step, from.tangential.dot(s) * step, from.tangential.dot(t) * step};
+    if (matches[p] >= 0) used |= 1u << matches[p];
   }
 }
 
 }  // namespace
 
-std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts,
-                                          double step) {
-  std::vector<ContactBatch::Impulse> impulses(contacts.points.size(), {0, 0, 0});
-  auto old = multipliers.manifolds.begin();
+void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
+            std::span<ContactBatch::Impulse> impulses) {
+  std::fill(impulses.begin(), impulses.end(), ContactBatch::Impulse{0, 0, 0});
+  const auto& old = multipliers.manifolds;
+  std::size_t k = 0;
   for (const Manifold& m : contacts.manifolds) {
     const auto key = std::pair(m.id_a, m.id_b);
-    while (old != multipliers.manifolds.end() && std::pair(old->id_a, old->id_b) < key) ++old;
-    if (old == multipliers.manifolds.end()) break;
-    if (std::pair(old->id_a, old->id_b) == key)
-      recall_pair(world, contacts, m, {multipliers.points.data() + old->first, old->count}, step, impulses);
+    while (k < old.size() && std::pair(old[k].id_a, old[k].id_b) < key) ++k;
+    if (k == old.size()) break;
+    if (std::pair(old[k].id_a, old[k].id_b) != key) continue;
+    std::array<int, 8> matches{};
+    if (!has_one_point(world, m)) match(world, contacts, m, multipliers.places_of(k), matches);
+    const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+    for (std::uint32_t p = 0; p < m.count; ++p) {
+      if (matches[p] < 0) continue;
+      const RememberedPoint& from = multipliers.points[old[k].first_point + static_cast<std::size_t>(matches[p])];
+      impulses[m.first + p] = {from.normal * step, from.tangential.dot(s) * step, from.tangential.dot(t) * step};
+    }
   }
-  return impulses;
 }
 
 void remember(Multipliers& multipliers, const World& world, const Contacts& contacts,
               std::span<const ContactBatch::Impulse> impulses, double step) {
-  multipliers.manifolds.clear(), multipliers.points.clear();
-  const auto make_room = [](auto& v, std::size_t n) {
-    if (v.capacity() < n) v.reserve(n + n / 8);
-  };
+  multipliers.manifolds.clear(), multipliers.points.clear(), multipliers.places.clear();
   make_room(multipliers.manifolds, contacts.manifolds.size()), make_room(multipliers.points, contacts.points.size());
+  const auto is_zero = [](const ContactBatch::Impulse& i) { return i.n == 0 && i.s == 0 && i.t == 0; };
   for (const Manifold& m : contacts.manifolds) {
-    const Slot body = carrier(world, m);
-    const Mat3 to_body = world.orientation[body].conjugate().toRotationMatrix();
+    const auto of_manifold = impulses.subspan(m.first, m.count);
+    if (std::all_of(of_manifold.begin(), of_manifold.end(), is_zero)) continue;
+    multipliers.begin_manifold(m.id_a, m.id_b);
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
-    const auto first = static_cast<std::uint32_t>(multipliers.points.size());
-    for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
-      const ContactBatch::Impulse& impulse = impulses[p];
-      if (impulse.n == 0 && impulse.s == 0 && impulse.t == 0) continue;
-      multipliers.points.push_back({to_body * (contacts.points[p].position - world.position[body]), impulse.n / step,
-                                    (s * impulse.s + t * impulse.t) / step, contacts.points[p].feature});
-    }
-    const auto count = static_cast<std::uint32_t>(multipliers.points.size()) - first;
-    if (count > 0) multipliers.manifolds.push_back({m.id_a, m.id_b, first, count});
+    for (const ContactBatch::Impulse& i : of_manifold)
+      if (!is_zero(i)) multipliers.points.push_back({i.n / step, (s * i.s + t * i.t) / step});
+    if (has_one_point(world, m)) continue;
+    const Places places(world, m);
+    make_room(multipliers.places, multipliers.places.size() + m.count);
+    for (std::uint32_t p = 0; p < m.count; ++p)
+      if (!is_zero(of_manifold[p])) multipliers.places.push_back(places.of(contacts.points[m.first + p]));
   }
 }
 

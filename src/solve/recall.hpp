@@ -1,7 +1,7 @@
 // Warm start: which of the last step's multipliers a contact point starts from.
 #pragma once
 
-#include <vector>
+#include <span>
 
 #include "collide/contacts.hpp"
 #include "constraints/contact_batch.hpp"
@@ -10,10 +10,11 @@
 
 namespace unibody {
 
-// Impulses (N s, in each point's own frame) for a step of `step` s: those of the same pair's nearest remembered point, in the
-// frame of the body that carries it; each old point serves once. A pure function of the pair's points: no order, no rank matters.
-std::vector<ContactBatch::Impulse> recall(const Multipliers& multipliers, const World& world, const Contacts& contacts,
-                                          double step);
+// Sets the impulses (N s, in each point's own frame) for a step of `step` s: those of the same pair's nearest remembered point,
+// in the frame of the body that carries it; each old point serves once. A pure function of the pair's points: no order, no rank
+// matters.
+void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
+            std::span<ContactBatch::Impulse> impulses);
 
 // The other way: what to remember of these impulses.
 void remember(Multipliers& multipliers, const World& world, const Contacts& contacts,

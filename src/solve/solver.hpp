@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory_resource>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,17 +17,27 @@ namespace unibody {
 
 // Everything one step's solve works on. Bodies: homes, guests, statics, and one body that is nobody, for empty lanes.
 struct System {
+  explicit System(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
+      : bodies(memory),
+        inertia(memory),
+        isotropic(memory),
+        gyroscopic(memory),
+        wrenches(memory),
+        contacts(memory),
+        places(memory),
+        counted(memory) {}
+
   std::size_t homes = 0;
-  std::vector<SolverBody> bodies;
-  std::vector<InverseInertia> inertia;  // of each body
-  std::vector<std::uint8_t> isotropic;  // of each body: SolverBody::inverse_inertia says it all
-  std::vector<Wrench> wrenches;         // of each body; zero between sweeps
+  std::pmr::vector<SolverBody> bodies;
+  std::pmr::vector<InverseInertia> inertia;  // of each body that is not isotropic; empty where all are
+  std::pmr::vector<std::uint8_t> isotropic;  // of each body: SolverBody::inverse_inertia says it all
+  std::pmr::vector<Vec3> gyroscopic;         // kg m^2/s, like `inertia`: momentum that the predicted spin leaves out
+  std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps
   ContactBatch contacts;
-  ConstraintBatches constraints;
-  std::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
-  double step = 0.016;        // s
-  bool constrained = false;   // the stage has the other constraints too, not only the contacts
-  std::vector<std::uint8_t> counted;       // of each manifold: this rank counts it in sums over all manifolds
+  ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
+  std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
+  double step = 0.016;             // s
+  std::pmr::vector<std::uint8_t> counted;  // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
 
   Places start() const { return {places, step}; }

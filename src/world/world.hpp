@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "world/body.hpp"
+#include "world/properties.hpp"
 
 namespace unibody {
 
@@ -16,7 +16,7 @@ struct World {
   std::size_t homes = 0, guests = 0;
 
   std::vector<Id> id;
-  std::vector<BodyProperties> properties;
+  PropertyTable properties;
   std::vector<Vec3> position;          // m
   std::vector<Quat> orientation;       // body -> world, unit
   std::vector<Vec3> velocity;          // m/s
@@ -50,7 +50,7 @@ struct World {
     id.resize(n), properties.resize(n), position.resize(n), orientation.resize(n), velocity.resize(n), angular_velocity.resize(n);
   }
   void set(std::size_t slot, const Body& b) {
-    id[slot] = b.id, properties[slot] = b.properties;
+    id[slot] = b.id, properties.set(slot, b.properties);
     set_state(slot, b.state);
   }
 };

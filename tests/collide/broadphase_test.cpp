@@ -49,11 +49,10 @@ std::vector<std::pair<int, int>> brute_force(const Input& in) {
 }
 
 std::vector<std::pair<int, int>> found(BroadPhase& broad, const Input& in) {
-  std::vector<IndexPair> pairs;
+  Pairs pairs;
   broad.find(in.bounds, in.roles, pairs);
-  broad.sort(pairs, in.bounds.size());
   std::vector<std::pair<int, int>> result;
-  for (const auto& p : pairs) result.emplace_back(p.first, p.second);
+  for (const auto& p : broad.sort(pairs, in.bounds.size())) result.emplace_back(p.first, p.second);
   return result;
 }
 
@@ -112,7 +111,7 @@ TEST(BroadPhase, TimeIsLinearWithVeryDifferentSizes) {
       in.roles.push_back(Role::home);
     }
     BroadPhase broad;
-    std::vector<IndexPair> pairs;
+    Pairs pairs;
     double best = 1e9;
     for (int repeat = 0; repeat < 3; ++repeat) {
       pairs.clear();

@@ -197,8 +197,8 @@ TEST(RanksMigration, KeepsEveryBodyAndItsMultipliersOnce) {
   // All multipliers by key, from the ranks that hold them.
   const auto forces = [](const Multipliers& m) {
     std::map<std::pair<Id, Id>, std::vector<double>> list;
-    for (const RememberedManifold& r : m.manifolds)
-      for (std::uint32_t p = r.first; p < r.first + r.count; ++p) list[{r.id_a, r.id_b}].push_back(m.points[p].normal);
+    for (std::size_t k = 0; k < m.manifolds.size(); ++k)
+      for (const RememberedPoint& p : m.points_of(k)) list[{m.manifolds[k].id_a, m.manifolds[k].id_b}].push_back(p.normal);
     return list;
   };
   Experiment single(scene_from_text(crowd));
