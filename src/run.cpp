@@ -78,6 +78,8 @@ std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, 
   }
   simulation.world = make_world(homes, statics);
   simulation.multipliers = checkpoint.read_multipliers(simulation.world);
+  simulation.make_constraints();
+  simulation.constraint_multipliers = checkpoint.read_constraint_multipliers(simulation.constraints);
   return checkpoint.frame();
 }
 
@@ -166,7 +168,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     const int every = scene.output.checkpoint_every;
     if (frame > summary.first_frame && every >= 0 && ((every > 0 && frame % every == 0) || frame == scene.time.frames))
       write_checkpoint(comm, checkpoint_path, fingerprint(physics_of(scene)), frame, time, scene.body_count(), simulation.world,
-                       simulation.multipliers);
+                       simulation.multipliers, simulation.constraints, simulation.constraint_multipliers);
   };
   write(summary.first_frame);
 

@@ -40,6 +40,9 @@ class Simulation {
   // Moves every home body to its new home rank, and makes the constraints of those that are here then.
   void move_homes(std::span<const int> home);
 
+  // All constraints of the bodies that are home here, not yet loaded. step() does it where nobody has.
+  void make_constraints();
+
   // Steps taken since time 0; a run that goes on from a checkpoint sets it.
   std::int64_t steps_done = 0;
 
@@ -56,7 +59,6 @@ class Simulation {
 
  private:
   void predict();
-  void make_constraints();
   void build_constraints();
   void build_system();
   void fill_places(std::span<const std::int32_t> counts);

@@ -10,6 +10,7 @@
 #include "core/errors.hpp"
 #include "core/hash.hpp"
 #include "report/by_id.hpp"
+#include "report/checkpoint_constraints.hpp"
 
 namespace unibody {
 
@@ -154,13 +155,15 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
 std::string fingerprint(const std::string& scene_text) { return hex(Hash().add(std::string_view(scene_text)).value()); }
 
 void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint, std::int64_t frame, double time,
-                      Id count, const World& world, const Multipliers& multipliers) {
+                      Id count, const World& world, const Multipliers& multipliers, const ConstraintSet& constraints,
+                      const ConstraintMultipliers& constraint_multipliers) {
+  const auto rows = constraint_rows(comm, count, world, constraints, constraint_multipliers);
   const auto bodies = rows_by_id(comm, world, count, [&](std::size_t s) { return to_row(world.properties[s], world.state(s)); });
   const auto points = point_rows(comm, count, world, multipliers);
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   const Id first = id_blocks(comm, count).first(rank);
-  const std::string hash = hash_of_all(comm, sum_of_hashes(first, bodies, points));
+  const std::string hash = hash_of_all(comm, sum_of_hashes(first, bodies, points) + sum_of_hashes(rows));
   const std::string part = path + ".part";
   auto total = static_cast<std::int64_t>(points.size());
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm);
@@ -189,6 +192,7 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, static_cast<hsize_t>(count), body_columns);
     bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), bodies.size(), bodies.data());
     good = write_points(comm, file, points, total) && good;
+    good = write_constraint_rows(comm, file, rows) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
     if (!good) throw std::runtime_error("is the disk full?");
   });
@@ -338,7 +342,7 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
       expect_shape(h5::open_dataset(file_, "multipliers/key"), points, key_columns);
       expect_shape(h5::open_dataset(file_, "multipliers/point"), points, 7);
       hash = h5::read_string(file_, "hash");
-      sum = sum_of_hashes(comm, file_, count_, static_cast<Id>(points));
+      sum = sum_of_hashes(comm, file_, count_, static_cast<Id>(points)) + sum_of_hashes(read_constraint_rows(comm, file_));
     });
   } catch (const InputError& e) {
     fault = e.what();
@@ -356,6 +360,10 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
     for (std::size_t k = 0; k < rows.size(); ++k) bodies[k] = from_row(first + static_cast<Id>(k), rows[k]);
     return bodies;
   });
+}
+
+ConstraintMultipliers Checkpoint::read_constraint_multipliers(const ConstraintSet& constraints) const {
+  return reading(path_, [&] { return unibody::read_constraint_multipliers(file_, constraints); });
 }
 
 Multipliers Checkpoint::read_multipliers(const World& world) const {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "constraints/constraint_types.hpp"
 #include "constraints/multipliers.hpp"
 #include "core/hdf5.hpp"
 #include "world/world.hpp"
@@ -19,7 +20,8 @@ std::string fingerprint(const std::string& scene_text);
 // Writes path + ".part", forces it to the disk, and renames it to `path`: the same bytes on any number of ranks. `count` is the
 // number of all bodies. Collective; throws RunError on every rank if the disk fails, and the old file is then untouched.
 void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint, std::int64_t frame, double time,
-                      Id count, const World& world, const Multipliers& multipliers);
+                      Id count, const World& world, const Multipliers& multipliers, const ConstraintSet& constraints = {},
+                      const ConstraintMultipliers& constraint_multipliers = {});
 
 // Reads a checkpoint, on any number of ranks. All members throw InputError when the file is damaged.
 class Checkpoint {
@@ -38,6 +40,9 @@ class Checkpoint {
   // The multipliers of all pairs with a home body of `world` (only its home and static ids are looked at), in order of key. Each
   // rank reads a share of the file and sends it on: none holds them all. Collective.
   Multipliers read_multipliers(const World& world) const;
+
+  // Of each of these constraints; 0 where the file has none. Not collective.
+  ConstraintMultipliers read_constraint_multipliers(const ConstraintSet& constraints) const;
 
  private:
   MPI_Comm comm_;
