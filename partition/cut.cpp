@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "constraints/constraint_batches.hpp"
+
 namespace unibody {
 
 namespace {

@@ -11,13 +11,14 @@
 #include <vector>
 
 #include "collide/contacts.hpp"
-#include "constraints/constraint_batches.hpp"
 #include "core/phases.hpp"
 #include "partition/halo.hpp"
 #include "solve/system.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
+
+class ConstraintBatches;
 
 class Cut {
  public:

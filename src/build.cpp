@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "constraints/constraint_types.hpp"
+
 namespace unibody {
 
 World build_world(MPI_Comm comm, const Scene& scene) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "build.hpp"
+#include "constraints/constraint_batches.hpp"
 #include "core/room.hpp"
 #include "partition/migrate.hpp"
 #include "partition/migrate_constraints.hpp"
@@ -20,7 +21,8 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
       halo_(comm),
       cut_(halo_, clock),
       solver_(find_solver(scene.solver.name)),
-      step_(scene.time.step / scene.time.substeps) {
+      step_(scene.time.step / scene.time.substeps),
+      constraint_batches_(std::make_unique<ConstraintBatches>()) {
   collide_settings_.step = step_;
   collide_settings_.margin = scene.solver.margin;
   collide_settings_.gravity = scene.gravity;
@@ -28,6 +30,8 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
   collide_settings_.friction = scene.friction;
   collide_settings_.material_count = scene.materials.size();
 }
+
+Simulation::~Simulation() = default;
 
 void Simulation::set_tolerance_from_bodies() {
   tolerance_ = scene_.solver.tolerance;
@@ -97,9 +101,9 @@ void Simulation::make_constraints() {
 void Simulation::build_constraints() {
   if (built_version_ == halo_.version()) return;
   built_version_ = halo_.version();
-  constraint_batches_.build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver.order,
-                            colours_);
-  cut_.set_constraints(world, constraint_batches_);
+  constraint_batches_->build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver.order,
+                             colours_);
+  cut_.set_constraints(world, *constraint_batches_);
 }
 
 // v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits.
@@ -152,7 +156,7 @@ void Simulation::build_system() {
     groups = {static_cast<std::uint32_t>(n)};
     counts.assign(world.size() + 1, 0);
     for (const Manifold& m : contacts.manifolds) ++counts[m.slot_a], ++counts[m.slot_b];
-    constraint_batches_.count(counts);
+    constraint_batches_->count(counts);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
     groups.resize(n);
@@ -186,7 +190,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
   system_.contacts.start_stage(stage);
   system_.before_iteration = nullptr;
-  system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? &constraint_batches_ : nullptr;
+  system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
   const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance_);
@@ -198,7 +202,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
   const double share = constraints_of_all_ > 0 ? scene_.solver.warm_start : 0;
-  if (constraints_of_all_ > 0) constraint_batches_.set_multipliers(constraint_multipliers, share);
+  if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, share);
   if (jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts <= 0) {
     system_.contacts.set_impulses({});
@@ -212,7 +216,7 @@ void Simulation::warm_start(double share_of_contacts) {
   const Scratch::Frame frame(scratch_);
   if (!jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
-  if (share > 0) constraint_batches_.add_impulses(system_.start(), system_.bodies, system_.wrenches);
+  if (share > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.wrenches);
   system_.apply_wrenches();
   if (solver_.sweeps_by_colour) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
   cut_.exchange(system_.bodies);
@@ -238,7 +242,7 @@ StepReport Simulation::solve() {
   measure_solution(report);
   report.sliding = system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
   remember(multipliers, world, contacts, impulses, step_);
-  if (constraints_of_all_ > 0) constraint_batches_.get_multipliers(constraint_multipliers, constraints);
+  if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
   MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   return report;
 }
@@ -252,7 +256,7 @@ bool Simulation::any_contacts() const {
 void Simulation::measure_solution(StepReport& report) {
   report.residual = system_.contacts.residual(system_.bodies);
   if (constraints_of_all_ > 0) {
-    report.constraint_residuals = constraint_batches_.residuals(system_.start(), system_.bodies);
+    report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
     for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);
     MPI_Allreduce(MPI_IN_PLACE, report.constraint_residuals.data(), static_cast<int>(report.constraint_residuals.size()),
                   MPI_DOUBLE, MPI_MAX, halo_.comm());
@@ -275,7 +279,7 @@ std::size_t Simulation::bytes() const {
   return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
          bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
-         halo_.bytes() + scratch_.bytes() + constraint_batches_.bytes();
+         halo_.bytes() + scratch_.bytes() + constraint_batches_->bytes();
 }
 
 }  // namespace unibody

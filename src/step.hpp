@@ -2,10 +2,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "collide/collide.hpp"
+#include "constraints/constraint_types.hpp"
 #include "constraints/multipliers.hpp"
 #include "core/phases.hpp"
 #include "core/scratch.hpp"
@@ -30,6 +32,7 @@ struct StepReport {
 class Simulation {
  public:
   Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock);
+  ~Simulation();
 
   // Takes the simulation one step of time.step / time.substeps further.
   StepReport step();
@@ -80,9 +83,9 @@ class Simulation {
   System system_{&scratch_};  // within step()
   double step_ = 0, tolerance_ = 0;
   bool detected_ = false, constraints_made_ = false;
-  ConstraintBatches constraint_batches_;
+  std::unique_ptr<ConstraintBatches> constraint_batches_;
   std::int64_t built_version_ = -1;  // of the halo, for which their slots hold
-  ConstraintBatches::Colours colours_{};
+  ConstraintColours colours_{};
   std::int64_t constraints_of_all_ = 0;
 };
 

@@ -11,7 +11,8 @@ struct Area {
   static constexpr std::array<std::string_view, 2> parameter_names{"rest area (m^2)", "length that makes an area a distance (m)"};
 
   // c = (A - A0) / L.
-  static void evaluate(const std::array<Vec4d, 2>& parameters, const std::array<Vec3x4, 3>& x, Rows<3, 1>& rows) {
+  [[gnu::always_inline]] static inline void evaluate(const std::array<Vec4d, 2>& parameters, const std::array<Vec3x4, 3>& x,
+                                                     Rows<3, 1>& rows) {
     const Vec3x4 d1 = x[1] - x[0], d2 = x[2] - x[0], twice = cross(d1, d2);
     const Vec4d zero = broadcast(0), squared = dot(twice, twice), norm = sqrt(squared);
     const Vec4d over_length = broadcast(1) / parameters[1];

@@ -17,13 +17,6 @@
 
 namespace unibody {
 
-// What a pass reads of the step: positions at its start with, as fourth component, n_b / m_b: the inverse mass times the
-// number of constraints that share it (Jacobi), and the step.
-struct Places {
-  std::span<const Vec4d> start;  // x, y, z (m), n_b / m_b (1/kg)
-  double step;                   // s
-};
-
 template <ConstraintType C>
 class ConstraintBatch {
  public:
@@ -51,17 +44,17 @@ class ConstraintBatch {
   void get_multipliers(std::span<Multipliers> multipliers) const;
 
   // Adds D lambda of all multipliers to the wrenches of their bodies: applies a warm start.
-  void add_impulses(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
 
   // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate with `beta`, add the impulses to `wrenches`.
-  void sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
+  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
                     SweepSums& sums);
 
   // One Gauss-Seidel pass over a group, whose constraints share no moving body. Returns the largest change (m).
-  double relax(std::size_t group, const Places& places, std::span<SolverBody> bodies);
+  double relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 
   // Natural residual (m): max (h + rho) |r|, zero exactly at a solution.
-  double residual(const Places& places, std::span<const SolverBody> bodies) const;
+  double residual(const StepStart& start, std::span<const SolverBody> bodies) const;
 
   template <typename F>
   void for_each_stencil(F&& f) const {
@@ -79,19 +72,33 @@ class ConstraintBatch {
   const std::vector<Block>& blocks() const { return blocks_; }
 
  private:
+  // What a pass knows of the bodies of a block. `weight`: n_b / m_b for Jacobi, 1 / m_b for Gauss-Seidel.
   struct Ends {
     std::array<Vec3x4, stencil> x, u;
-    std::array<Vec4d, stencil> shared_mass, inverse_mass;  // n_b / m_b and 1 / m_b
+    std::array<Vec4d, stencil> weight;
   };
   using Solution = std::array<Vec4d, rows>;
 
-  static Ends gather(const Block& block, const Places& places, std::span<const SolverBody> bodies);
-  Solution residual_of(std::size_t b, const Ends& ends, const Rows<stencil, rows>& at, const std::vector<Solution>& lambda,
-                       double step) const;
-  Solution solve_block(std::size_t b, const Rows<stencil, rows>& at, const std::array<Vec4d, stencil>& weight, const Solution& r,
-                       double step) const;
-  static void add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change, std::span<Wrench> wrenches);
-  const Softness* softness(std::size_t b) const { return softness_.empty() ? nullptr : &softness_[b]; }
+  // The pieces of a pass: inlined by force, since passing their results through memory costs half as much as the work. Stiff
+  // constraints need no velocities beside the positions.
+  template <bool soft>
+  [[gnu::always_inline]] static inline Ends gather(const Block& block, const StepStart& start,
+                                                   std::span<const SolverBody> bodies);
+  template <bool soft>
+  [[gnu::always_inline]] inline Solution residual_of(std::size_t b, const Ends& ends, const Rows<stencil, rows>& at,
+                                                     const Solution& lambda, double step) const;
+  template <bool soft>
+  [[gnu::always_inline]] inline Solution solve_block(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
+                                                     const Solution& r, double step) const;
+  [[gnu::always_inline]] static inline std::array<std::array<Vec4d, lanes>, stencil> impulses_of(const Rows<stencil, rows>& at,
+                                                                                                 const Solution& change);
+  [[gnu::always_inline]] static inline void add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
+                                                       std::span<Wrench> wrenches);
+  template <bool soft>
+  void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
+             SweepSums& sums);
+  template <bool soft>
+  double relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 
   std::vector<Block> blocks_;
   std::vector<Softness> softness_;  // of each block; empty where all is stiff and undamped

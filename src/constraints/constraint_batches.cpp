@@ -39,7 +39,7 @@ void ConstraintBatches::build_type(ConstraintBatch<C>& batch, const ConstraintLi
 }
 
 void ConstraintBatches::build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, Order order,
-                              const Colours& colours) {
+                              const ConstraintColours& colours) {
   for_each_type(set, [&](auto type, const auto& list) {
     build_type(std::get<type.value>(batches_), list, world, nobody, by_colour, order, colours[type.value]);
   });
@@ -74,13 +74,14 @@ void ConstraintBatches::get_multipliers(ConstraintMultipliers& multipliers, cons
   });
 }
 
-void ConstraintBatches::add_impulses(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const {
-  for_each_type(batches_, [&](auto, const auto& batch) { batch.add_impulses(places, bodies, wrenches); });
+void ConstraintBatches::add_impulses(const StepStart& start, std::span<const SolverBody> bodies,
+                                     std::span<Wrench> wrenches) const {
+  for_each_type(batches_, [&](auto, const auto& batch) { batch.add_impulses(start, bodies, wrenches); });
 }
 
-void ConstraintBatches::sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
                                      double beta, SweepSums& sums) {
-  for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(places, bodies, wrenches, beta, sums); });
+  for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, wrenches, beta, sums); });
 }
 
 std::size_t ConstraintBatches::group_count() const {
@@ -89,20 +90,20 @@ std::size_t ConstraintBatches::group_count() const {
   return n;
 }
 
-double ConstraintBatches::relax(std::size_t group, const Places& places, std::span<SolverBody> bodies) {
+double ConstraintBatches::relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   double change = 0;
   std::size_t first = 0;
   for_each_type(batches_, [&](auto, auto& batch) {
-    if (group >= first && group < first + batch.group_count()) change = batch.relax(group - first, places, bodies);
+    if (group >= first && group < first + batch.group_count()) change = batch.relax(group - first, start, bodies);
     first += batch.group_count();
   });
   return change;
 }
 
-std::array<double, ConstraintTypes::size> ConstraintBatches::residuals(const Places& places,
+std::array<double, ConstraintTypes::size> ConstraintBatches::residuals(const StepStart& start,
                                                                        std::span<const SolverBody> bodies) const {
   std::array<double, ConstraintTypes::size> result{};
-  for_each_type(batches_, [&](auto type, const auto& batch) { result[type.value] = batch.residual(places, bodies); });
+  for_each_type(batches_, [&](auto type, const auto& batch) { result[type.value] = batch.residual(start, bodies); });
   return result;
 }
 

@@ -17,8 +17,8 @@ class ConstraintBatches {
   // Finds the bodies' slots and lays out the constraints: by colour for Gauss-Seidel (one by one where the order is sequential),
   // in the order of the set for the Jacobi solvers. `nobody`: slot of the body that is nobody. `colours`: of each type, over
   // all ranks.
-  using Colours = std::array<std::int32_t, ConstraintTypes::size>;
-  void build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, Order order, const Colours& colours);
+  void build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, Order order,
+             const ConstraintColours& colours);
 
   // Adds one for each constraint to the counts of its bodies.
   void count(std::span<std::int32_t> counts) const;
@@ -32,16 +32,16 @@ class ConstraintBatches {
   bool empty() const;
   void set_multipliers(const ConstraintMultipliers& multipliers, double share);
   void get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const;
-  void add_impulses(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
-  void sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
+  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
                     SweepSums& sums);
 
   // Groups of all types, one after the other: between two of them the shared bodies are exchanged.
   std::size_t group_count() const;
-  double relax(std::size_t group, const Places& places, std::span<SolverBody> bodies);
+  double relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 
   // Natural residual (m) of each type, on this rank.
-  std::array<double, ConstraintTypes::size> residuals(const Places& places, std::span<const SolverBody> bodies) const;
+  std::array<double, ConstraintTypes::size> residuals(const StepStart& start, std::span<const SolverBody> bodies) const;
 
   std::size_t bytes() const;
 

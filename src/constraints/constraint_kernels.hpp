@@ -15,7 +15,8 @@ inline Vec4d inverse_or_zero(Vec4d x) {
 // Solves A d = b for symmetric positive semidefinite A (lower triangle), four at once, by L D L^T without pivots; a row without
 // mass or compliance gives d = 0.
 template <std::size_t n>
-std::array<Vec4d, n> solve_symmetric(std::array<std::array<Vec4d, n>, n> a, std::array<Vec4d, n> b) {
+[[gnu::always_inline]] inline std::array<Vec4d, n> solve_symmetric(std::array<std::array<Vec4d, n>, n> a,
+                                                                   std::array<Vec4d, n> b) {
   if constexpr (n == 1) {
     return {b[0] * inverse_or_zero(a[0][0])};
   } else {
@@ -88,41 +89,45 @@ void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) con
         multipliers[static_cast<std::size_t>(order_[i])][k] = lambda_[i / lanes][k][i % lanes];
 }
 
+// A body's record is read as a row of four, x = x_l + h v in all but its fourth component, and rows are turned into lanes.
 template <ConstraintType C>
-typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block& block, const Places& places,
-                                                             std::span<const SolverBody> bodies) {
+template <bool soft>
+inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block& block, const StepStart& start,
+                                                                    std::span<const SolverBody> bodies) {
   Ends ends;
-  const Vec4d step = broadcast(places.step);
+  const Vec4d step{start.step, start.step, start.step, 0};
   for (std::size_t e = 0; e < stencil; ++e) {
     const auto& s = block.slot[e];
-    Vec4d x = places.start[s[0]], y = places.start[s[1]], z = places.start[s[2]], w = places.start[s[3]];
+    const auto velocity = [&](std::size_t l) { return *reinterpret_cast<const Vec4dView*>(&bodies[s[l]]); };  // and 1/m
+    Vec4d v0 = velocity(0), v1 = velocity(1), v2 = velocity(2), v3 = velocity(3);
+    Vec4d x = start.places[s[0]] + step * v0, y = start.places[s[1]] + step * v1;
+    Vec4d z = start.places[s[2]] + step * v2, w = start.places[s[3]] + step * v3;
     transpose(x, y, z, w);
-    const auto of = [&](Slot slot) { return *reinterpret_cast<const Vec4dView*>(&bodies[slot]); };  // v and 1/m
-    Vec4d vx = of(s[0]), vy = of(s[1]), vz = of(s[2]), vw = of(s[3]);
-    transpose(vx, vy, vz, vw);
-    ends.u[e] = {vx, vy, vz};
-    ends.x[e] = Vec3x4{x, y, z} + ends.u[e] * step;
-    ends.shared_mass[e] = w, ends.inverse_mass[e] = vw;
+    ends.x[e] = {x, y, z}, ends.weight[e] = w;
+    if constexpr (soft) {
+      transpose(v0, v1, v2, v3);
+      ends.u[e] = {v0, v1, v2};
+    }
   }
   return ends;
 }
 
 template <ConstraintType C>
-typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_t b, const Ends& ends,
-                                                                      const Rows<stencil, rows>& at,
-                                                                      const std::vector<Solution>& lambda, double step) const {
+template <bool soft>
+inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_t b, const Ends& ends,
+                                                                             const Rows<stencil, rows>& at,
+                                                                             const Solution& lambda, double step) const {
   Solution r;
-  const Softness* soft = softness(b);
   const Vec4d over_step = broadcast(1 / step);
   for (std::size_t k = 0; k < rows; ++k) {
-    if (soft == nullptr) {
+    if constexpr (soft) {
+      const Softness& s = softness_[b];
+      Vec4d rate = broadcast(0);
+      for (std::size_t e = 0; e < stencil; ++e) rate += dot(at.gradient[k][e], ends.u[e]);
+      r[k] = (at.value[k] + s.compliance[k] * lambda[k] * over_step + s.damping * rate) / (broadcast(step) + s.damping);
+    } else {
       r[k] = at.value[k] * over_step;
-      continue;
     }
-    Vec4d rate = broadcast(0);
-    for (std::size_t e = 0; e < stencil; ++e) rate += dot(at.gradient[k][e], ends.u[e]);
-    r[k] =
-        (at.value[k] + soft->compliance[k] * lambda[b][k] * over_step + soft->damping * rate) / (broadcast(step) + soft->damping);
   }
   return r;
 }
@@ -130,45 +135,52 @@ typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_
 // The step -P^-1 r, P = sum over the bodies of weight D^T D, plus E / (h (h + rho)): with weight n_b / m_b it bounds the whole
 // system from above, with 1 / m_b it is the constraint's own block.
 template <ConstraintType C>
-typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std::size_t b, const Rows<stencil, rows>& at,
-                                                                      const std::array<Vec4d, stencil>& weight, const Solution& r,
-                                                                      double step) const {
+template <bool soft>
+inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std::size_t b, const Rows<stencil, rows>& at,
+                                                                             const Ends& ends, const Solution& r,
+                                                                             double step) const {
   std::array<std::array<Vec4d, rows>, rows> P;
-  const Softness* soft = softness(b);
-  for (std::size_t i = 0; i < rows; ++i)
-    for (std::size_t j = 0; j <= i; ++j) {
-      P[i][j] = broadcast(0);
-      for (std::size_t e = 0; e < stencil; ++e) P[i][j] += weight[e] * dot(at.gradient[i][e], at.gradient[j][e]);
-    }
   Solution right;
   for (std::size_t i = 0; i < rows; ++i) {
-    if (soft != nullptr) P[i][i] += soft->compliance[i] / (broadcast(step) * (broadcast(step) + soft->damping));
+    for (std::size_t j = 0; j <= i; ++j) {
+      P[i][j] = ends.weight[0] * dot(at.gradient[i][0], at.gradient[j][0]);
+      for (std::size_t e = 1; e < stencil; ++e) P[i][j] += ends.weight[e] * dot(at.gradient[i][e], at.gradient[j][e]);
+    }
+    if constexpr (soft) P[i][i] += softness_[b].compliance[i] / (broadcast(step) * (broadcast(step) + softness_[b].damping));
     right[i] = -r[i];
   }
   return constraint_kernels::solve_symmetric<rows>(P, right);
 }
 
-// Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
+// D change of each end and lane, as rows of four whose last component is 0.
 template <ConstraintType C>
-void ConstraintBatch<C>::add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
-                                    std::span<Wrench> wrenches) {
-  std::array<std::array<Vec4d, lanes>, stencil> force;
+inline std::array<std::array<Vec4d, lanes>, ConstraintBatch<C>::stencil> ConstraintBatch<C>::impulses_of(
+    const Rows<stencil, rows>& at, const Solution& change) {
+  std::array<std::array<Vec4d, lanes>, stencil> impulse;
   for (std::size_t e = 0; e < stencil; ++e) {
     Vec3x4 f = at.gradient[0][e] * change[0];
     for (std::size_t k = 1; k < rows; ++k) f = f + at.gradient[k][e] * change[k];
-    Vec4d none{};
+    Vec4d none = broadcast(0);
     transpose(f.x, f.y, f.z, none);
-    force[e] = {f.x, f.y, f.z, none};
+    impulse[e] = {f.x, f.y, f.z, none};
   }
+  return impulse;
+}
+
+// Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
+template <ConstraintType C>
+inline void ConstraintBatch<C>::add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
+                                           std::span<Wrench> wrenches) {
+  const auto impulse = impulses_of(at, change);
   for (std::size_t l = 0; l < lanes; ++l)
-    for (std::size_t e = 0; e < stencil; ++e) wrenches[block.slot[e][l]].force += force[e][l];
+    for (std::size_t e = 0; e < stencil; ++e) wrenches[block.slot[e][l]].force += impulse[e][l];
 }
 
 template <ConstraintType C>
-void ConstraintBatch<C>::add_impulses(const Places& places, std::span<const SolverBody> bodies,
+void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies,
                                       std::span<Wrench> wrenches) const {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather(blocks_[b], places, bodies);
+    const Ends ends = gather<false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
     add_forces(blocks_[b], at, lambda_[b], wrenches);
@@ -176,19 +188,19 @@ void ConstraintBatch<C>::add_impulses(const Places& places, std::span<const Solv
 }
 
 template <ConstraintType C>
-void ConstraintBatch<C>::sweep_jacobi(const Places& places, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
-                                      double beta, SweepSums& sums) {
-  if (y_.empty()) y_ = lambda_;
+template <bool soft>
+void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+                               double beta, SweepSums& sums) {
   const double per_unit = 1 / sums.unit;
   const Vec4d momentum = broadcast(beta);
   Vec4d change = broadcast(0), largest = broadcast(0);
   Mask4 gradient{}, progress{};
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather(blocks_[b], places, bodies);
+    const Ends ends = gather<soft>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    const Solution r = residual_of(b, ends, at, y_, places.step);
-    const Solution step = solve_block(b, at, ends.shared_mass, r, places.step);
+    const Solution r = residual_of<soft>(b, ends, at, y_[b], start.step);
+    const Solution step = solve_block<soft>(b, at, ends, r, start.step);
     Solution moved;
     Vec4d uphill = broadcast(0), squared = broadcast(0);
     for (std::size_t k = 0; k < rows; ++k) {
@@ -206,50 +218,62 @@ void ConstraintBatch<C>::sweep_jacobi(const Places& places, std::span<const Solv
     add_forces(blocks_[b], at, moved, wrenches);
   }
   for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
-  sums.change = std::max(sums.change, places.step * horizontal_max(change));
+  sums.change = std::max(sums.change, start.step * horizontal_max(change));
   sums.largest = std::max(sums.largest, horizontal_max(largest));
 }
 
 template <ConstraintType C>
-double ConstraintBatch<C>::relax(std::size_t group, const Places& places, std::span<SolverBody> bodies) {
-  if (group >= group_end_.size()) return 0;
+void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+                                      double beta, SweepSums& sums) {
+  if (y_.empty()) y_ = lambda_;
+  softness_.empty() ? sweep<false>(start, bodies, wrenches, beta, sums) : sweep<true>(start, bodies, wrenches, beta, sums);
+}
+
+template <ConstraintType C>
+template <bool soft>
+double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   Vec4d change = broadcast(0);
   for (std::size_t b = group == 0 ? 0 : group_end_[group - 1]; b < group_end_[group]; ++b) {
     const Block& block = blocks_[b];
-    Ends ends = gather(block, places, bodies);
+    const Ends ends = gather<soft>(block, start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(block.parameters, ends.x, at);
-    const Solution r = residual_of(b, ends, at, lambda_, places.step);
-    const Solution step = solve_block(b, at, ends.inverse_mass, r, places.step);
+    const Solution r = residual_of<soft>(b, ends, at, lambda_[b], start.step);
+    const Solution step = solve_block<soft>(b, at, ends, r, start.step);
     for (std::size_t k = 0; k < rows; ++k) {
       lambda_[b][k] += step[k];
       change = max(change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
     }
-    for (std::size_t e = 0; e < stencil; ++e) {
-      Vec3x4 u = ends.u[e];
-      for (std::size_t k = 0; k < rows; ++k) u = u + at.gradient[k][e] * (step[k] * ends.inverse_mass[e]);
-      Vec4d x = u.x, y = u.y, z = u.z, w = ends.inverse_mass[e];
-      transpose(x, y, z, w);
-      const auto put = [&](std::size_t l, Vec4d v) { *reinterpret_cast<Vec4dView*>(&bodies[block.slot[e][l]]) = v; };
-      put(0, x), put(1, y), put(2, z), put(3, w);
-    }
+    const auto impulse = impulses_of(at, step);
+    for (std::size_t e = 0; e < stencil; ++e)
+      for (std::size_t l = 0; l < lanes; ++l) {
+        auto& row = *reinterpret_cast<Vec4dView*>(&bodies[block.slot[e][l]]);
+        row += impulse[e][l] * broadcast(ends.weight[e][l]);
+      }
   }
-  return places.step * horizontal_max(change);
+  return start.step * horizontal_max(change);
 }
 
 template <ConstraintType C>
-double ConstraintBatch<C>::residual(const Places& places, std::span<const SolverBody> bodies) const {
+double ConstraintBatch<C>::relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
+  if (group >= group_end_.size()) return 0;
+  return softness_.empty() ? relax_group<false>(group, start, bodies) : relax_group<true>(group, start, bodies);
+}
+
+template <ConstraintType C>
+double ConstraintBatch<C>::residual(const StepStart& start, std::span<const SolverBody> bodies) const {
   Vec4d worst = broadcast(0);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather(blocks_[b], places, bodies);
+    const Ends ends = gather<true>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    const Solution r = residual_of(b, ends, at, lambda_, places.step);
+    const Solution r = softness_.empty() ? residual_of<false>(b, ends, at, lambda_[b], start.step)
+                                         : residual_of<true>(b, ends, at, lambda_[b], start.step);
     Vec4d moves = broadcast(0);  // two that cannot move leave a residual that nobody can solve
-    for (const Vec4d m : ends.inverse_mass) moves += m;
+    for (const Vec4d m : ends.weight) moves += m;
     for (const Vec4d rk : r) worst = max(worst, select(moves > broadcast(0), abs(rk), broadcast(0)));
   }
-  return places.step * horizontal_max(worst);
+  return start.step * horizontal_max(worst);
 }
 
 template <ConstraintType C>

@@ -31,12 +31,15 @@ void for_each_type(Set& set, F&& f) {
 // The constraints that touch some bodies, of each type in ascending order of ids.
 template <class C>
 using ConstraintList = std::vector<Constraint<C>>;
-using ConstraintSet = ConstraintTypes::Tuple<ConstraintList>;
+struct ConstraintSet : ConstraintTypes::Tuple<ConstraintList> {};
 
 // Of each constraint of a set, its impulses (N s) in the last step.
 template <class C>
 using MultiplierList = std::vector<std::array<double, C::rows>>;
-using ConstraintMultipliers = ConstraintTypes::Tuple<MultiplierList>;
+struct ConstraintMultipliers : ConstraintTypes::Tuple<MultiplierList> {};
+
+// Of each type, how many colours its constraints have.
+using ConstraintColours = std::array<std::int32_t, ConstraintTypes::size>;
 
 inline std::size_t constraint_count(const ConstraintSet& set) {
   std::size_t n = 0;

@@ -11,7 +11,8 @@ struct Distance {
   static constexpr std::array<std::string_view, 1> parameter_names{"rest length (m)"};
 
   // c = |x0 - x1| - l.
-  static void evaluate(const std::array<Vec4d, 1>& parameters, const std::array<Vec3x4, 2>& x, Rows<2, 1>& rows) {
+  [[gnu::always_inline]] static inline void evaluate(const std::array<Vec4d, 1>& parameters, const std::array<Vec3x4, 2>& x,
+                                                     Rows<2, 1>& rows) {
     const Vec3x4 between = x[0] - x[1];
     const Vec4d zero = broadcast(0), squared = dot(between, between);
     const Vec4d length = sqrt(squared);

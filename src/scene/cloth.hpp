@@ -1,6 +1,7 @@
 // The sections `cloths` and `threads`: flexible bodies of particles and the constraints between them.
 #pragma once
 
+#include "constraints/constraint_types.hpp"
 #include "scene/body_entry.hpp"
 
 namespace unibody {

@@ -8,11 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "constraints/constraint_types.hpp"
 #include "solve/settings.hpp"
 #include "world/body.hpp"
 
 namespace unibody {
+
+struct ConstraintSet;
 
 struct TimeSettings {
   double step = 0.016;  // s, one frame

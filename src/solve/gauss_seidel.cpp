@@ -3,6 +3,7 @@
 
 #include <mpi.h>
 
+#include "constraints/constraint_batches.hpp"
 #include "solve/solver.hpp"
 
 namespace unibody {

@@ -5,6 +5,7 @@
 
 #include <mpi.h>
 
+#include "constraints/constraint_batches.hpp"
 #include "solve/momentum.hpp"
 #include "solve/solver.hpp"
 

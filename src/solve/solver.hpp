@@ -7,13 +7,14 @@
 #include <string_view>
 #include <vector>
 
-#include "constraints/constraint_batches.hpp"
 #include "constraints/contact_batch.hpp"
 #include "partition/cut.hpp"
 #include "solve/settings.hpp"
 #include "solve/system.hpp"
 
 namespace unibody {
+
+class ConstraintBatches;
 
 // Everything one step's solve works on. Bodies: homes, guests, statics, and one body that is nobody, for empty lanes.
 struct System {
@@ -40,7 +41,7 @@ struct System {
   std::pmr::vector<std::uint8_t> counted;  // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
 
-  Places start() const { return {places, step}; }
+  StepStart start() const { return {places, step}; }
 
   // Home bodies: u += W wrench. Clears the wrenches. Guests follow by the next exchange.
   void apply_wrenches();

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "core/simd.hpp"
@@ -28,6 +29,13 @@ struct InverseInertia {
 // Sum of the constraint impulses on a body in one sweep: N s and N m s, about its centre.
 struct alignas(64) Wrench {
   Vec4d force, torque;  // x, y, z, unused
+};
+
+// What a pass reads of the step: positions at its start with, as fourth component, n_b / m_b: the inverse mass times the
+// number of constraints that share it (Jacobi), and the step.
+struct StepStart {
+  std::span<const Vec4d> places;  // x, y, z (m), n_b / m_b (1/kg)
+  double step;                    // s
 };
 
 // What one sweep tells the solver. Maxima and fixed-point sums: the same whatever the order or the number of ranks.
