@@ -143,8 +143,12 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std
   Solution right;
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
-      P[i][j] = ends.weight[0] * dot(at.gradient[i][0], at.gradient[j][0]);
-      for (std::size_t e = 1; e < stencil; ++e) P[i][j] += ends.weight[e] * dot(at.gradient[i][e], at.gradient[j][e]);
+      const auto of_end = [&](std::size_t e) {
+        if constexpr (requires { requires C::unit_gradients; }) return ends.weight[e];
+        return ends.weight[e] * dot(at.gradient[i][e], at.gradient[j][e]);
+      };
+      P[i][j] = of_end(0);
+      for (std::size_t e = 1; e < stencil; ++e) P[i][j] += of_end(e);
     }
     if constexpr (soft) P[i][i] += softness_[b].compliance[i] / (broadcast(step) * (broadcast(step) + softness_[b].damping));
     right[i] = -r[i];

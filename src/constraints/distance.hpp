@@ -8,6 +8,7 @@ namespace unibody {
 struct Distance {
   static constexpr std::string_view name = "distance";
   static constexpr std::size_t stencil = 2, rows = 1;
+  static constexpr bool unit_gradients = true;  // the block needs no more than the weights, without waiting for the direction
   static constexpr std::array<std::string_view, 1> parameter_names{"rest length (m)"};
 
   // c = |x0 - x1| - l.
@@ -16,8 +17,10 @@ struct Distance {
     const Vec3x4 between = x[0] - x[1];
     const Vec4d zero = broadcast(0), squared = dot(between, between);
     const Vec4d length = sqrt(squared);
-    const Vec4d inverse = select(squared > zero, broadcast(1) / length, zero);  // two that coincide have no direction
-    const Vec3x4 n = between * inverse;
+    const Mask4 apart = squared > zero;
+    const Vec4d inverse = select(apart, broadcast(1) / length, zero);
+    const Vec3x4 n{between.x * inverse, between.y * inverse,
+                   select(apart, between.z * inverse, broadcast(1))};  // two that coincide part along z
     rows.value[0] = length - parameters[0];
     rows.gradient[0][0] = n;
     rows.gradient[0][1] = {-n.x, -n.y, -n.z};
