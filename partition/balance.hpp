@@ -5,9 +5,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "collide/contacts.hpp"
+#include "partition/partition.hpp"
+#include "scene/scene.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -15,14 +18,17 @@ namespace unibody {
 class Balance {
  public:
   // seed: homes by a hash of the id instead of METIS. rebalance: whether homes ever change after the start.
-  Balance(MPI_Comm comm, std::optional<std::uint64_t> seed, bool rebalance) : comm_(comm), seed_(seed), rebalance_(rebalance) {}
+  // groups: the flexible bodies of the scene, whose nodes go by patches.
+  Balance(MPI_Comm comm, std::optional<std::uint64_t> seed, bool rebalance, std::span<const ConstraintGroup> groups = {})
+      : comm_(comm), seed_(seed), rebalance_(rebalance), groups_(groups) {}
 
-  // Collective. New homes of this rank's home bodies; before the first step contacts are empty and all bodies cost the same.
-  std::vector<int> homes(const World& world, const Contacts& contacts) const;
+  // Collective. New homes of this rank's home bodies; before the first step contacts are empty. `constraints`: those that touch
+  // this rank's bodies.
+  std::vector<int> homes(const World& world, const Contacts& contacts, const ConstraintSet* constraints = nullptr) const;
 
   // Collective. Largest work of a rank over the mean, 1 when even; work is counted (points evaluated, bodies moved), not timed,
   // so that the report is the same on each run.
-  double imbalance(const World& world, const Contacts& contacts);
+  double imbalance(const World& world, const Contacts& contacts, std::size_t constraint_count = 0);
 
   // Whether homes() is worth its price now: imbalance or the number of guests has passed its bound since the last change.
   // Call after imbalance().
@@ -30,9 +36,13 @@ class Balance {
   void changed() { fresh_ = true; }
 
  private:
+  Patch patch_of(Id id) const;
+  std::vector<PatchLink> links(const ConstraintSet& constraints) const;
+
   MPI_Comm comm_;
   std::optional<std::uint64_t> seed_;
   bool rebalance_;
+  std::span<const ConstraintGroup> groups_;
   bool fresh_ = true;  // homes have changed since the last look
   double imbalance_ = 1, guest_share_ = 0, imbalance_then_ = 1, guest_share_then_ = 0;
 };

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <numeric>
 #include <unordered_map>
 
@@ -14,7 +16,10 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_cells = 131;
+constexpr int tag_cells = 131, tag_links = 132;
+
+// A patch is a cell in a layer of its own: x its number, y its group.
+constexpr std::int32_t patch_layer = std::numeric_limits<std::int32_t>::min();
 
 struct Cell {
   std::int32_t x, y, z;
@@ -30,6 +35,8 @@ Cell cell_at(const Vec3& p, double edge) {
   const auto index = [&](double x) { return static_cast<std::int32_t>(std::floor(std::clamp(x / edge, -1e9, 1e9))); };
   return {index(p.x()), index(p.y()), index(p.z()), 0, 0};
 }
+
+Cell cell_of(const Patch& p) { return {p.number, p.group, patch_layer, 0, 0}; }
 
 // Sorted cells without repeats; weights added, the heaviest contributor owns.
 std::vector<Cell> merge(std::vector<Cell> cells) {
@@ -51,7 +58,23 @@ struct Graph {
   std::vector<idx_t> begin, neighbour, edge_weight, node_weight;
 };
 
-Graph graph_of(const std::vector<Cell>& cells) {
+// Patches are neighbours where constraints tie them together.
+using Links = std::map<std::pair<std::size_t, std::size_t>, float>;
+
+Links links_between(const std::vector<Cell>& cells, std::span<const PatchLink> links) {
+  Links result;
+  const auto find = [&](const Patch& p) {
+    return static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell_of(p), before) - cells.begin());
+  };
+  for (const PatchLink& link : links) {
+    const std::size_t a = find(link.a), b = find(link.b);
+    if (a == b || a >= cells.size() || b >= cells.size()) continue;
+    result[{a, b}] += link.weight, result[{b, a}] += link.weight;
+  }
+  return result;
+}
+
+Graph graph_of(const std::vector<Cell>& cells, const Links& links) {
   Graph g;
   const float heaviest =
       std::max_element(cells.begin(), cells.end(), [](auto& a, auto& b) { return a.weight < b.weight; })->weight;
@@ -59,6 +82,11 @@ Graph graph_of(const std::vector<Cell>& cells) {
   for (const Cell& c : cells) g.node_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(c.weight / unit))));
   for (std::size_t i = 0; i < cells.size(); ++i) {
     g.begin.push_back(static_cast<idx_t>(g.neighbour.size()));
+    for (auto it = links.lower_bound({i, 0}); it != links.end() && it->first.first == i; ++it) {
+      g.neighbour.push_back(static_cast<idx_t>(it->first.second));
+      g.edge_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(it->second / unit))));
+    }
+    if (cells[i].z == patch_layer) continue;
     for (int axis = 0; axis < 3; ++axis)
       for (const int step : {-1, 1}) {
         Cell other = cells[i];
@@ -74,13 +102,13 @@ Graph graph_of(const std::vector<Cell>& cells) {
   return g;
 }
 
-std::vector<idx_t> cut(const std::vector<Cell>& cells, int ranks) {
+std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const PatchLink> links, int ranks) {
   std::vector<idx_t> part(cells.size());
   if (cells.size() <= static_cast<std::size_t>(ranks)) {  // METIS wants more nodes than parts
     std::iota(part.begin(), part.end(), 0);
     return part;
   }
-  Graph g = graph_of(cells);
+  Graph g = graph_of(cells, links_between(cells, links));
   auto nodes = static_cast<idx_t>(cells.size());
   idx_t constraints = 1, parts = ranks, edge_cut = 0, options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
@@ -121,15 +149,19 @@ void rename_parts(const std::vector<Cell>& cells, std::vector<idx_t>& part, int 
 
 }  // namespace
 
-std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double edge) {
+std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double edge,
+                                  std::span<const Patch> patches, std::span<const PatchLink> links) {
   int rank = 0, size = 1;
   MPI_Comm_rank(comm, &rank);
   MPI_Comm_size(comm, &size);
   if (size == 1) return std::vector<int>(positions.size(), 0);
 
+  const auto cell = [&](std::size_t i) {
+    return patches.empty() || patches[i].group < 0 ? cell_at(positions[i], edge) : cell_of(patches[i]);
+  };
   std::vector<Cell> mine(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    mine[i] = cell_at(positions[i], edge);
+    mine[i] = cell(i);
     mine[i].weight = cost[i], mine[i].owner = rank;
   }
   std::vector<std::vector<Cell>> to(static_cast<std::size_t>(size));
@@ -137,12 +169,17 @@ std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions
   std::vector<Cell> all;
   for (const auto& list : exchange_all(comm, to, tag_cells)) all.insert(all.end(), list.begin(), list.end());
 
+  std::vector<std::vector<PatchLink>> links_to(static_cast<std::size_t>(size));
+  links_to[0].assign(links.begin(), links.end());
+  std::vector<PatchLink> all_links;
+  for (const auto& list : exchange_all(comm, links_to, tag_links)) all_links.insert(all_links.end(), list.begin(), list.end());
+
   int failed = 0;
   std::string why;
   if (rank == 0 && !all.empty()) {
     try {
       all = merge(std::move(all));
-      std::vector<idx_t> part = cut(all, size);
+      std::vector<idx_t> part = cut(all, all_links, size);
       rename_parts(all, part, size);
       for (std::size_t i = 0; i < all.size(); ++i) all[i].owner = static_cast<std::int32_t>(part[i]);
     } catch (const RunError& error) {
@@ -158,8 +195,7 @@ std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions
   MPI_Bcast(all.data(), static_cast<int>(count), type, 0, comm);
 
   std::vector<int> home(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    home[i] = std::lower_bound(all.begin(), all.end(), cell_at(positions[i], edge), before)->owner;
+  for (std::size_t i = 0; i < positions.size(); ++i) home[i] = std::lower_bound(all.begin(), all.end(), cell(i), before)->owner;
   return home;
 }
 

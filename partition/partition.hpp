@@ -1,8 +1,9 @@
 // Partition: which rank is home to which body.
 //
-// METIS cuts a small graph whose nodes are cells of space, weighted by the measured cost of the bodies in them. It is solved on
-// one rank and broadcast; a body's home is then its cell's part. No result depends on it, so it may be as approximate as it
-// likes; the price of cells is a cut one cell rough. Parts may be empty: fewer cells than ranks, or no bodies at all, are legal.
+// METIS cuts a small graph whose nodes are cells of space for loose bodies and patches of nodes for cloths and threads, weighted
+// by the measured cost of the bodies in them. It is solved on one rank and broadcast; a body's home is then its cell's part. No
+// result depends on it, so it may be as approximate as it likes; the price of cells is a cut one cell rough. Parts may be empty:
+// fewer cells than ranks, or no bodies at all, are legal.
 #pragma once
 
 #include <mpi.h>
@@ -14,9 +15,22 @@
 
 namespace unibody {
 
+// The patch of a flexible body that a node belongs to; group -1: a loose body, which goes with its cell of space.
+struct Patch {
+  std::int32_t group = -1, number = 0;
+};
+
+// Constraints between two patches.
+struct PatchLink {
+  Patch a, b;
+  float weight = 0;  // cost of its constraints
+};
+
 // Collective. The home rank of each of this rank's bodies. cost: work a body causes in a step, in any unit.
-// Ranks keep as much of what they have as the new parts allow.
-std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double cell);
+// cell: m, edge of a cell. patches: of each body; empty: all are loose. Ranks keep as much of what they have as the new parts
+// allow.
+std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double cell,
+                                  std::span<const Patch> patches = {}, std::span<const PatchLink> links = {});
 
 // A body's home by a hash of its id: the worst partition there is, for tests.
 int random_home(Id id, std::uint64_t seed, int ranks);

@@ -149,8 +149,9 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     throw InputError("'" + options.restart + "' is of frame " + std::to_string(summary.first_frame) +
                      ": key 'time.frames': found " + std::to_string(scene.time.frames) + ", expected no fewer");
   simulation.set_tolerance_from_bodies();
-  Balance balance(comm, options.random_partition, options.rebalance);
-  simulation.move_homes(balance.homes(simulation.world, {}));
+  Balance balance(comm, options.random_partition, options.rebalance, scene.constraint_groups);
+  if (options.restart.empty()) simulation.make_constraints();
+  simulation.move_homes(balance.homes(simulation.world, {}, &simulation.constraints));
 
   prepare_output_directory(comm, options.output, options.overwrite, options.restart);
   const std::string checkpoint_path = options.output + "/checkpoint.h5";
@@ -177,7 +178,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   FrameTimes times(comm, clock);
   for (std::int64_t frame = summary.first_frame + 1; frame <= scene.time.frames; ++frame) {
     if (balance.due()) {
-      simulation.move_homes(balance.homes(simulation.world, simulation.contacts));
+      simulation.move_homes(balance.homes(simulation.world, simulation.contacts, &simulation.constraints));
       balance.changed();
     }
     FrameReport report;
@@ -197,7 +198,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     report.constraint_columns = constraint_values(last);
     report.measures =
         measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
-    report.imbalance = balance.imbalance(simulation.world, simulation.contacts);
+    report.imbalance = balance.imbalance(simulation.world, simulation.contacts, constraint_count(simulation.constraints));
     write(frame);
     times.frame_done(report);
     report_file.append(report);

@@ -34,6 +34,8 @@ struct GridCloth {
 
   Id count() const { return nx * ny; }
   Id node(Id i, Id j) const { return i + nx * j; }
+  // Squares of 16 x 16 nodes.
+  Id patch_of(Id node) const { return node % nx / 16 + node / nx / 16 * ((nx + 15) / 16); }
   bool inside(Id i, Id j) const { return i >= 0 && j >= 0 && i < nx && j < ny; }
   Vec3 place(Id i, Id j) const {
     return {width * (static_cast<double>(i) / static_cast<double>(nx - 1) - 0.5),
@@ -241,7 +243,8 @@ void read_cloth(const Value& entry, Scene& scene) {
         const Id i = k % cloth.nx, j = k / cloth.nx;
         return nodes.at(cloth.place(i, j), cloth.mass_of(i, j));
       },
-      [cloth](Id start, Id node, ConstraintSet& out) { GridConstraints(cloth, start, node, out).add(); });
+      [cloth](Id start, Id node, ConstraintSet& out) { GridConstraints(cloth, start, node, out).add(); },
+      [cloth](Id node) { return cloth.patch_of(node); });
   read_pins(entry, scene, first, [&](const Value& node) {
     if (node.kind != Value::Kind::list || node.entries.size() != 2) node.fail_expected("a node [i, j] of the grid");
     return cloth.node(node.entries[0].integer(0, cloth.nx - 1), node.entries[1].integer(0, cloth.ny - 1));

@@ -33,7 +33,8 @@ Nodes read_nodes(const Value& entry, double radius, const Scene& scene);
 
 // Adds the nodes as bodies first .. first + count - 1, with their constraints; returns the first id.
 Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
-                std::function<void(Id first, Id node, ConstraintSet& out)> touching);
+                std::function<void(Id first, Id node, ConstraintSet& out)> touching,
+                std::function<Id(Id node)> patch = [](Id node) { return node / 256; });
 
 // Reads `pins` where the entry has it: a list of {node: ..., release: s}; `number(value)` reads a node as the entry names it.
 void read_pins(const Value& entry, Scene& scene, Id first, const std::function<Id(const Value&)>& number);

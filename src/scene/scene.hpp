@@ -43,6 +43,9 @@ struct ConstraintGroup {
   Id first = 0;
   Id count = 0;
   std::function<void(Id id, ConstraintSet& out)> touching;
+
+  // The patch of neighbours that a body belongs to: what a partition moves as one. By default a run of ids.
+  std::function<Id(Id id)> patch_of = [](Id id) { return id / 256; };
 };
 
 // A body that is held where it is until a time.

@@ -122,7 +122,7 @@ Nodes read_nodes(const Value& entry, double radius, const Scene& scene) {
 }
 
 Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
-                std::function<void(Id first, Id node, ConstraintSet& out)> touching) {
+                std::function<void(Id first, Id node, ConstraintSet& out)> touching, std::function<Id(Id)> patch) {
   const Id first = scene.body_count();
   BodyGroup group;
   group.first = first, group.count = count, group.name = nodes.name;
@@ -133,7 +133,8 @@ Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(I
   };
   scene.groups.push_back(std::move(group));
   scene.constraint_groups.push_back(
-      {first, count, [first, touching = std::move(touching)](Id id, ConstraintSet& out) { touching(first, id - first, out); }});
+      {first, count, [first, touching = std::move(touching)](Id id, ConstraintSet& out) { touching(first, id - first, out); },
+       [first, patch = std::move(patch)](Id id) { return patch(id - first); }});
   return first;
 }
 

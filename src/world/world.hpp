@@ -33,6 +33,9 @@ struct World {
     for (int range = 0; range < 3; ++range) {
       const auto begin = id.begin() + static_cast<std::ptrdiff_t>(ends[range]);
       const auto end = id.begin() + static_cast<std::ptrdiff_t>(ends[range + 1]);
+      if (begin == end || body < *begin) continue;
+      if (const Id offset = body - *begin; offset < end - begin && begin[offset] == body)  // most runs of ids have no gap
+        return static_cast<Slot>(begin - id.begin() + offset);
       const auto it = std::lower_bound(begin, end, body);
       if (it != end && *it == body) return static_cast<Slot>(it - id.begin());
     }

@@ -31,7 +31,7 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
-     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, solver, output, materials or bodies"},
+     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths or threads"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected step, frames or substeps"},
     {"key_twice", "title: a\ntime: {step: 1}\ntitle: b\n",
@@ -40,7 +40,7 @@ const std::vector<BadInput> bad_files{
     {"section_without_value", "time:\n" + ball,
      "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
-     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials or bodies"},
+     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths or threads"},
     {"value_missing", "time: {step: }\n", "FILE:1: key 'time.step': found nothing, expected a number > 0 (s)"},
 };
 
@@ -170,7 +170,7 @@ const std::vector<BadInput> bad_generators{
     {"wall_of_spheres", with_body("mass: 1\n    wall: {bricks: 3, courses: 2}"),
      "FILE:4: key 'bodies[0].wall': found bricks that aren't boxes, expected shape: {box: ...}"},
     {"planes_in_a_stack", "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}, stack: {count: 2}}\n",
-     "FILE:2: key 'bodies[0].shape': found a plane in a stack, expected sphere, box or disc"},
+     "FILE:2: key 'bodies[0].shape': found a plane in a stack, expected sphere, box, disc or particle"},
     {"shape_beside_a_pile", with_body("mass: 1\n    pile: {count: 1}"),
      "FILE:2: key 'bodies[0].shape': found an unknown key, expected name, material, position, orientation, mass, density, "
      "motion, "
