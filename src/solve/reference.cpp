@@ -278,7 +278,12 @@ class Newton {
     check(PCSetType(pc, PCLU));
 #ifdef PETSC_HAVE_MUMPS
     check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-#else  // PETSc's own does not pivot: it must not meet the zeros of stiff rows first
+    check(KSPSetOperators(ksp, jacobian_, jacobian_));
+    check(PCFactorSetUpMatSolverType(pc));
+    Mat factor;
+    check(PCFactorGetMatrix(pc, &factor));
+    check(MatMumpsSetIcntl(factor, 14, 400));  // % of room beyond its estimate: the zeros of stiff rows delay many pivots
+#else                                          // PETSc's own does not pivot: it must not meet the zeros of stiff rows first
     check(PCFactorReorderForNonzeroDiagonal(pc, 1e-12));
 #endif
   }

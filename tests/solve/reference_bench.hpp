@@ -12,7 +12,6 @@ struct ClothCase {
   const char* model;  // of the scene's text
 };
 inline constexpr ClothCase stiff_links{"stiff links", "links: {diagonals: none}"};
-inline constexpr ClothCase braced_links{"stiff links with diagonals", "links: {diagonals: alternating}"};
 inline constexpr ClothCase springs{"springs", "links: {stiffness: 2000, damping: 0.02}"};
 inline constexpr ClothCase membrane{"membrane",
                                     "membrane: {youngs_modulus: 1.0e5, poissons_ratio: 0.3, damping: 0.01}\n"
@@ -80,24 +79,56 @@ struct IterativeStep {
 
   void iterate(int iterations) { solver.solve(bench.system, bench.cut, iterations, 0); }
 
-  // v = v~ + W D lambda with D at the present places, a share of the way: instead of the impulses along the older directions in
-  // which they were applied. Returns the largest change (m/s).
-  double reapply(double share = 1) {
+  // v = v~ + W D lambda with D at the present places, instead of the impulses along the older directions in which they were
+  // applied; of each body (slot) a share of the way, where shares are given.
+  void reapply(const std::vector<double>& share = {}) {
     System& s = bench.system;
-    ConstraintMultipliers lambda;
-    batches.get_multipliers(lambda, constraints);
+    const ConstraintMultipliers lambda = multipliers();
     batches.add_impulses(s.start(), s.bodies, s.wrenches);
-    double worst = 0;
     for (std::size_t i = 0; i < s.homes; ++i) {
       const Vec4d impulse = s.wrenches[i].force;
       s.wrenches[i] = Wrench{};
-      Vec3 change;
-      for (int k = 0; k < 3; ++k) change[k] = predicted[i].v[k] + predicted[i].inverse_mass * impulse[k] - s.bodies[i].v[k];
-      for (int k = 0; k < 3; ++k) s.bodies[i].v[k] += share * change[k];
-      worst = std::max(worst, change.norm());
+      for (int k = 0; k < 3; ++k) {
+        const double change = predicted[i].v[k] + predicted[i].inverse_mass * impulse[k] - s.bodies[i].v[k];
+        s.bodies[i].v[k] += (share.empty() ? 1 : share[i]) * change;
+      }
     }
     batches.set_multipliers(lambda, 1);
-    return worst;
+  }
+
+  // Of each slot d: h / m times the row sums, at most, of all |lambda d2c/dx2|: how far the turn of directions feeds back into
+  // the velocities when the impulses are re-applied.
+  std::vector<double> feedback() const {
+    const ReferenceProblem problem(bench.world, constraints, bench.gravity, bench.step);
+    Eigen::VectorXd u = problem.start();
+    std::vector<std::size_t> slot;  // of each velocity
+    for (std::size_t i = 0; i < bench.world.size(); ++i)
+      if (predicted[i].inverse_mass > 0) {
+        u.segment<3>(static_cast<Eigen::Index>(slot.size())) = Vec3(bench.system.bodies[i].v);
+        slot.insert(slot.end(), 3, i);
+      }
+    auto row = static_cast<Eigen::Index>(slot.size());
+    const ConstraintMultipliers all = multipliers();
+    for_each_type(all, [&](auto, const auto& list) {
+      for (const auto& one : list)
+        for (const double lambda : one) u[row++] = lambda;
+    });
+    std::vector<PetscInt> rows, columns;
+    std::vector<double> values, sum(slot.size(), 0), result(bench.world.size(), 0);
+    problem.pattern(rows, columns);
+    problem.jacobian(u, 0, values);
+    const auto n = static_cast<PetscInt>(slot.size());
+    for (std::size_t i = slot.size(); i < values.size(); ++i)  // past the identity
+      if (rows[i] >= 0 && columns[i] >= 0 && rows[i] < n && columns[i] < n)
+        sum[static_cast<std::size_t>(rows[i])] += std::abs(values[i]);
+    for (std::size_t i = 0; i < slot.size(); ++i) result[slot[i]] = std::max(result[slot[i]], sum[i]);
+    return result;
+  }
+
+  ConstraintMultipliers multipliers() const {
+    ConstraintMultipliers lambda;
+    batches.get_multipliers(lambda, constraints);
+    return lambda;
   }
 
   // m, of all types
