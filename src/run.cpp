@@ -161,7 +161,8 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   };
   ReportFile report_file(comm, options.output + "/report.csv", constraint_values({}));
   std::optional<Output> frames;
-  if (scene.output.every > 0) frames.emplace(comm, options.output, scene.output, scene.body_count(), simulation.world);
+  if (scene.output.every > 0)
+    frames.emplace(comm, options.output, scene.output, scene.body_count(), simulation.world, scene.surfaces);
   const auto write = [&](std::int64_t frame) {
     const PhaseClock::Scope scope(clock, Phase::output);
     const double time = static_cast<double>(frame) * scene.time.step;

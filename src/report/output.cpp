@@ -93,20 +93,25 @@ void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool 
   if (!fault.empty()) throw InputError(fault);
 }
 
-Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world)
+Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world,
+               std::vector<Surface> surfaces)
     : comm_(comm),
       path_(directory + "/frames.h5"),
       xdmf_path_(directory + "/frames.xdmf"),
       single_(settings.single_precision),
-      count_(count) {
+      count_(count),
+      surfaces_(std::move(surfaces)) {
   MPI_Comm_rank(comm, &rank_);
-  reserve(10);
+  Id corners = 0;
+  for (const Surface& surface : surfaces_) corners += surface.count * surface.corners;
+  reserve(10 * count_ + corners);
   const h5::Quiet quiet;
   std::string fault;
   try {
     file_ = h5::create_file(comm, path_);
     h5::write_attribute(file_, "format", std::string("unibody frames 1"));
     write_bodies(world);
+    write_surfaces();
     frames_ = h5::create_group(file_, "frames");
     if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_;
   } catch (const std::exception& e) {
@@ -129,11 +134,11 @@ void Output::throw_if_any(const std::string& fault) const {
   if (!first.empty()) throw RunError(first);
 }
 
-// Room for `columns` numbers a body and the frame's own records.
-void Output::reserve(Id columns) const {
+// Room for so many numbers and the frame's own records.
+void Output::reserve(Id numbers) const {
   std::string fault;
   try {
-    if (rank_ == 0) reserve_on_disk(path_, count_ * columns * 8 + 65536);
+    if (rank_ == 0) reserve_on_disk(path_, numbers * 8 + 65536);
   } catch (const std::exception& e) {
     fault = e.what();
   }
@@ -176,6 +181,27 @@ void Output::write_bodies(const World& world) {
   h5::write_attribute(group, "motion_names", std::string("dynamic fixed kinematic pinned"));
 }
 
+void Output::write_surfaces() {
+  if (surfaces_.empty()) return;
+  const auto group = h5::create_group(file_, "surfaces");
+  bool good = true;
+  for (std::size_t n = 0; n < surfaces_.size(); ++n) {
+    const Surface& surface = surfaces_[n];
+    const auto own = h5::create_group(group, frame_name(static_cast<std::int64_t>(n)));
+    const IdBlocks blocks = id_blocks(comm_, surface.count);
+    std::vector<std::int64_t> ids;
+    for (Id k = blocks.first(rank_); k < blocks.first(rank_ + 1); ++k) {
+      const auto cell = surface.cell(k);
+      ids.insert(ids.end(), cell.begin(), cell.begin() + surface.corners);
+    }
+    BlockWriter writer{own, surface.count, blocks.first(rank_)};
+    writer.write("cells", H5T_STD_I64LE, H5T_NATIVE_INT64, static_cast<std::size_t>(surface.corners), ids);
+    h5::write_attribute(own, "name", surface.name.empty() ? "surface " + std::to_string(n) : surface.name);
+    good = writer.good && good;
+  }
+  throw_if_any(good ? "" : "cannot write " + path_ + ": is the disk full?");
+}
+
 void Output::write(std::int64_t frame, double time, const World& world) {
   const auto rows = rows_by_id(comm_, world, count_, [&](std::size_t slot) {
     const BodyState s = world.state(slot);
@@ -183,7 +209,7 @@ void Output::write(std::int64_t frame, double time, const World& world) {
     const Quat& q = s.orientation;
     return std::array<double, 13>{x[0], x[1], x[2], q.w(), q.x(), q.y(), q.z(), v[0], v[1], v[2], w[0], w[1], w[2]};
   });
-  reserve(13);
+  reserve(13 * count_);
   const h5::Quiet quiet;
   std::string fault;
   try {
@@ -215,15 +241,10 @@ void Output::start_xdmf() {
     ::close(std::exchange(xdmf_, -1));
 }
 
-// One write puts the new frame and the closing tags over the old closing tags, so that the file is whole before and after.
-void Output::append_xdmf(std::int64_t frame, double time) {
+// The bodies of the frame at this path in the file, as points.
+std::string Output::xdmf_bodies(const std::string& at) const {
   const int real = single_ ? 4 : 8;
-  const std::string at = "/frames/" + frame_name(frame) + "/";
-  std::array<char, 40> seconds{};
-  std::snprintf(seconds.data(), seconds.size(), "%.17g", time);
   std::string grid =
-      "    <Grid Name=\"bodies\" GridType=\"Uniform\">\n      <Time Value=\"" + std::string(seconds.data()) + "\"/>\n";
-  grid +=
       "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + std::to_string(count_) + "\" NodesPerElement=\"1\"/>\n";
   grid += "      <Geometry GeometryType=\"XYZ\">" + data_item(at + "position", count_, 3, "Float", real) + "</Geometry>\n";
   grid += attribute("orientation", "Matrix", data_item(at + "orientation", count_, 4, "Float", real));
@@ -232,7 +253,38 @@ void Output::append_xdmf(std::int64_t frame, double time) {
   grid += attribute("size", "Vector", data_item("/bodies/size", count_, 3, "Float", real));
   grid += attribute("shape", "Scalar", data_item("/bodies/shape", count_, 1, "Char", 1));
   grid += attribute("id", "Scalar", data_item("/bodies/id", count_, 1, "Int", 8));
-  grid += "    </Grid>\n";
+  return grid;
+}
+
+// Cloths as triangles and threads as segments between the bodies of that frame.
+std::string Output::xdmf_surfaces(const std::string& at) const {
+  const int real = single_ ? 4 : 8;
+  std::string grids;
+  for (std::size_t n = 0; n < surfaces_.size(); ++n) {
+    const Surface& surface = surfaces_[n];
+    const std::string kind = surface.corners == 3 ? "Triangle" : "Polyline\" NodesPerElement=\"2";
+    const std::string cells = "/surfaces/" + frame_name(static_cast<std::int64_t>(n)) + "/cells";
+    grids += "    <Grid Name=\"surface " + std::to_string(n) + "\" GridType=\"Uniform\">\n";
+    grids += "      <Topology TopologyType=\"" + kind + "\" NumberOfElements=\"" + std::to_string(surface.count) + "\">" +
+             data_item(cells, surface.count, surface.corners, "Int", 8) + "</Topology>\n";
+    grids += "      <Geometry GeometryType=\"XYZ\">" + data_item(at + "position", count_, 3, "Float", real) + "</Geometry>\n";
+    grids += attribute("velocity", "Vector", data_item(at + "velocity", count_, 3, "Float", real));
+    grids += "    </Grid>\n";
+  }
+  return grids;
+}
+
+// One write puts the new frame and the closing tags over the old closing tags, so that the file is whole before and after.
+void Output::append_xdmf(std::int64_t frame, double time) {
+  const std::string at = "/frames/" + frame_name(frame) + "/";
+  std::array<char, 40> seconds{};
+  std::snprintf(seconds.data(), seconds.size(), "%.17g", time);
+  const std::string clock = "      <Time Value=\"" + std::string(seconds.data()) + "\"/>\n";
+  const std::string bodies = "    <Grid Name=\"bodies\" GridType=\"Uniform\">\n";
+  std::string grid = bodies + clock + xdmf_bodies(at) + "    </Grid>\n";
+  if (!surfaces_.empty())
+    grid = "    <Grid Name=\"scene\" GridType=\"Collection\" CollectionType=\"Spatial\">\n" + clock + bodies + xdmf_bodies(at) +
+           "    </Grid>\n" + xdmf_surfaces(at) + "    </Grid>\n";
   const std::string text = grid + std::string(xdmf_tail);
   if (::pwrite(xdmf_, text.data(), text.size(), xdmf_end_) != static_cast<ssize_t>(text.size()))
     ::close(std::exchange(xdmf_, -1));

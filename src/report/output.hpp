@@ -1,6 +1,8 @@
 // frames.h5 and frames.xdmf: the states of all bodies in order of id, the same bytes on any number of ranks.
 //
 //   /bodies/{id, shape, size, mass, inertia, motion, material}   row k is body k; what does not change (mass 0: not dynamic)
+//   /surfaces/000000/cells   bodies at the corners of each triangle of a cloth (or segment of a thread); attribute name; only
+//                            where the scene has cloths or threads, in their order
 //   /frames/000000/{position, orientation, velocity, angular_velocity}   attributes time (s) and frame
 //
 // Both files are whole after each frame: a run that is killed between two frames leaves all that it wrote.
@@ -8,6 +10,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/hdf5.hpp"
 #include "scene/scene.hpp"
@@ -22,8 +25,10 @@ void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool 
 
 class Output {
  public:
-  // Creates both files and writes /bodies. `count` is the number of all bodies of the scene. Collective, as are all members.
-  Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world);
+  // Creates both files and writes /bodies and /surfaces. `count` is the number of all bodies of the scene. Collective, as are all
+  // members.
+  Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world,
+         std::vector<Surface> surfaces = {});
   ~Output();
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
@@ -32,16 +37,20 @@ class Output {
   void write(std::int64_t frame, double time, const World& world);
 
  private:
-  void reserve(Id columns) const;
+  void reserve(Id numbers) const;
   void write_bodies(const World& world);
+  void write_surfaces();
   void start_xdmf();
   void append_xdmf(std::int64_t frame, double time);
+  std::string xdmf_bodies(const std::string& at) const;
+  std::string xdmf_surfaces(const std::string& at) const;
   void throw_if_any(const std::string& fault) const;
 
   MPI_Comm comm_;
   std::string path_, xdmf_path_;
   bool single_;
   Id count_;
+  std::vector<Surface> surfaces_;
   int rank_ = 0;
   h5::Handle file_, frames_;
   int xdmf_ = -1;              // rank 0: file descriptor

@@ -32,11 +32,16 @@ inline const std::vector<std::string> node_keys{"name", "position", "orientation
 Nodes read_nodes(const Value& entry, double radius, const Scene& scene);
 
 // Adds the nodes as bodies first .. first + count - 1, with their constraints; returns the first id.
-Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
-                std::function<void(Id first, Id node, ConstraintSet& out)> touching,
-                std::function<Id(Id node)> patch = [](Id node) { return node / 256; });
+Id add_flexible(
+    Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
+    std::function<void(Id first, Id node, ConstraintSet& out)> touching,
+    std::function<Id(Id node)> patch = [](Id node) { return node / 256; });
 
-// Reads `pins` where the entry has it: a list of {node: ..., release: s}; `number(value)` reads a node as the entry names it.
-void read_pins(const Value& entry, Scene& scene, Id first, const std::function<Id(const Value&)>& number);
+// Reads `pins` of a flexible body whose nodes are bodies first .. first + count - 1, where the entry has it: a list of
+// {node: ..., release: s} or {near: [x, y, z], release: s}. `number(value)` reads a node as the entry names it.
+void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number);
+
+// The child of a map that must be there.
+const Value& need(const Value& map, const char* key, const std::string& expected);
 
 }  // namespace unibody

@@ -54,6 +54,15 @@ struct Pin {
   double release = std::numeric_limits<double>::infinity();  // s
 };
 
+// What lies between the nodes of a flexible body, to be drawn: the triangles of a cloth or the segments of a thread. `cell(k)`
+// gives the bodies at the corners, the first `corners` of the three; a pure function.
+struct Surface {
+  std::string name;  // of the entry; may be empty
+  int corners = 3;   // 2: segments
+  Id count = 0;
+  std::function<std::array<Id, 3>(Id k)> cell;
+};
+
 struct Scene {
   std::string path;
   std::string title;
@@ -68,6 +77,7 @@ struct Scene {
 
   std::vector<ConstraintGroup> constraint_groups;
   std::vector<Pin> pins;  // ascending ids
+  std::vector<Surface> surfaces;
 
   Id body_count() const;
   Body body(Id id) const;              // id in [0, body_count())

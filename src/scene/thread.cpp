@@ -60,15 +60,10 @@ void read_thread(const Value& entry, Scene& scene) {
   for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending"}) keys.emplace_back(key);
   entry.map(keys);
   Thread thread;
-  const auto need = [&](const char* key, const char* expected) -> const Value& {
-    const Value* value = entry.find(key);
-    if (!value) entry.fail_missing(key, expected);
-    return *value;
-  };
-  read_line(need("points", "a list of at least 2 points"), thread, scene);
-  thread.segments = need("segments", "an integer >= 1").integer(1, 1'000'000'000);
-  const double radius = need("radius", "a number > 0 (m)").number(positive, "m");
-  const double mass = need("mass", "a number > 0 (kg)").number(positive, "kg");
+  read_line(need(entry, "points", "a list of at least 2 points"), thread, scene);
+  thread.segments = need(entry, "segments", "an integer >= 1").integer(1, 1'000'000'000);
+  const double radius = need(entry, "radius", "a number > 0 (m)").number(positive, "m");
+  const double mass = need(entry, "mass", "a number > 0 (kg)").number(positive, "kg");
   if (const Value* stretch = entry.find("stretch")) read_stretch(*stretch, radius, thread);
   if (const Value* bending = entry.find("bending")) {
     bending->map({"stiffness", "damping"});
@@ -86,7 +81,10 @@ void read_thread(const Value& entry, Scene& scene) {
         if (!thread.bending) return;
         for (const Id a : {node - 2, node}) add_link<BendingLink>(thread, start, a, 2, *thread.bending, out);
       });
-  read_pins(entry, scene, first, [&](const Value& node) { return node.integer(0, thread.segments); });
+  scene.surfaces.push_back({nodes.name, 2, thread.segments, [first](Id k) {
+                              return std::array<Id, 3>{first + k, first + k + 1, 0};
+                            }});
+  read_pins(entry, scene, first, thread.segments + 1, [&](const Value& node) { return node.integer(0, thread.segments); });
 }
 
 }  // namespace
@@ -138,20 +136,45 @@ Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(I
   return first;
 }
 
-void read_pins(const Value& entry, Scene& scene, Id first, const std::function<Id(const Value&)>& number) {
+namespace {
+
+// The node nearest to a point (world axes) at the start; of several, the first.
+Id nearest_node(const Scene& scene, Id first, Id count, const Vec3& point) {
+  Id nearest = first;
+  double least = std::numeric_limits<double>::infinity();
+  for (Id id = first; id < first + count; ++id) {
+    const double distance = (scene.groups.back().make(id - first).state.position - point).squaredNorm();
+    if (distance < least) least = distance, nearest = id;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number) {
   const Value* list = entry.find("pins");
   if (!list) return;
   for (const Value& value : list->list("pins")) {
-    value.map({"node", "release"});
-    const Value* node = value.find("node");
-    if (!node) value.fail_missing("node", "a node");
+    value.map({"node", "near", "release"});
+    const Value *node = value.find("node"), *near = value.find("near");
+    if (node && near) near->fail(near->found() + " beside node " + node->found(), "only one of node and near");
+    if (!node && !near) value.fail_missing("node", "a node, or near: a point (m)");
     Pin pin;
-    pin.id = first + number(*node);
+    pin.id = node ? first + number(*node) : nearest_node(scene, first, count, read_vector(*near, scene, "m"));
     if (const Value* release = value.find("release")) pin.release = release->number(not_negative, "s");
     const auto at = std::lower_bound(scene.pins.begin(), scene.pins.end(), pin.id, [](const Pin& p, Id id) { return p.id < id; });
-    if (at != scene.pins.end() && at->id == pin.id) node->fail(node->found() + " a second time", "each node pinned once");
+    if (at != scene.pins.end() && at->id == pin.id) {
+      const Value& named = node ? *node : *near;
+      named.fail(named.found() + ", a node pinned before", "each node pinned once");
+    }
     scene.pins.insert(at, pin);
   }
+}
+
+const Value& need(const Value& map, const char* key, const std::string& expected) {
+  const Value* value = map.find(key);
+  if (!value) map.fail_missing(key, expected);
+  return *value;
 }
 
 }  // namespace unibody

@@ -100,6 +100,16 @@ class BadScenes(RefusedTest):
         self.assertIn("2 ranks", run.message[0])
         self.good(self.scene(text), "one", ranks=1)
 
+    def test_cloth_of_a_missing_mesh(self):
+        cloth = "cloths:\n  - {mesh: flag.obj, mass: 1, thickness: 0.1}\n"
+        self.bad(("bodies:", cloth + "bodies:"), 4, "cloths[0].mesh", str(self.folder / "flag.obj") + ", which isn't there",
+                 "an OBJ file")
+
+    def test_cloth_of_a_mesh_with_three_triangles_at_an_edge(self):
+        (self.folder / "flag.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n")
+        scene = self.scene(GOOD + "cloths:\n  - {mesh: flag.obj, mass: 1, thickness: 0.1}\n")
+        self.refused(scene, says=["flag.obj: found triangles 0, 1 and 2 at the edge of nodes 0 and 1"])
+
     def test_missing_file(self):
         self.refused(self.folder / "nowhere.yaml", says=["nowhere.yaml"])
 

@@ -50,7 +50,8 @@ TEST(RanksById, MissingAndDoubleBodiesAreErrorsOnEveryRank) {
 }
 
 // Writes two frames on the first `ranks` ranks with one of the partitions.
-void write_frames(int ranks, std::size_t partition, const std::string& directory, Id count, bool single) {
+void write_frames(int ranks, std::size_t partition, const std::string& directory, Id count, bool single,
+                  const std::vector<Surface>& surfaces = {}) {
   MPI_Comm comm;
   const bool in = rank_of(MPI_COMM_WORLD) < ranks;
   MPI_Comm_split(MPI_COMM_WORLD, in ? 0 : MPI_UNDEFINED, 0, &comm);
@@ -60,7 +61,7 @@ void write_frames(int ranks, std::size_t partition, const std::string& directory
     settings.single_precision = single;
     prepare_output_directory(comm, directory, false);
     {
-      Output output(comm, directory, settings, count, w);
+      Output output(comm, directory, settings, count, w, surfaces);
       output.write(0, 0, w);
       for (auto& x : w.position) x += Vec3(1, 2, 3);
       output.write(5, 0.08, w);
@@ -86,6 +87,28 @@ TEST(RanksOutput, SameBytesOnAnyNumberOfRanks) {
           EXPECT_EQ(contents(other + "/frames.xdmf"), xdmf);
         }
     }
+}
+
+TEST(RanksOutput, SurfacesToo) {
+  const Folder folder;
+  const std::vector<Surface> surfaces{{"sheet", 3, 200,
+                                       [](Id k) {
+                                         return std::array<Id, 3>{k, k + 1, k + 2};
+                                       }},
+                                      {"", 2, 1, [](Id k) {
+                                         return std::array<Id, 3>{k + 250, k + 251, 0};
+                                       }}};
+  write_frames(1, 0, folder / "one", 333, false, surfaces);
+  write_frames(size_of(MPI_COMM_WORLD), 1, folder / "all", 333, false, surfaces);
+  for (const char* file : {"/frames.h5", "/frames.xdmf"})
+    EXPECT_TRUE(contents((folder / "one") + file) == contents((folder / "all") + file)) << file;
+  const h5::Handle file = h5::open_file(MPI_COMM_WORLD, folder / "all/frames.h5");
+  std::array<std::int64_t, 3> last{};
+  const h5::Handle cells = h5::open_dataset(file, "surfaces/000000/cells");
+  h5::read_rows(cells, H5T_NATIVE_INT64, 199, 1, last.data());
+  EXPECT_EQ(last, (std::array<std::int64_t, 3>{199, 200, 201}));
+  EXPECT_EQ(h5::dimensions(h5::open_dataset(file, "surfaces/000001/cells")), (std::vector<hsize_t>{1, 2}));
+  EXPECT_NE(contents(folder / "all/frames.xdmf").find("TopologyType=\"Triangle\" NumberOfElements=\"200\""), std::string::npos);
 }
 
 TEST(RanksOutput, ReadsBackInPython) {

@@ -31,7 +31,8 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
-     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths or threads"},
+     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths "
+     "or threads"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected step, frames or substeps"},
     {"key_twice", "title: a\ntime: {step: 1}\ntitle: b\n",
@@ -40,7 +41,8 @@ const std::vector<BadInput> bad_files{
     {"section_without_value", "time:\n" + ball,
      "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
-     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths or threads"},
+     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths "
+     "or threads"},
     {"value_missing", "time: {step: }\n", "FILE:1: key 'time.step': found nothing, expected a number > 0 (s)"},
 };
 
@@ -186,6 +188,60 @@ const std::vector<BadInput> bad_generators{
      "FILE:2: key 'bodies[0].hopper.rim': found [2, 0.5], expected a rim at least as wide as the opening (m)"},
 };
 
+std::string with_cloth(const std::string& rest) {
+  return "cloths:\n  - grid: {size: [1, 1], nodes: [4, 5]}\n    mass: 1\n    thickness: 0.01\n    " + rest + "\n";
+}
+std::string with_thread(const std::string& points, const std::string& rest = "mass: 1") {
+  return "threads:\n  - points: " + points + "\n    segments: 9\n    radius: 0.01\n    " + rest + "\n";
+}
+
+const std::vector<BadInput> bad_flexibles{
+    {"mesh_that_is_missing", "cloths:\n  - mesh: no/flag.obj\n    mass: 1\n    thickness: 0.01\n",
+     "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ file, its path from the scene's "
+     "folder"},
+    {"grid_and_mesh", with_cloth("mesh: flag.obj"),
+     "FILE:5: key 'cloths[0].mesh': found a mesh beside a grid, expected only one of grid and mesh"},
+    {"neither_grid_nor_mesh", "cloths:\n  - mass: 1\n    thickness: 0.01\n",
+     "FILE:2: key 'cloths[0].grid': found nothing, expected a map with size and nodes, or mesh: an OBJ file"},
+    {"scale_of_a_grid", with_cloth("scale: 2"), "FILE:5: key 'cloths[0].scale': found 2, expected no such key beside a grid"},
+    {"grid_of_one_row", "cloths:\n  - grid: {size: [1, 1], nodes: [1, 5]}\n    mass: 1\n    thickness: 0.01\n",
+     "FILE:2: key 'cloths[0].grid.nodes[0]': found 1, expected an integer >= 2"},
+    {"pin_outside_the_grid", with_cloth("pins: [{node: [0, 5]}]"),
+     "FILE:5: key 'cloths[0].pins[0].node[1]': found 5, expected an integer <= 4"},
+    {"pin_that_names_no_node", with_cloth("pins: [{release: 1}]"),
+     "FILE:5: key 'cloths[0].pins[0].node': found nothing, expected a node, or near: a point (m)"},
+    {"pin_by_number_in_a_grid", with_cloth("pins: [{node: 3}]"),
+     "FILE:5: key 'cloths[0].pins[0].node': found 3, expected a node [i, j] of the grid"},
+    {"pin_by_node_and_place", with_cloth("pins: [{node: [0, 0], near: [0, 0, 0]}]"),
+     "FILE:5: key 'cloths[0].pins[0].near': found [0, 0, 0] beside node [0, 0], expected only one of node and near"},
+    {"pin_twice", with_cloth("pins: [{node: [1, 2]}, {node: [1, 2], release: 1}]"),
+     "FILE:5: key 'cloths[0].pins[1].node': found [1, 2], a node pinned before, expected each node pinned once"},
+    {"pin_twice_by_place", with_cloth("pins: [{node: [0, 0]}, {near: [-1, -1, 0]}]"),
+     "FILE:5: key 'cloths[0].pins[1].near': found [-1, -1, 0], a node pinned before, expected each node pinned once"},
+    {"links_beside_membrane", with_cloth("links: {}\n    membrane: {youngs_modulus: 1, poissons_ratio: 0}"),
+     "FILE:6: key 'cloths[0].membrane': found a membrane beside links, expected only one of links and membrane"},
+    {"negative_stiffness", with_cloth("links: {stiffness: -1}"),
+     "FILE:5: key 'cloths[0].links.stiffness': found -1, expected a number > 0 (N/m)"},
+    {"negative_damping", with_cloth("links: {damping: -1}"),
+     "FILE:5: key 'cloths[0].links.damping': found -1, expected a number >= 0 (s)"},
+    {"poissons_ratio", with_cloth("membrane: {youngs_modulus: 1, poissons_ratio: 1}"),
+     "FILE:5: key 'cloths[0].membrane.poissons_ratio': found 1, expected a number in (-1, 1)"},
+    {"thickness_missing", "cloths:\n  - grid: {size: [1, 1], nodes: [4, 5]}\n    mass: 1\n",
+     "FILE:2: key 'cloths[0].thickness': found nothing, expected a number > 0 (m)"},
+    {"mass_of_a_cloth_missing", "cloths:\n  - grid: {size: [1, 1], nodes: [4, 5]}\n    thickness: 1\n",
+     "FILE:2: key 'cloths[0].mass': found nothing, expected a mass (kg) or a mass_per_area (kg/m^2)"},
+    {"planar_cloth", "planar: true\n" + with_cloth("links: {}"),
+     "FILE:2: key 'cloths': found cloths in a planar scene, expected planar: false: a cloth needs all three directions"},
+    {"thread_of_one_point", with_thread("[[0, 0, 0]]"),
+     "FILE:2: key 'threads[0].points': found a list of 1, expected a list of at least 2 points"},
+    {"thread_that_stands_still", with_thread("[[0, 0, 0], [0, 0, 0]]"),
+     "FILE:2: key 'threads[0].points[1]': found the point before it again, expected a point at a distance"},
+    {"pin_beyond_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    pins: [{node: 10}]"),
+     "FILE:6: key 'threads[0].pins[0].node': found 10, expected an integer <= 9"},
+    {"particle_with_inertia", "bodies:\n  - shape: {particle: {radius: 0.1}}\n    mass: 1\n    inertia: [1, 1, 1]\n",
+     "FILE:4: key 'bodies[0].inertia': found [1, 1, 1], expected no such key for a particle: it does not turn"},
+};
+
 const std::vector<BadInput> bad_overrides{
     {"value", ball, "-set time.frames=abc: key 'time.frames': found abc, expected an integer >= 0", {{"time.frames", "abc"}}},
     {"no_value", ball, "-set time.frames=: key 'time.frames': found nothing, expected an integer >= 0", {{"time.frames", ""}}},
@@ -195,8 +251,8 @@ const std::vector<BadInput> bad_overrides{
      {{"time.frmes", "3"}}},
     {"unknown_section",
      ball,
-     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, solver, output, materials or "
-     "bodies",
+     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, solver, output, materials, "
+     "bodies, cloths or threads",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",
      ball,
@@ -231,6 +287,7 @@ INSTANTIATE_TEST_SUITE_P(Files, ReadSceneRefuses, testing::ValuesIn(bad_files), 
 INSTANTIATE_TEST_SUITE_P(Values, ReadSceneRefuses, testing::ValuesIn(bad_values), case_name);
 INSTANTIATE_TEST_SUITE_P(Bodies, ReadSceneRefuses, testing::ValuesIn(bad_bodies), case_name);
 INSTANTIATE_TEST_SUITE_P(Generators, ReadSceneRefuses, testing::ValuesIn(bad_generators), case_name);
+INSTANTIATE_TEST_SUITE_P(Flexibles, ReadSceneRefuses, testing::ValuesIn(bad_flexibles), case_name);
 INSTANTIATE_TEST_SUITE_P(Overrides, ReadSceneRefuses, testing::ValuesIn(bad_overrides), case_name);
 
 std::string message_of(const std::string& path) {

@@ -35,7 +35,7 @@ inline Scene scene_from(const std::string& text, const std::vector<Override>& ov
   return read_scene(TextFile(text).path(), overrides);
 }
 
-// The message of the InputError, with FILE in place of the file's name; "" if there was none.
+// The message of the InputError, with FILE and FOLDER in place of the file's name and folder; "" if there was none.
 inline std::string fault_of(const std::string& text, const std::vector<Override>& overrides = {}) {
   const TextFile file(text);
   try {
@@ -43,6 +43,9 @@ inline std::string fault_of(const std::string& text, const std::vector<Override>
   } catch (const InputError& error) {
     std::string message = error.what();
     if (message.rfind(file.path(), 0) == 0) message.replace(0, file.path().size(), "FILE");
+    const std::string folder = testing::TempDir();
+    if (const auto at = message.find(folder); at != std::string::npos && message.find("FILE") == 0)
+      message.replace(at, folder.size(), "FOLDER/");
     return message;
   }
   return "";

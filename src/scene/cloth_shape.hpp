@@ -1,0 +1,57 @@
+// What grids and meshes have in common as cloths: the law that their links and triangles follow, and the pure functions that say
+// where nodes are and what ties them together.
+#pragma once
+
+#include "scene/cloth.hpp"
+#include "scene/triangle_mesh.hpp"
+
+namespace unibody {
+
+enum class Diagonals { both, alternating, none };
+
+struct Bending {
+  bool dihedral = false;  // angles; else links across
+  Spring spring;          // N/m of a link, N m/rad of an angle
+};
+
+struct Fabric {
+  double youngs_modulus = 0, poissons_ratio = 0, thickness = 0;
+  double damping = 0;
+};
+
+struct ClothLaw {
+  double mass = 0;       // kg, of all; by area: kg/m^2
+  bool by_area = false;  // a node has the mass of its share of the area; else all have the same
+  Diagonals diagonals = Diagonals::both;
+  std::optional<Spring> links;
+  std::optional<Fabric> membrane;
+  std::optional<Bending> bending;
+};
+
+// Nodes are numbered from 0; places (m) are in the entry's frame.
+struct ClothShape {
+  Id count = 0;
+  std::function<Vec3(Id node)> place;
+  std::function<double(Id node)> mass;                                    // kg
+  std::function<void(Id first, Id node, ConstraintSet& out)> touching;    // ids from `first` on
+  std::function<Id(Id node)> patch = [](Id node) { return node / 256; };  // what a partition moves as one
+  std::function<Id(const Value&)> number;                                 // of a node as pins name it
+  Id triangle_count = 0;                                                  // to be drawn
+  std::function<std::array<Id, 3>(Id triangle)> triangle;
+};
+
+ClothShape grid_cloth(const Value& grid, const ClothLaw& law);
+ClothShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene);
+
+// Constraints at rest between nodes at these places; ids and colours are the caller's.
+template <class Link>
+Constraint<Link> link_at_rest(const Spring& spring, const Vec3& a, const Vec3& b) {
+  Constraint<Link> c;
+  c.parameters = {(a - b).norm()};
+  c.compliance = {spring.compliance()}, c.damping = spring.damping;
+  return c;
+}
+Constraint<Membrane> membrane_at_rest(const Fabric& fabric, const Vec3& a, const Vec3& b, const Vec3& c);
+Constraint<Dihedral> angle_at_rest(const Spring& spring, double angle, double length);
+
+}  // namespace unibody

@@ -1,0 +1,191 @@
+// Mesh cloths: nodes and triangles of an OBJ file. All constraints are made when the file is read, since their colours depend on
+// the whole mesh; every rank has the same, and finds those of a node in a list.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <span>
+
+#include "scene/cloth_shape.hpp"
+#include "scene/mesh_topology.hpp"
+#include "scene/obj.hpp"
+
+namespace unibody {
+
+namespace {
+
+// Of each node, the places of the constraints that touch it: those of node k stand at [start[k], start[k + 1]).
+struct Incidence {
+  std::vector<std::size_t> start, places;
+
+  template <class C>
+  Incidence(const ConstraintList<C>& list, Id nodes) : start(static_cast<std::size_t>(nodes) + 1, 0) {
+    for (const auto& c : list)
+      for (const Id id : c.ids) ++start[static_cast<std::size_t>(id) + 1];
+    for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
+    places.resize(start.back());
+    std::vector<std::size_t> end(start.begin(), start.end() - 1);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      for (const Id id : list[i].ids) places[end[static_cast<std::size_t>(id)]++] = i;
+  }
+  std::span<const std::size_t> at(Id node) const {
+    const auto k = static_cast<std::size_t>(node);
+    return {places.data() + start[k], start[k + 1] - start[k]};
+  }
+};
+
+// Each constraint in turn takes the lowest colour that no earlier one at its nodes has.
+template <class C>
+void colour_greedily(ConstraintList<C>& list, const Incidence& incidence) {
+  std::vector<std::size_t> taken_by;  // of each colour, the last constraint (from 1) that found it taken
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    for (const Id id : list[i].ids)
+      for (const std::size_t other : incidence.at(id)) {
+        if (other >= i) break;
+        const auto colour = static_cast<std::size_t>(list[other].colour);
+        if (taken_by.size() <= colour) taken_by.resize(colour + 1, 0);
+        taken_by[colour] = i + 1;
+      }
+    const auto free = std::find_if(taken_by.begin(), taken_by.end(), [&](std::size_t by) { return by != i + 1; });
+    list[i].colour = static_cast<std::int32_t>(free - taken_by.begin());
+  }
+}
+
+// Constraints with nodes in place of ids.
+class MeshConstraints {
+ public:
+  MeshConstraints(const TriangleMesh& mesh, const MeshTopology& topology, const ClothLaw& law) : mesh_(mesh) {
+    if (law.links)
+      for (const MeshEdge& edge : topology.edges) add_link<Distance>(*law.links, edge.nodes[0], edge.nodes[1]);
+    if (law.membrane) add_membranes(*law.membrane);
+    if (law.bending && law.bending->dihedral) add_angles(topology, law.bending->spring);
+    if (law.bending && !law.bending->dihedral) add_links_across(topology, law.bending->spring);
+  }
+  ConstraintSet set;
+
+ private:
+  const Vec3& place(Id node) const { return mesh_.nodes[static_cast<std::size_t>(node)]; }
+
+  template <class Link>
+  void add_link(const Spring& spring, Id a, Id b) {
+    auto c = link_at_rest<Link>(spring, place(a), place(b));
+    c.ids = {a, b};
+    std::get<ConstraintList<Link>>(set).push_back(c);
+  }
+
+  void add_membranes(const Fabric& fabric) {
+    for (const auto& n : mesh_.triangles) {
+      auto c = membrane_at_rest(fabric, place(n[0]), place(n[1]), place(n[2]));
+      c.ids = {n[0], n[1], n[2]};
+      std::get<ConstraintList<Membrane>>(set).push_back(c);
+    }
+  }
+
+  // Between the corners that face each other over an edge: once also where two edges have the same ones.
+  void add_links_across(const MeshTopology& topology, const Spring& spring) {
+    std::set<std::array<Id, 2>> pairs;
+    for (const MeshEdge& edge : topology.edges)
+      if (!edge.is_boundary() && edge.opposite[0] != edge.opposite[1])
+        pairs.insert({std::min(edge.opposite[0], edge.opposite[1]), std::max(edge.opposite[0], edge.opposite[1])});
+    for (const auto& [a, b] : pairs) add_link<BendingLink>(spring, a, b);
+  }
+
+  void add_angles(const MeshTopology& topology, const Spring& spring) {
+    for (const MeshEdge& edge : topology.edges) {
+      if (edge.is_boundary()) continue;
+      const Id p = edge.nodes[0], q = edge.nodes[1];
+      const auto& n = mesh_.triangles[static_cast<std::size_t>(edge.triangles[0])];
+      const auto at = std::find(n.begin(), n.end(), p) - n.begin();
+      const bool up = n[static_cast<std::size_t>(at + 1) % 3] == q;  // the first triangle is p, q, and its opposite corner
+      const Id r = edge.opposite[up ? 0 : 1], s = edge.opposite[up ? 1 : 0];
+      auto c = angle_at_rest(spring, angle(p, q, r, s), (place(p) - place(q)).norm());
+      c.ids = {p, q, r, s};
+      std::get<ConstraintList<Dihedral>>(set).push_back(c);
+    }
+  }
+
+  // By the type's own evaluation, so that the rest shape is at rest exactly.
+  double angle(Id p, Id q, Id r, Id s) const {
+    std::array<Vec3x4, 4> x;
+    const std::array<Id, 4> nodes{p, q, r, s};
+    for (std::size_t k = 0; k < 4; ++k)
+      x[k] = {broadcast(place(nodes[k]).x()), broadcast(place(nodes[k]).y()), broadcast(place(nodes[k]).z())};
+    Rows<4, 1> rows;
+    Dihedral::evaluate({broadcast(0), broadcast(1)}, x, rows);
+    return rows.value[0][0];
+  }
+
+  const TriangleMesh& mesh_;
+};
+
+struct MeshCloth {
+  TriangleMesh mesh;
+  std::vector<double> mass;  // kg, of each node
+  ConstraintSet constraints;
+  std::vector<Incidence> incidence;  // of each type
+
+  MeshCloth(TriangleMesh given, const std::string& origin, const ClothLaw& law) : mesh(std::move(given)) {
+    const MeshTopology topology = mesh_topology(mesh, origin);
+    orient_triangles(mesh, topology, origin);
+    check_mesh(mesh, origin);
+    constraints = MeshConstraints(mesh, topology, law).set;
+    for_each_type(constraints, [&](auto, auto& list) {
+      incidence.emplace_back(list, static_cast<Id>(mesh.nodes.size()));
+      colour_greedily(list, incidence.back());
+    });
+    set_masses(law);
+  }
+
+  void touching(Id first, Id node, ConstraintSet& out) const {
+    for_each_type(constraints, [&](auto type, const auto& list) {
+      for (const std::size_t i : incidence[type.value].at(node)) {
+        auto c = list[i];
+        for (Id& id : c.ids) id += first;
+        std::get<type.value>(out).push_back(c);
+      }
+    });
+  }
+
+ private:
+  // A third of each triangle's at each of its corners.
+  void set_masses(const ClothLaw& law) {
+    mass.assign(mesh.nodes.size(), law.by_area ? 0 : law.mass / static_cast<double>(mesh.nodes.size()));
+    if (!law.by_area) return;
+    const auto place = [&](std::int32_t node) -> const Vec3& { return mesh.nodes[static_cast<std::size_t>(node)]; };
+    for (const auto& n : mesh.triangles) {
+      const double area = 0.5 * (place(n[1]) - place(n[0])).cross(place(n[2]) - place(n[0])).norm();
+      for (const std::int32_t node : n) mass[static_cast<std::size_t>(node)] += law.mass * area / 3;
+    }
+  }
+};
+
+TriangleMesh read_mesh(const Value& file, const Scene& scene, std::string& path) {
+  namespace fs = std::filesystem;
+  path = (fs::path(scene.path).parent_path() / file.string("an OBJ file")).string();
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) file.fail(path + ", which isn't there", "an OBJ file, its path from the scene's folder");
+  return read_obj(path);
+}
+
+}  // namespace
+
+ClothShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene) {
+  std::string path;
+  TriangleMesh mesh = read_mesh(file, scene, path);
+  for (Vec3& node : mesh.nodes) node *= scale;
+  const auto cloth = std::make_shared<const MeshCloth>(std::move(mesh), path, law);
+  ClothShape shape;
+  shape.count = static_cast<Id>(cloth->mesh.nodes.size());
+  shape.place = [cloth](Id k) { return cloth->mesh.nodes[static_cast<std::size_t>(k)]; };
+  shape.mass = [cloth](Id k) { return cloth->mass[static_cast<std::size_t>(k)]; };
+  shape.touching = [cloth](Id first, Id node, ConstraintSet& out) { cloth->touching(first, node, out); };
+  shape.number = [count = shape.count](const Value& node) { return node.integer(0, count - 1); };
+  shape.triangle_count = static_cast<Id>(cloth->mesh.triangles.size());
+  shape.triangle = [cloth](Id t) -> std::array<Id, 3> {
+    const auto& n = cloth->mesh.triangles[static_cast<std::size_t>(t)];
+    return {n[0], n[1], n[2]};
+  };
+  return shape;
+}
+
+}  // namespace unibody
