@@ -201,7 +201,8 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
 // Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
-  const double share = constraints_of_all_ > 0 ? scene_.solver.warm_start : 0;
+  const bool alone = scene_.groups.size() == 1;  // a single cloth or thread, which touches nothing
+  const double asked = scene_.solver.warm_start, share = constraints_of_all_ == 0 ? 0 : asked >= 0 ? asked : alone ? 0.5 : 0;
   if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, share);
   if (jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts <= 0) {
@@ -231,7 +232,8 @@ StepReport Simulation::solve() {
   const SolverSettings& settings = scene_.solver;
   const bool two_stages = settings.stages != Stages::position && (constraints_of_all_ == 0 || any_contacts());
   StepReport report;
-  warm_start(settings.stages != Stages::position ? 1 : settings.warm_start);
+  const double position_share = settings.warm_start >= 0 ? settings.warm_start : 0.5;
+  warm_start(settings.stages != Stages::position ? 1 : position_share);
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;

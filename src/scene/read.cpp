@@ -45,8 +45,10 @@ const Field<OutputSettings> output_fields[] = {
 };
 
 double read_warm_start(const Value& v) {
-  const double share = v.number(any_number, "");
-  if (!(share >= 0 && share <= 0.5)) v.fail_expected("a number in [0, 0.5]: a full warm start at position level is unstable");
+  const double share = number_or_auto(v, any_number, "");
+  const bool is_auto = v.text == "auto";
+  if (!is_auto && !(share >= 0 && share <= 0.5))
+    v.fail_expected("auto or a number in [0, 0.5]: a full warm start at position level is unstable");
   return share;
 }
 

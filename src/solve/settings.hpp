@@ -31,7 +31,10 @@ struct SolverSettings {
   // joint: the position stage works on both stages' multipliers together: converges to the step's exact solution.
   // position: the position stage alone.
   Stages stages = Stages::two;
-  double warm_start = 0.5;  // share of the old multipliers a single position stage starts from; [0, 1/2]
+  // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
+  // contacts where it is the only stage. -1: 1/2, but 0 for constraints beside which there may be contacts: near convergence
+  // the two together would gain energy.
+  double warm_start = -1;
   double leak = -1;         // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
   FrictionModel friction = FrictionModel::disc;
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration

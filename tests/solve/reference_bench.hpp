@@ -2,6 +2,7 @@
 #pragma once
 
 #include "collide/bodies.hpp"
+#include "constraints/constraint_batches.hpp"
 #include "small_worlds.hpp"
 #include "solve/reference.hpp"
 
@@ -61,7 +62,7 @@ struct IterativeStep {
       : constraints(set), solver(find_solver(name)) {
     bench.world = world, bench.gravity = gravity, bench.step = h;
     bench.build_for_jacobi();
-    ConstraintBatches::Colours colours{};
+    ConstraintColours colours{};
     for_each_type(set, [&](auto type, const auto& list) {
       for (const auto& c : list) colours[type.value] = std::max(colours[type.value], c.colour + 1);
     });
@@ -72,7 +73,8 @@ struct IterativeStep {
     bench.system.places.resize(world.size() + 1, Vec4d{});
     for (std::size_t i = 0; i < world.size(); ++i) {
       const Vec3& x = world.position[i];
-      bench.system.places[i] = Vec4d{x.x(), x.y(), x.z(), counts[i] * bench.system.bodies[i].inverse_mass};
+      const double sharers = solver.sweeps_by_colour ? 1 : counts[i];
+      bench.system.places[i] = Vec4d{x.x(), x.y(), x.z(), sharers * bench.system.bodies[i].inverse_mass};
     }
     predicted.assign(bench.system.bodies.begin(), bench.system.bodies.end());
   }
