@@ -57,6 +57,20 @@ std::string physics_of(const Scene& scene) {
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
   for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
+  for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << '\n';
+  for (const ConstraintGroup& group : scene.constraint_groups)  // all of a group follow one law: two bodies show it
+    for (const Id id : {group.first, group.first + group.count / 2}) {
+      ConstraintSet constraints;
+      group.touching(id, constraints);
+      for_each_type(constraints, [&](auto, const auto& list) {
+        for (const auto& c : list) {
+          for (const Id i : c.ids) text << i << ' ';
+          for (const double p : c.parameters) text << p << ' ';
+          for (const double e : c.compliance) text << e << ' ';
+          text << c.damping << '\n';
+        }
+      });
+    }
   return text.str();
 }
 

@@ -53,10 +53,14 @@ void Simulation::detect() {
   }
   build_constraints();
   const PhaseClock::Scope scope(clock_, Phase::collide);
+  detected_ = true;
+  if (is_alone()) return;
   const Scratch::Frame frame(scratch_);
   Collider(&scratch_).collide(world, collide_settings_, contacts);
-  detected_ = true;
 }
+
+// A single cloth or thread, whose nodes touch nothing.
+bool Simulation::is_alone() const { return scene_.groups.size() == 1 && scene_.constraint_groups.size() == 1; }
 
 StepReport Simulation::step() {
   detect();
@@ -201,8 +205,8 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
 // Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
-  const bool alone = scene_.groups.size() == 1;  // a single cloth or thread, which touches nothing
-  const double asked = scene_.solver.warm_start, share = constraints_of_all_ == 0 ? 0 : asked >= 0 ? asked : alone ? 0.5 : 0;
+  const double asked = scene_.solver.warm_start, by_itself = is_alone() ? 0.5 : 0;
+  const double share = constraints_of_all_ == 0 ? 0 : asked >= 0 ? asked : by_itself;
   if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, share);
   if (jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts <= 0) {

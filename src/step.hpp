@@ -71,6 +71,7 @@ class Simulation {
   SolveReport run_stage(Stage::Kind kind, int iterations);
   void measure_solution(StepReport& report);
   bool any_contacts() const;
+  bool is_alone() const;
   void finalise();
 
   const Scene& scene_;

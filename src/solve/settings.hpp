@@ -35,7 +35,7 @@ struct SolverSettings {
   // contacts where it is the only stage. -1: 1/2, but 0 for constraints beside which there may be contacts: near convergence
   // the two together would gain energy.
   double warm_start = -1;
-  double leak = -1;         // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
+  double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
   FrictionModel friction = FrictionModel::disc;
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration
   Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only

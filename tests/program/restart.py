@@ -31,6 +31,28 @@ PILE = """
         velocity: [0, 0, -3]
 """
 
+CLOTH = """
+    time: {step: 0.016, frames: 60}
+    output: {every: 20, checkpoint_every: 30}
+    solver: {warm_start: 0.5, iterations: 12}
+    bodies:
+      - shape: {sphere: {radius: 0.2}}
+        motion: fixed
+      - shape: {box: {size: [0.2, 0.2, 0.2]}}
+        mass: 0.2
+        position: [0, 0, 0.6]
+    cloths:
+      - grid: {size: [0.9, 0.9], nodes: [18, 18]}
+        mass: 0.5
+        thickness: 0.05
+        links: {stiffness: 3000, damping: 0.01}
+        bending: {model: dihedral, stiffness: 0.01}
+        position: [0, 0, 0.35]
+        pins: [{node: [0, 0]}, {node: [17, 17], release: 0.7}]
+    threads:
+      - {points: [[-0.5, 0, 0.8], [0.5, 0, 0.8]], segments: 30, radius: 0.02, mass: 0.1}
+"""
+
 
 def frame_of(checkpoint):
     with h5py.File(checkpoint, "r") as file:
@@ -44,8 +66,8 @@ class Restart(ProgramTest):
         self.assertEqual(frame_of(checkpoint), 30)
         return checkpoint
 
-    def check(self, *options, ranks=(1, 3)):
-        scene = self.scene(PILE)
+    def check(self, *options, ranks=(1, 3), text=PILE, change="bodies[2].velocity=[0, 0, -2]"):
+        scene = self.scene(text)
         whole = self.good(scene, "whole", *options, ranks=2)
         checkpoint = self.first_half(scene, *options)
         rows = comparable(self.folder / "whole/report.csv")
@@ -61,7 +83,7 @@ class Restart(ProgramTest):
                     for frame in a["frames"]:
                         for field in a["frames"][frame]:
                             self.assertTrue((a["frames"][frame][field][:] == b["frames"][frame][field][:]).all(), field)
-        self.assertNotEqual(self.good(scene, "changed", *options, "-set", "bodies[2].velocity=[0, 0, -2]").state, whole.state)
+        self.assertNotEqual(self.good(scene, "changed", *options, "-set", change).state, whole.state)
 
     def test_accelerated_jacobi(self):
         self.check()
@@ -71,6 +93,18 @@ class Restart(ProgramTest):
 
     def test_warm_started_position_stage(self):
         self.check("-set", "solver.stages=position", "-set", "solver.name=jacobi", ranks=(3,))
+
+    def test_cloth_and_thread(self):
+        self.check(text=CLOTH, change="cloths[0].links.stiffness=3001")
+
+    def test_another_cloth_is_refused(self):
+        scene = self.scene(CLOTH)
+        checkpoint = self.first_half(scene)
+        for setting in ("cloths[0].links.stiffness=3001", "cloths[0].bending.damping=0.1", "cloths[0].pins[1].release=0.8"):
+            with self.subTest(setting=setting):
+                run = unibody(scene, "-output", self.folder / "rest", "-restart", checkpoint, "-set", setting, timeout=60)
+                self.assertEqual(run.code, 2, run.err)
+                self.assertIn(str(checkpoint), run.message[0])
 
     def test_another_scene_or_setting_is_refused(self):
         scene = self.scene(PILE)

@@ -68,7 +68,8 @@ const std::vector<BadInput> bad_values{
     {"solver_name", "solver: {name: sor}\n",
      "FILE:1: key 'solver.name': found sor, expected accelerated_jacobi, jacobi or gauss_seidel"},
     {"full_warm_start", "solver: {warm_start: 1}\n",
-     "FILE:1: key 'solver.warm_start': found 1, expected auto or a number in [0, 0.5]: a full warm start at position level is unstable"},
+     "FILE:1: key 'solver.warm_start': found 1, expected auto or a number in [0, 0.5]: a full warm start at position level is "
+     "unstable"},
     {"negative_tolerance", "solver: {tolerance: -1}\n",
      "FILE:1: key 'solver.tolerance': found -1, expected auto or a number >= 0 (m)"},
     {"scaling", "solver: {scaling: 1.5}\n", "FILE:1: key 'solver.scaling': found 1.5, expected a number in (0, 1]"},
