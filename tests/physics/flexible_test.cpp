@@ -220,6 +220,7 @@ cloths:
     mass: 0.5
     thickness: 0.02
     position: [0, 0, 1]
+solver: {iterations: 200}
 )";
   Experiment run(scene_from_text(text));
   run.seconds(2);
