@@ -47,9 +47,9 @@ void Simulation::detect() {
   if (!constraints_made_) make_constraints();
   {
     const PhaseClock::Scope scope(clock_, Phase::halo);
-    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);
+    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // homes, so that their guests learn it
     halo_.refresh_guests(world, collide_settings_);
-    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);
+    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // guests: a refresh brings states only
   }
   build_constraints();
   const PhaseClock::Scope scope(clock_, Phase::collide);

@@ -104,29 +104,23 @@ solver: )" +
          solver;
 }
 
-class RanksBitwise : public ::testing::TestWithParam<std::string> {};
-
-TEST_P(RanksBitwise, AnyPartitionGivesTheStatesOfOneRank) {
-  const std::string text = mixed_scene(GetParam());
+void expect_the_states_of_one_rank(const std::string& text) {
   const auto expected = alone(text);
   EXPECT_EQ(together(text, std::nullopt, 0), expected) << "METIS";
   EXPECT_EQ(together(text, std::nullopt, 7), expected) << "METIS, with migration";
   EXPECT_EQ(together(text, 1, 0), expected) << "random";
   EXPECT_EQ(together(text, 2, 13), expected) << "random, with migration";
 }
+
+class RanksBitwise : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(RanksBitwise, AnyPartitionGivesTheStatesOfOneRank) { expect_the_states_of_one_rank(mixed_scene(GetParam())); }
 
 INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwise, ::testing::ValuesIn(solvers));
 
 class RanksBitwiseFlexible : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(RanksBitwiseFlexible, AnyPartitionGivesTheStatesOfOneRank) {
-  const std::string text = flexible_scene(GetParam());
-  const auto expected = alone(text);
-  EXPECT_EQ(together(text, std::nullopt, 0), expected) << "METIS";
-  EXPECT_EQ(together(text, std::nullopt, 7), expected) << "METIS, with migration";
-  EXPECT_EQ(together(text, 1, 0), expected) << "random";
-  EXPECT_EQ(together(text, 2, 13), expected) << "random, with migration";
-}
+TEST_P(RanksBitwiseFlexible, AnyPartitionGivesTheStatesOfOneRank) { expect_the_states_of_one_rank(flexible_scene(GetParam())); }
 
 INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwiseFlexible,
                          ::testing::Values("{name: accelerated_jacobi, iterations: 12}", "{name: gauss_seidel, iterations: 8}",
