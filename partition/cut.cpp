@@ -32,19 +32,20 @@ void sort_unique(std::vector<Slot>& v) {
 void Cut::set_constraints(const World& world, const ConstraintBatches& constraints) {
   constrained_.clear();
   if (halo_.size() == 1) return;
-  const auto is_guest = [&](Slot s) { return !world.is_home(s) && !world.is_static(s); };
-  constraints.for_each_stencil([&](std::span<const Slot> ends) {
-    if (std::none_of(ends.begin(), ends.end(), is_guest)) return;
-    for (const Slot guest : ends) {
-      if (static_cast<std::size_t>(guest) >= world.size() || !is_guest(guest)) continue;
-      const int rank = halo_.home_rank_of_guest(static_cast<std::size_t>(guest) - world.homes);
-      Traffic& traffic = constrained_.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
-      traffic.receive.push_back(guest);
-      for (const Slot home : ends)
-        if (world.is_home(home)) traffic.send.push_back(home);
-    }
-  });
+  constraints.for_each_stencil([&](std::span<const Slot> ends) { share(world, ends, constrained_); });
   for (auto& [rank, traffic] : constrained_) sort_unique(traffic.send), sort_unique(traffic.receive);
+}
+
+void Cut::share(const World& world, std::span<const Slot> ends, std::map<int, Traffic>& traffic) const {
+  const auto is_guest = [&](Slot s) { return s >= 0 && static_cast<std::size_t>(s) < world.size() && !world.is_home(s) && !world.is_static(s); };
+  for (const Slot guest : ends) {
+    if (!is_guest(guest)) continue;
+    const int rank = halo_.home_rank_of_guest(static_cast<std::size_t>(guest) - world.homes);
+    Traffic& shared = traffic.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
+    shared.receive.push_back(guest);
+    for (const Slot home : ends)
+      if (home >= 0 && world.is_home(home)) shared.send.push_back(home);
+  }
 }
 
 void Cut::build(const World& world, const Contacts& contacts) {
@@ -62,16 +63,19 @@ void Cut::build(const World& world, const Contacts& contacts) {
     ends_.emplace(m, ends);
   }
   std::map<int, Traffic> traffic = constrained_;
+  for (const SurfaceContact& contact : contacts.surface) share(world, contact.slots, traffic);
   for (auto& [rank, neighbour] : found) {
     Traffic& shared = traffic.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
     for (const std::uint32_t m : neighbour.manifolds) {
       shared.send.push_back(ends_.at(m).home);
       shared.receive.push_back(ends_.at(m).guest);
     }
-    sort_unique(shared.send), sort_unique(shared.receive);  // slots of a range ascend with ids: the same order on both sides
     neighbours_.push_back(std::move(neighbour));
   }
-  for (auto& [rank, shared] : traffic) all_.push_back(std::move(shared));
+  for (auto& [rank, shared] : traffic) {
+    sort_unique(shared.send), sort_unique(shared.receive);  // slots of a range ascend with ids: the same order on both sides
+    all_.push_back(std::move(shared));
+  }
 }
 
 void Cut::set_colours(std::span<const std::int32_t> colour, std::size_t colours) {

@@ -60,6 +60,8 @@ class Cut {
     int rank;
     std::vector<Slot> send, receive;
   };
+  // Adds what the ranks of a constraint's bodies have to tell each other.
+  void share(const World& world, std::span<const Slot> ends, std::map<int, Traffic>& traffic) const;
   template <typename T, typename Record>
   void run(std::span<const Traffic> traffic, std::span<T> values) const;
 

@@ -55,13 +55,6 @@ void for_each_cell(const CellRange& r, F&& f) {
       for (auto z = r.lower[2]; z <= r.upper[2]; ++z) f(cell_key(x, y, z));
 }
 
-struct Guest {
-  Body body;
-  std::int64_t global;  // index in the Vecs
-  int rank;
-  int unused = 0;
-};
-
 // What a rank tells its neighbours of where its bodies are.
 struct Occupancy {
   std::vector<std::int64_t> cells;  // sorted, unique
@@ -94,6 +87,13 @@ Occupancy occupancy(const std::vector<Bounds>& bodies, const std::vector<Bounds>
 }
 
 }  // namespace
+
+struct Halo::Guest {
+  Body body;
+  std::int64_t global;  // index in the Vecs
+  int rank;
+  int unused = 0;
+};
 
 Halo::Halo(MPI_Comm comm) : comm_(comm) {
   MPI_Comm_rank(comm, &rank_);
@@ -147,44 +147,90 @@ void Halo::make_vecs(World& world, const std::vector<PetscInt>& guest_global) {
   make(angular_velocity, 3, data(world.angular_velocity));
 }
 
-void Halo::refresh_guests(World& world, const CollideSettings& settings) {
-  int valid = valid_ && still_valid(world, settings);
+void Halo::refresh_guests(World& world, const CollideSettings& settings, Surfaces* surfaces) {
+  if (valid_) update_guests();
+  int valid = valid_ && still_valid(world, settings, surfaces);
   if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &valid, 1, MPI_INT, MPI_MIN, comm_);
-  if (!valid) {
-    find_guests(world, settings);
-    valid_ = true;
-    return;
-  }
+  if (valid) return;
+  find_guests(world, settings, surfaces);
+  valid_ = true;
+}
+
+void Halo::update_guests() {
   if (size_ == 1) return;
   for (Vec v : vec_) VecGhostUpdateBegin(v, INSERT_VALUES, SCATTER_FORWARD);
   for (Vec v : vec_) VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD);
 }
 
-bool Halo::still_valid(const World& world, const CollideSettings& settings) const {
+// What the home bodies may touch in a step; with a skin, so that it holds for some steps.
+std::vector<Bounds> Halo::reach(const World& world, const CollideSettings& settings, const Surfaces* surfaces, bool skin) const {
+  std::vector<Bounds> bounds(world.homes);
+  for (std::size_t i = 0; i < world.homes; ++i) bounds[i] = swept_bounds(world, i, settings);
+  if (surfaces) surfaces->widen(world, settings, bounds);
+  for (std::size_t i = 0; i < world.homes && skin; ++i) {
+    const bool is_node = surfaces && surfaces->is_node(static_cast<Slot>(i));
+    const double size = is_node ? (bounds[i].upper - bounds[i].lower).maxCoeff() / 2 : bounding_radius(world.properties[i].shape);
+    const double width = 0.3 * size + settings.step * world.velocity[i].norm();
+    bounds[i].lower.array() -= width, bounds[i].upper.array() += width;
+  }
+  return bounds;
+}
+
+bool Halo::still_valid(const World& world, const CollideSettings& settings, const Surfaces* surfaces) const {
   if (size_ == 1) return true;
+  const std::vector<Bounds> now = reach(world, settings, surfaces, false);
   for (std::size_t i = 0; i < world.homes; ++i)
-    if (!contains(registered_[i], swept_bounds(world, i, settings))) return false;
+    if (!contains(registered_[i], now[i])) return false;
   return true;
 }
 
-void Halo::find_guests(World& world, const CollideSettings& settings) {
-  ++version_;
-  // Drop the old guests: statics move down behind the homes.
+std::vector<Halo::Guest> Halo::subscribed_guests(const World& world, std::int64_t first) const {
+  std::vector<int> neighbours;
+  std::vector<std::vector<Guest>> to;
+  for (const auto& [rank, slots] : subscribed_) {
+    neighbours.push_back(rank);
+    auto& list = to.emplace_back();
+    for (const Slot s : slots) list.push_back({world.body(static_cast<std::size_t>(s)), first + s, rank_});
+  }
+  std::vector<Guest> guests;
+  for (const auto& list : exchange_with(comm_, neighbours, to, tag_guests)) guests.insert(guests.end(), list.begin(), list.end());
+  return guests;
+}
+
+// In place of the old ones; statics move along behind them.
+void Halo::place_guests(World& world, std::vector<Guest> guests) {
+  std::sort(guests.begin(), guests.end(), [](const Guest& a, const Guest& b) { return a.body.id < b.body.id; });
   const std::size_t statics = world.size() - world.first_static();
   std::vector<Body> static_bodies(statics);
   for (std::size_t i = 0; i < statics; ++i) static_bodies[i] = world.body(world.first_static() + i);
-  std::vector<Guest> guests;
+  world.guests = guests.size();
+  world.resize(world.homes + world.guests + statics);
+  guest_rank_.resize(guests.size());
+  std::vector<PetscInt> global(guests.size());
+  for (std::size_t g = 0; g < guests.size(); ++g) {
+    world.set(world.homes + g, guests[g].body);
+    guest_rank_[g] = guests[g].rank;
+    global[g] = static_cast<PetscInt>(guests[g].global);
+  }
+  for (std::size_t i = 0; i < statics; ++i) world.set(world.first_static() + i, static_bodies[i]);
+  make_vecs(world, global);
+}
 
+void Halo::find_guests(World& world, const CollideSettings& settings, Surfaces* surfaces) {
+  ++version_;
+  std::vector<Guest> guests;
   if (size_ > 1) {
-    registered_.resize(world.homes);
-    double sizes[2] = {0, static_cast<double>(world.homes)};
-    for (std::size_t i = 0; i < world.homes; ++i) {
-      Bounds b = swept_bounds(world, i, settings);
-      const double skin = 0.3 * bounding_radius(world.properties[i].shape) + settings.step * world.velocity[i].norm();
-      b.lower.array() -= skin, b.upper.array() += skin;
-      registered_[i] = b;
-      sizes[0] += (b.upper - b.lower).maxCoeff();
+    std::int64_t first = 0;
+    const auto homes = static_cast<std::int64_t>(world.homes);
+    MPI_Exscan(&homes, &first, 1, MPI_INT64_T, MPI_SUM, comm_);
+    if (rank_ == 0) first = 0;
+    if (surfaces) {  // how far a face reaches is known once its nodes are here
+      place_guests(world, subscribed_guests(world, first));
+      surfaces->build(world);
     }
+    registered_ = reach(world, settings, surfaces, true);
+    double sizes[2] = {0, static_cast<double>(world.homes)};
+    for (const Bounds& b : registered_) sizes[0] += (b.upper - b.lower).maxCoeff();
     // The cell edge, the mean size of the bounds, only sets the price: a body of common size touches at most eight cells.
     double total[2] = {0, 0};
     MPI_Reduce(sizes, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm_);  // inexact, and harmless: no result depends on it,
@@ -203,15 +249,10 @@ void Halo::find_guests(World& world, const CollideSettings& settings) {
     const std::size_t n = neighbours.size();
     const auto cells = exchange_with(comm_, neighbours, std::vector(n, mine.cells), tag_cells);
     const auto large = exchange_with(comm_, neighbours, std::vector(n, mine.large), tag_large);
-    std::int64_t first = 0;
-    const auto homes = static_cast<std::int64_t>(world.homes);
-    MPI_Exscan(&homes, &first, 1, MPI_INT64_T, MPI_SUM, comm_);
-    if (rank_ == 0) first = 0;
-
     std::vector<std::vector<Guest>> to(n);
     for (std::size_t k = 0; k < n; ++k) {
       const Occupancy theirs{cells[k], large[k]};
-      const Bounds& reach = everyone[static_cast<std::size_t>(neighbours[k])];
+      const Bounds& reach_there = everyone[static_cast<std::size_t>(neighbours[k])];
       const auto subscribed = subscribed_.find(neighbours[k]);
       const auto is_wanted = [&](std::size_t i) {
         return subscribed != subscribed_.end() &&
@@ -220,27 +261,16 @@ void Halo::find_guests(World& world, const CollideSettings& settings) {
       for (std::size_t i = 0; i < world.homes; ++i) {
         const Bounds& b = registered_[i];
         const auto is_near = [&] {
-          return overlap(b, reach) && (cells_of(b, cell).count() > cells_of_a_large_body || theirs.meets(b, cell));
+          return overlap(b, reach_there) && (cells_of(b, cell).count() > cells_of_a_large_body || theirs.meets(b, cell));
         };
         if (is_wanted(i) || is_near()) to[k].push_back({world.body(i), first + static_cast<std::int64_t>(i), rank_});
       }
     }
     for (const auto& list : exchange_with(comm_, neighbours, to, tag_guests))
       guests.insert(guests.end(), list.begin(), list.end());
-    std::sort(guests.begin(), guests.end(), [](const Guest& a, const Guest& b) { return a.body.id < b.body.id; });
   }
-
-  world.guests = guests.size();
-  world.resize(world.homes + world.guests + statics);
-  guest_rank_.resize(guests.size());
-  std::vector<PetscInt> global(guests.size());
-  for (std::size_t g = 0; g < guests.size(); ++g) {
-    world.set(world.homes + g, guests[g].body);
-    guest_rank_[g] = guests[g].rank;
-    global[g] = static_cast<PetscInt>(guests[g].global);
-  }
-  for (std::size_t i = 0; i < statics; ++i) world.set(world.first_static() + i, static_bodies[i]);
-  make_vecs(world, global);
+  place_guests(world, std::move(guests));
+  if (surfaces) surfaces->build(world);
 }
 
 }  // namespace unibody

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "collide/collide.hpp"
+#include "collide/surfaces.hpp"
 #include "core/room.hpp"
 #include "world/world.hpp"
 
@@ -28,8 +29,9 @@ class Halo {
   Halo& operator=(const Halo&) = delete;
 
   // Collective. Brings the guests' states up to date; finds the guests anew where bodies have left the bounds that the present
-  // list was made for, or after reset(). The World's slots of guests and statics may move.
-  void refresh_guests(World& world, const CollideSettings& settings);
+  // list was made for, or after reset(). The World's slots of guests and statics may move; `surfaces`, where there are any to
+  // touch, are made again then.
+  void refresh_guests(World& world, const CollideSettings& settings, Surfaces* surfaces = nullptr);
 
   // The home bodies have changed: the next refresh finds the guests anew. Bodies `wanted` (ascending ids, none home or static)
   // become guests wherever they are: constraints tie home bodies to them. Wanting must be mutual: where a rank wants a body of
@@ -51,10 +53,15 @@ class Halo {
   Vec vec(Field field) const { return vec_[field]; }
 
  private:
-  bool still_valid(const World& world, const CollideSettings& settings) const;
-  void find_guests(World& world, const CollideSettings& settings);
+  struct Guest;
+  std::vector<Bounds> reach(const World& world, const CollideSettings& settings, const Surfaces* surfaces, bool skin) const;
+  bool still_valid(const World& world, const CollideSettings& settings, const Surfaces* surfaces) const;
+  void find_guests(World& world, const CollideSettings& settings, Surfaces* surfaces);
   void make_vecs(World& world, const std::vector<PetscInt>& guest_global);
   void destroy_vecs();
+  void update_guests();
+  std::vector<Guest> subscribed_guests(const World& world, std::int64_t first) const;
+  void place_guests(World& world, std::vector<Guest> guests);
 
   MPI_Comm comm_;
   int rank_ = 0, size_ = 1;

@@ -20,6 +20,7 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
       clock_(clock),
       halo_(comm),
       cut_(halo_, clock),
+      surfaces_(scene.surfaces),
       solver_(find_solver(scene.solver.name)),
       step_(scene.time.step / scene.time.substeps),
       constraint_batches_(std::make_unique<ConstraintBatches>()) {
@@ -48,7 +49,8 @@ void Simulation::detect() {
   {
     const PhaseClock::Scope scope(clock_, Phase::halo);
     hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // homes, so that their guests learn it
-    halo_.refresh_guests(world, collide_settings_);
+    collide_settings_.has_past = steps_done > 0;
+    halo_.refresh_guests(world, collide_settings_, is_alone() ? nullptr : &surfaces_);
     hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // guests: a refresh brings states only
   }
   build_constraints();
@@ -56,11 +58,15 @@ void Simulation::detect() {
   detected_ = true;
   if (is_alone()) return;
   const Scratch::Frame frame(scratch_);
-  Collider(&scratch_).collide(world, collide_settings_, contacts);
+  Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_);
 }
 
 // A single cloth or thread, whose nodes touch nothing.
-bool Simulation::is_alone() const { return scene_.groups.size() == 1 && scene_.constraint_groups.size() == 1; }
+bool Simulation::is_alone() const {
+  const auto touches_itself = [](const Surface& s) { return s.self_collision; };
+  return scene_.groups.size() == 1 && scene_.constraint_groups.size() == 1 &&
+         std::none_of(scene_.surfaces.begin(), scene_.surfaces.end(), touches_itself);
+}
 
 StepReport Simulation::step() {
   detect();
@@ -89,7 +95,14 @@ void Simulation::make_constraints() {
   constraints = unibody::build_constraints(scene_, world);
   for_each_type(constraints,
                 [&](auto type, const auto& list) { std::get<type.value>(constraint_multipliers).assign(list.size(), {}); });
-  halo_.reset(world, partners(world, constraints));
+  std::vector<Id> wanted = partners(world, constraints);
+  if (!is_alone()) {
+    const std::vector<Id> of_surfaces = surfaces_.partners(world);
+    std::vector<Id> both;
+    std::set_union(wanted.begin(), wanted.end(), of_surfaces.begin(), of_surfaces.end(), std::back_inserter(both));
+    wanted = std::move(both);
+  }
+  halo_.reset(world, wanted);
   colours_ = {};
   constraints_of_all_ = static_cast<std::int64_t>(constraint_count(constraints));
   for_each_type(constraints, [&](auto type, const auto& list) {
@@ -143,15 +156,23 @@ void Simulation::by_colour_and_length(const Colouring& colouring, std::span<std:
   for (std::size_t m = 0; m < n; ++m) order[begin[bucket(m)]++] = static_cast<std::uint32_t>(m);
 }
 
+namespace {
+
+// Adds one for each contact to the counts of its ends.
+void count_ends(std::span<const SurfaceContact> contacts, std::span<std::int32_t> counts) {
+  for (const SurfaceContact& contact : contacts)
+    for (const Slot s : contact.slots)
+      if (s >= 0) ++counts[static_cast<std::size_t>(s)];
+}
+
+}  // namespace
+
 // Lays out the contacts: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow it.
 void Simulation::build_system() {
   const std::size_t n = contacts.manifolds.size();
   cut_.build(world, contacts);
   system_.counted.assign(n, 1);
-  for (std::size_t m = 0; m < n; ++m) {
-    const Manifold& manifold = contacts.manifolds[m];
-    system_.counted[m] = world.is_home(world.is_static(manifold.slot_a) ? manifold.slot_b : manifold.slot_a);
-  }
+  for (std::size_t m = 0; m < n; ++m) system_.counted[m] = counts_here(world, contacts.manifolds[m]);
   std::pmr::vector<std::uint32_t> order(n, &scratch_);
   std::iota(order.begin(), order.end(), 0);
   std::pmr::vector<std::int32_t> counts(&scratch_);
@@ -160,6 +181,7 @@ void Simulation::build_system() {
     groups = {static_cast<std::uint32_t>(n)};
     counts.assign(world.size() + 1, 0);
     for (const Manifold& m : contacts.manifolds) ++counts[m.slot_a], ++counts[m.slot_b];
+    count_ends(contacts.surface, counts);
     constraint_batches_->count(counts);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
@@ -174,6 +196,23 @@ void Simulation::build_system() {
   fill_places(counts);
   system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
                          scene_.solver, step_);
+  build_surface_contacts(counts);
+}
+
+// With Gauss-Seidel they share masses among themselves alone.
+void Simulation::build_surface_contacts(std::span<const std::int32_t> counts_of_all) {
+  system_.any_surface = !is_alone() && any_over_ranks(!contacts.surface.empty());
+  if (!system_.any_surface) return;
+  std::pmr::vector<std::int32_t> own(&scratch_);
+  if (counts_of_all.empty()) {
+    own.assign(world.size() + 1, 0);
+    count_ends(contacts.surface, own);
+    cut_.exchange(std::span(own));
+    system_.wrenches.assign(world.size() + 1, Wrench{});
+  }
+  system_.surface.build(contacts.surface, system_.bodies, system_.inertia, system_.isotropic,
+                        counts_of_all.empty() ? std::span<const std::int32_t>(own) : counts_of_all, scene_.solver, step_,
+                        [&](const SurfaceContact& contact) { return counts_here(world, contact); });
 }
 
 void Simulation::fill_places(std::span<const std::int32_t> counts) {
@@ -193,6 +232,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
   system_.contacts.start_stage(stage);
+  system_.surface.start_stage(stage);
   system_.before_iteration = nullptr;
   system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
@@ -219,11 +259,12 @@ void Simulation::warm_start(double share_of_contacts) {
     system_.contacts.set_impulses(start);
   }
   const Scratch::Frame frame(scratch_);
-  if (!jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
+  const bool borrowed = !jacobi && system_.wrenches.empty();
+  if (borrowed) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
   if (share > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.wrenches);
   system_.apply_wrenches();
-  if (solver_.sweeps_by_colour) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
+  if (borrowed) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
   cut_.exchange(system_.bodies);
 }
 
@@ -234,7 +275,7 @@ void Simulation::warm_start(double share_of_contacts) {
 StepReport Simulation::solve() {
   build_system();
   const SolverSettings& settings = scene_.solver;
-  const bool two_stages = settings.stages != Stages::position && (constraints_of_all_ == 0 || any_contacts());
+  const bool two_stages = settings.stages != Stages::position && (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
   StepReport report;
   const double position_share = settings.warm_start >= 0 ? settings.warm_start : 0.5;
   warm_start(settings.stages != Stages::position ? 1 : position_share);
@@ -242,25 +283,27 @@ StepReport Simulation::solve() {
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
     system_.contacts.keep_impulses(settings.stages == Stages::joint, impulses);
+    system_.surface.keep_impulses(settings.stages == Stages::joint);
   }
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
   report.sliding = system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
+  report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
   MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   return report;
 }
 
-bool Simulation::any_contacts() const {
-  int any = !contacts.manifolds.empty();
+bool Simulation::any_over_ranks(bool here) const {
+  int any = here;
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, halo_.comm());
   return any != 0;
 }
 
 void Simulation::measure_solution(StepReport& report) {
-  report.residual = system_.contacts.residual(system_.bodies);
+  report.residual = std::max(system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies));
   if (constraints_of_all_ > 0) {
     report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
     for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);
@@ -285,7 +328,7 @@ std::size_t Simulation::bytes() const {
   return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
          bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
-         halo_.bytes() + scratch_.bytes() + constraint_batches_->bytes();
+         bytes_of(contacts.surface) + surfaces_.bytes() + halo_.bytes() + scratch_.bytes() + constraint_batches_->bytes();
 }
 
 }  // namespace unibody

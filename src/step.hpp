@@ -55,6 +55,7 @@ class Simulation {
   ConstraintSet constraints;                     // all that touch this rank's home bodies
   ConstraintMultipliers constraint_multipliers;  // of each of them; history, checkpointed
 
+  const Surfaces& surfaces() const { return surfaces_; }  // where they may touch anything; else empty
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
   void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"
@@ -70,8 +71,9 @@ class Simulation {
   void warm_start(double share);
   SolveReport run_stage(Stage::Kind kind, int iterations);
   void measure_solution(StepReport& report);
-  bool any_contacts() const;
+  bool any_over_ranks(bool here) const;
   bool is_alone() const;
+  void build_surface_contacts(std::span<const std::int32_t> counts);
   void finalise();
 
   const Scene& scene_;
@@ -79,6 +81,7 @@ class Simulation {
   Halo halo_;
   Cut cut_;
   CollideSettings collide_settings_;
+  Surfaces surfaces_;
   const Solver& solver_;
   Scratch scratch_;           // of collision detection, then of the solve
   System system_{&scratch_};  // within step()

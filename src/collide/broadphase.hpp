@@ -30,12 +30,22 @@ using Pairs = std::pmr::deque<IndexPair>;  // a vector that grows would need roo
 
 enum class Role : std::uint8_t { home, other, absent };  // absent: not in the grid (planes)
 
+// Whom a body may meet: those of another group (or of none, -1) whose kind it accepts and who accept its own.
+struct Filter {
+  std::int32_t group = -1;
+  std::uint8_t kind = 1, accepts = 1;  // bits
+
+  bool meets(const Filter& other) const {
+    return (kind & other.accepts) != 0 && (other.kind & accepts) != 0 && (group < 0 || group != other.group);
+  }
+};
+
 class BroadPhase {
  public:
   explicit BroadPhase(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
-  // Appends the pairs to `pairs`, in no particular order. Bounds that are not finite overlap nothing.
-  void find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs);
+  // Appends the pairs to `pairs`, in no particular order. Bounds that are not finite overlap nothing. Without filters all meet all.
+  void find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs, std::span<const Filter> filters = {});
 
   // Pairs of indices below `count`, sorted by (first, second): by counting on the first, then within each few. Valid until the
   // next.
@@ -45,6 +55,7 @@ class BroadPhase {
   struct Entry {
     Vec3 lower, upper;
     std::int32_t index;
+    Filter filter;
     bool home;
   };
   struct Row {
@@ -61,7 +72,7 @@ class BroadPhase {
   };
 
   void choose_levels(std::span<const Bounds> bounds, std::span<const Role> roles);
-  void fill(std::span<const Bounds> bounds, std::span<const Role> roles);
+  void fill(std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters);
   std::int32_t find_row(std::int64_t y, std::int64_t z, std::int32_t level) const;
   std::int32_t find_or_add_row(std::int64_t y, std::int64_t z, std::int32_t level);
   void within_row(const Row& row, Pairs& pairs) const;

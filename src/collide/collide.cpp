@@ -31,34 +31,77 @@ Bounds swept_bounds(const World& world, std::size_t slot, const CollideSettings&
 }
 
 Collider::Collider(std::pmr::memory_resource* memory)
-    : proxies_(memory), bounds_(memory), roles_(memory), planes_(memory), pairs_(memory), broad_phase_(memory) {}
+    : proxies_(memory), bounds_(memory), roles_(memory), filters_(memory), planes_(memory), pairs_(memory), broad_phase_(memory) {}
 
-void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts) {
+void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces) {
   contacts.clear();
   pairs_.clear();
   gather(world, settings);
   pair_with_planes(settings);
-  broad_phase_.find(bounds_, roles_, pairs_);
+  if (surfaces) add_surfaces(world, *surfaces, settings);
+  broad_phase_.find(bounds_, roles_, pairs_, filters_);
 
+  const auto bodies = static_cast<std::int32_t>(proxies_.size());
+  const auto pairs = broad_phase_.sort(pairs_, bounds_.size());
+  for (const IndexPair& pair : pairs)
+    if (pair.second < bodies) collide_bodies(proxies_[pair.first], proxies_[pair.second], settings, contacts);
+  if (!surfaces) return;
+  SurfaceCollider collider(world, *surfaces, settings, contacts.surface);
+  for (const IndexPair& pair : pairs)
+    if (pair.second >= bodies) collide_surface(pair, *surfaces, collider);
+  collider.finish();
+}
+
+void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts) {
   PairManifold found;
-  for (const IndexPair& pair : broad_phase_.sort(pairs_, proxies_.size())) {
-    const Proxy &a = proxies_[pair.first], &b = proxies_[pair.second];
-    if (a.group >= 0 && a.group == b.group) continue;
-    collide_pair(a, b, settings, found);
-    if (found.count == 0) continue;
-    make_room(contacts.manifolds, contacts.manifolds.size() + 1);
-    make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
-    const double friction = settings.friction[a.material * settings.material_count + b.material];
-    contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
-                                  static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count)});
-    contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
+  collide_pair(a, b, settings, found);
+  if (found.count == 0) return;
+  make_room(contacts.manifolds, contacts.manifolds.size() + 1);
+  make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
+  const double friction = settings.friction[a.material * settings.material_count + b.material];
+  contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
+                                static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count)});
+  contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
+}
+
+// Nodes meet the faces of others, and those of their own surface if it collides with itself; edges meet edges.
+void Collider::add_surfaces(const World& world, const Surfaces& surfaces, const CollideSettings& settings) {
+  constexpr std::uint8_t body = 1, node = 2, face = 4, edge = 8;
+  const auto group_of = [&](std::int32_t surface, std::int32_t group) { return surfaces.collides_with_itself(surface) ? -1 : group; };
+  for (std::size_t i = 0; i < proxies_.size(); ++i) {
+    const Slot s = proxies_[i].slot;
+    const bool is_node = surfaces.is_node(s);
+    filters_[i].kind = is_node ? node : body;
+    filters_[i].accepts = is_node ? body | face : body | node | face;
+    if (is_node) filters_[i].group = group_of(surfaces.surface_of(s), filters_[i].group);
   }
+  const auto add = [&](std::span<const Slot> nodes, std::int32_t surface, bool home, Filter filter) {
+    filter.group = group_of(surface, world.properties[static_cast<std::size_t>(nodes[0])].group);
+    bounds_.push_back(swept_face_bounds(world, nodes, settings));
+    roles_.push_back(home ? Role::home : Role::other);
+    filters_.push_back(filter);
+  };
+  for (const SurfaceFace& f : surfaces.faces) add(f.nodes, f.surface, f.home, {-1, face, body | node});
+  if (!surfaces.edges_may_meet()) return;
+  for (const SurfaceEdge& e : surfaces.edges) add(e.nodes, e.surface, e.home, {-1, edge, edge});
+}
+
+void Collider::collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider) {
+  const auto bodies = static_cast<std::int32_t>(proxies_.size());
+  const auto edges = bodies + static_cast<std::int32_t>(surfaces.faces.size());
+  if (pair.first >= edges) return collider.edge_edge(pair.first - edges, pair.second - edges);
+  const Proxy& body = proxies_[pair.first];
+  if (surfaces.is_node(body.slot))
+    collider.node_face(body.slot, pair.second - bodies);
+  else
+    collider.body_face(body, pair.second - bodies);
 }
 
 // Merges homes, guests and statics, each in ascending id, into one order by id: pairs sorted by index are then sorted by id.
 void Collider::gather(const World& world, const CollideSettings& settings) {
-  proxies_.clear(), bounds_.clear(), roles_.clear(), planes_.clear();
+  proxies_.clear(), bounds_.clear(), roles_.clear(), filters_.clear(), planes_.clear();
   proxies_.reserve(world.size()), bounds_.reserve(world.size()), roles_.reserve(world.size());
+  filters_.reserve(world.size());
   const std::size_t ends[3] = {world.homes, world.first_static(), world.size()};
   std::size_t next[3] = {0, world.homes, world.first_static()};
   for (std::size_t k = 0; k < world.size(); ++k) {
@@ -69,6 +112,7 @@ void Collider::gather(const World& world, const CollideSettings& settings) {
     bounds_.push_back(swept_bounds_of(p, settings));
     const bool plane = p.kind == ShapeKind::plane;
     roles_.push_back(plane ? Role::absent : p.home ? Role::home : Role::other);
+    filters_.push_back({p.group});
     if (plane) planes_.push_back(static_cast<std::int32_t>(k));
   }
 }

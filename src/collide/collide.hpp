@@ -5,6 +5,7 @@
 #include "collide/collide_settings.hpp"
 #include "collide/contacts.hpp"
 #include "collide/narrowphase.hpp"
+#include "collide/surface_contacts.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -19,16 +20,21 @@ class Collider {
  public:
   explicit Collider(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
-  // `contacts` is overwritten: manifolds in ascending (id_a, id_b), points in ascending feature.
-  void collide(const World& world, const CollideSettings& settings, Contacts& contacts);
+  // `contacts` is overwritten: manifolds in ascending (id_a, id_b), points in ascending feature. With surfaces, nodes of flexible
+  // bodies touch each other's faces and edges; without, they are particles.
+  void collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces = nullptr);
 
  private:
   void gather(const World& world, const CollideSettings& settings);
   void pair_with_planes(const CollideSettings& settings);
+  void add_surfaces(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
+  void collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts);
+  void collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider);
 
   std::pmr::vector<Proxy> proxies_;  // in ascending id
-  std::pmr::vector<Bounds> bounds_;
+  std::pmr::vector<Bounds> bounds_;  // of bodies, then of faces, then of edges
   std::pmr::vector<Role> roles_;
+  std::pmr::vector<Filter> filters_;
   std::pmr::vector<std::int32_t> planes_;
   Pairs pairs_;
   BroadPhase broad_phase_;
@@ -36,5 +42,13 @@ class Collider {
 
 // The same with buffers of its own: for tests and single calls.
 void collide(const World& world, const CollideSettings& settings, Contacts& contacts);
+
+// Whether this rank is the one that counts a contact: its first body that is not static is home here.
+inline bool counts_here(const World& world, const Manifold& m) {
+  return world.is_home(world.is_static(m.slot_a) ? m.slot_b : m.slot_a);
+}
+inline bool counts_here(const World& world, const SurfaceContact& c) {
+  return world.is_home(world.is_static(c.slots[0]) ? c.slots[1] : c.slots[0]);
+}
 
 }  // namespace unibody

@@ -1,6 +1,9 @@
 // What collision detection hands to the solver: manifolds, in ascending key order, each a pure function of its pair.
 #pragma once
 
+#include <array>
+#include <tuple>
+
 #include "core/types.hpp"
 
 namespace unibody {
@@ -22,11 +25,29 @@ struct Manifold {
   std::uint32_t count;  // 1..8
 };
 
+// A contact of a surface: of a body or a node with a face, or of two edges. Each side is one point, a body's own or the mean of
+// nodes by weight; the velocity at which the sides part is the sum of weight times velocity over the ends, and an impulse is
+// shared out by the same weights, so that momentum is kept (paper, section 5).
+struct SurfaceContact {
+  std::array<Id, 4> ids;  // of the ends; -1: none. With the feature the key, which is unique
+  std::uint32_t feature;  // of a box: its corner, or 11 + 3 times its edge (triangle_contacts.hpp); else 0
+  std::array<Slot, 4> slots;
+  std::array<double, 4> weights;  // of the first side positive, sum 1; of the second negative, sum -1; 0: no such end
+  Vec3 arm;                       // m, from the centre of end 0 to where it is touched; 0 where that is a node
+  Vec3 normal;                    // world, unit, from the second side to the first
+  double gap;                     // m, along it; positive when open
+  double friction;                // Coulomb's mu of the pair
+  double beyond;                  // m, how far the sides must part to be on the sides again where they were; 0: they are
+
+  bool before(const SurfaceContact& other) const { return std::tie(ids, feature) < std::tie(other.ids, other.feature); }
+};
+
 struct Contacts {
   std::vector<Manifold> manifolds;  // ascending (id_a, id_b)
   std::vector<ContactPoint> points;
+  std::vector<SurfaceContact> surface;  // ascending keys
 
-  void clear() { manifolds.clear(), points.clear(); }
+  void clear() { manifolds.clear(), points.clear(), surface.clear(); }
 };
 
 }  // namespace unibody

@@ -209,24 +209,6 @@ SweepTerms sweep_block(const Block& block, Point* points, NormalMomentum* normal
   return sums;
 }
 
-// Calls f with the friction model as a compile-time constant.
-template <typename F>
-auto with_model(FrictionModel model, F&& f) {
-  switch (model) {
-    case FrictionModel::cone:
-      return f.template operator()<FrictionModel::cone>();
-    case FrictionModel::saxce:
-      return f.template operator()<FrictionModel::saxce>();
-    case FrictionModel::box:
-      return f.template operator()<FrictionModel::box>();
-    case FrictionModel::none:
-      return f.template operator()<FrictionModel::none>();
-    case FrictionModel::disc:
-      break;
-  }
-  return f.template operator()<FrictionModel::disc>();
-}
-
 }  // namespace
 
 double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBody> bodies) {

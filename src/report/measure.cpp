@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/collide.hpp"
 #include "core/exact_sum.hpp"
 
 namespace unibody {
@@ -50,6 +51,14 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
     sums[depth_squared] += depth * depth;
     counts[penetrating] += depth > 0 ? 1 : 0;
     counts[pairs] += 1, counts[points] += m.count;
+  }
+  for (const SurfaceContact& c : contacts.surface) {
+    if (!counts_here(world, c)) continue;
+    const double depth = std::max(0.0, -c.gap);
+    deepest_of_all = std::max(deepest_of_all, depth);
+    sums[depth_squared] += depth * depth;
+    counts[penetrating] += depth > 0 ? 1 : 0;
+    counts[pairs] += 1, counts[points] += 1;
   }
   for (std::size_t slot = 0; slot < world.homes; ++slot) add_body(world.properties[slot], world.state(slot), gravity, sums);
   counts[bodies] = static_cast<std::int64_t>(world.homes);

@@ -11,7 +11,7 @@ namespace unibody {
 struct Measures {
   // One depth a pair, that of its deepest point; the root mean square is over the pairs that penetrate.
   double penetration_max = 0, penetration_rms = 0, penetration_l2 = 0;  // m; l2: root of the sum of squares
-  std::int64_t pairs = 0, contacts = 0;                                 // pairs with a manifold; points, also open ones
+  std::int64_t pairs = 0, contacts = 0;                                 // pairs with a manifold and contacts of surfaces; points, also open
 
   // Of the dynamic bodies.
   double kinetic_energy = 0;             // J
@@ -27,10 +27,5 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
 
 // The smallest id whose state holds a NaN or an infinity; -1: none. Collective.
 Id first_bad_body(MPI_Comm comm, const World& world);
-
-// Whether this rank is the one that counts a manifold: its first dynamic body is home here.
-inline bool counts_here(const World& world, const Manifold& m) {
-  return world.is_home(world.is_static(m.slot_a) ? m.slot_b : m.slot_a);
-}
 
 }  // namespace unibody

@@ -66,9 +66,28 @@ void check_node_mass(const Value& entry, const ClothShape& shape) {
       if (!(shape.mass(0) > 0)) amount->fail_expected("a mass > 0 of each node");
 }
 
+void add_surface(const Value& entry, Scene& scene, const std::string& name, Id first, const ClothShape& shape) {
+  Surface& surface = scene.surfaces.emplace_back();
+  surface.name = name, surface.count = shape.triangle_count;
+  surface.cell = [first, triangle = shape.triangle](Id t) {
+    auto ids = triangle(t);
+    for (Id& id : ids) id += first;
+    return ids;
+  };
+  surface.first_node = first, surface.node_count = shape.count;
+  surface.cells_of = [first, triangles_of = shape.triangles_of](Id node, std::vector<std::array<Id, 3>>& out) {
+    const std::size_t begin = out.size();
+    triangles_of(node - first, out);
+    for (std::size_t k = begin; k < out.size(); ++k)
+      for (Id& id : out[k]) id += first;
+  };
+  if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
+}
+
 void read_cloth(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
-  for (const char* key : {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "bending"})
+  for (const char* key : {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "bending",
+                          "self_collision"})
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
@@ -78,11 +97,7 @@ void read_cloth(const Value& entry, Scene& scene) {
   const Id first = add_flexible(
       scene, nodes, shape.count, [shape, nodes](Id k) { return nodes.at(shape.place(k), shape.mass(k)); }, shape.touching,
       shape.patch);
-  scene.surfaces.push_back({nodes.name, 3, shape.triangle_count, [first, triangle = shape.triangle](Id t) {
-                              auto ids = triangle(t);
-                              for (Id& id : ids) id += first;
-                              return ids;
-                            }});
+  add_surface(entry, scene, nodes.name, first, shape);
   read_pins(entry, scene, first, shape.count, shape.number);
 }
 

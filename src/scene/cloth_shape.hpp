@@ -38,6 +38,7 @@ struct ClothShape {
   std::function<Id(const Value&)> number;                                 // of a node as pins name it
   Id triangle_count = 0;                                                  // to be drawn
   std::function<std::array<Id, 3>(Id triangle)> triangle;
+  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> triangles_of;  // those at a node
 };
 
 ClothShape grid_cloth(const Value& grid, const ClothLaw& law);

@@ -177,6 +177,13 @@ ClothShape grid_cloth(const Value& grid, const ClothLaw& law) {
     const Id cell = t / 2;
     return cloth.corners(cell % (cloth.nx - 1), cell / (cloth.nx - 1), t % 2);
   };
+  shape.triangles_of = [cloth](Id node, std::vector<std::array<Id, 3>>& out) {
+    const Id i0 = node % cloth.nx, j0 = node / cloth.nx;
+    for (Id j = std::max<Id>(0, j0 - 1); j <= std::min(j0, cloth.ny - 2); ++j)
+      for (Id i = std::max<Id>(0, i0 - 1); i <= std::min(i0, cloth.nx - 2); ++i)
+        for (Id t = 0; t < 2; ++t)
+          if (const auto at = cloth.corners(i, j, t); std::find(at.begin(), at.end(), node) != at.end()) out.push_back(at);
+  };
   return shape;
 }
 

@@ -18,15 +18,18 @@ namespace {
 struct Incidence {
   std::vector<std::size_t> start, places;
 
-  template <class C>
-  Incidence(const ConstraintList<C>& list, Id nodes) : start(static_cast<std::size_t>(nodes) + 1, 0) {
-    for (const auto& c : list)
-      for (const Id id : c.ids) ++start[static_cast<std::size_t>(id) + 1];
+  Incidence() = default;
+
+  // `nodes_of(element)` are those of an element of the list.
+  template <class List, typename NodesOf>
+  Incidence(const List& list, Id nodes, NodesOf&& nodes_of) : start(static_cast<std::size_t>(nodes) + 1, 0) {
+    for (const auto& element : list)
+      for (const auto node : nodes_of(element)) ++start[static_cast<std::size_t>(node) + 1];
     for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
     places.resize(start.back());
     std::vector<std::size_t> end(start.begin(), start.end() - 1);
     for (std::size_t i = 0; i < list.size(); ++i)
-      for (const Id id : list[i].ids) places[end[static_cast<std::size_t>(id)]++] = i;
+      for (const auto node : nodes_of(list[i])) places[end[static_cast<std::size_t>(node)]++] = i;
   }
   std::span<const std::size_t> at(Id node) const {
     const auto k = static_cast<std::size_t>(node);
@@ -122,7 +125,8 @@ struct MeshCloth {
   TriangleMesh mesh;
   std::vector<double> mass;  // kg, of each node
   ConstraintSet constraints;
-  std::vector<Incidence> incidence;  // of each type
+  std::vector<Incidence> incidence;    // of each type
+  Incidence triangles_of;
 
   MeshCloth(TriangleMesh given, const std::string& origin, const ClothLaw& law) : mesh(std::move(given)) {
     const MeshTopology topology = mesh_topology(mesh, origin);
@@ -130,9 +134,10 @@ struct MeshCloth {
     check_mesh(mesh, origin);
     constraints = MeshConstraints(mesh, topology, law).set;
     for_each_type(constraints, [&](auto, auto& list) {
-      incidence.emplace_back(list, static_cast<Id>(mesh.nodes.size()));
+      incidence.emplace_back(list, static_cast<Id>(mesh.nodes.size()), [](const auto& c) { return c.ids; });
       colour_greedily(list, incidence.back());
     });
+    triangles_of = Incidence(mesh.triangles, static_cast<Id>(mesh.nodes.size()), [](const auto& nodes) { return nodes; });
     set_masses(law);
   }
 
@@ -184,6 +189,12 @@ ClothShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, cons
   shape.triangle = [cloth](Id t) -> std::array<Id, 3> {
     const auto& n = cloth->mesh.triangles[static_cast<std::size_t>(t)];
     return {n[0], n[1], n[2]};
+  };
+  shape.triangles_of = [cloth](Id node, std::vector<std::array<Id, 3>>& out) {
+    for (const std::size_t t : cloth->triangles_of.at(node)) {
+      const auto& n = cloth->mesh.triangles[t];
+      out.push_back({n[0], n[1], n[2]});
+    }
   };
   return shape;
 }

@@ -54,13 +54,17 @@ struct Pin {
   double release = std::numeric_limits<double>::infinity();  // s
 };
 
-// What lies between the nodes of a flexible body, to be drawn: the triangles of a cloth or the segments of a thread. `cell(k)`
-// gives the bodies at the corners, the first `corners` of the three; a pure function.
+// What lies between the nodes of a flexible body, to be touched and drawn: the triangles of a cloth or the segments of a thread.
 struct Surface {
   std::string name;  // of the entry; may be empty
   int corners = 3;   // 2: segments
   Id count = 0;
-  std::function<std::array<Id, 3>(Id k)> cell;
+  std::function<std::array<Id, 3>(Id k)> cell;  // the bodies at the corners, the first `corners` of the three; a pure function
+
+  Id first_node = 0, node_count = 0;
+  // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
+  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of;
+  bool self_collision = false;  // cells touch others of the same surface
 };
 
 struct Scene {

@@ -57,7 +57,7 @@ void read_stretch(const Value& value, double radius, Thread& thread) {
 
 void read_thread(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
-  for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending"}) keys.emplace_back(key);
+  for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending", "self_collision"}) keys.emplace_back(key);
   entry.map(keys);
   Thread thread;
   read_line(need(entry, "points", "a list of at least 2 points"), thread, scene);
@@ -81,9 +81,15 @@ void read_thread(const Value& entry, Scene& scene) {
         if (!thread.bending) return;
         for (const Id a : {node - 2, node}) add_link<BendingLink>(thread, start, a, 2, *thread.bending, out);
       });
-  scene.surfaces.push_back({nodes.name, 2, thread.segments, [first](Id k) {
-                              return std::array<Id, 3>{first + k, first + k + 1, 0};
-                            }});
+  Surface& surface = scene.surfaces.emplace_back();
+  surface.name = nodes.name, surface.corners = 2, surface.count = thread.segments;
+  surface.cell = [first](Id k) { return std::array<Id, 3>{first + k, first + k + 1, 0}; };
+  surface.first_node = first, surface.node_count = thread.segments + 1;
+  surface.cells_of = [first, last = first + thread.segments](Id node, std::vector<std::array<Id, 3>>& out) {
+    if (node > first) out.push_back({node - 1, node, node});
+    if (node < last) out.push_back({node, node + 1, node + 1});
+  };
+  if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
   read_pins(entry, scene, first, thread.segments + 1, [&](const Value& node) { return node.integer(0, thread.segments); });
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "constraints/contact_batch.hpp"
+#include "constraints/surface_batch.hpp"
 #include "partition/cut.hpp"
 #include "solve/settings.hpp"
 #include "solve/system.hpp"
@@ -25,6 +26,7 @@ struct System {
         gyroscopic(memory),
         wrenches(memory),
         contacts(memory),
+        surface(memory),
         places(memory),
         counted(memory) {}
 
@@ -35,6 +37,8 @@ struct System {
   std::pmr::vector<Vec3> gyroscopic;         // kg m^2/s, like `inertia`: momentum that the predicted spin leaves out
   std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps
   ContactBatch contacts;
+  SurfaceBatch surface;
+  bool any_surface = false;  // some rank has contacts of surfaces
   ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
   std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
   double step = 0.016;             // s

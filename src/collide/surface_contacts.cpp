@@ -1,0 +1,308 @@
+#include "collide/surface_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "collide/triangle_distance.hpp"
+
+namespace unibody {
+
+namespace {
+
+// How far a direction may lean towards a neighbour, as a sine, and still count as least: without it a box that lies flat would
+// lose contacts by a turn in the last bit.
+constexpr double lean_of_points = 1e-9, lean_of_boxes = 0.05;
+
+// How much two edges must stand out against their faces, as a sine, to touch each other: where one lies in flat cloth, nodes on
+// faces say it all.
+constexpr double ridge = 1e-3;
+
+// Hits may be reported so much before the two touch.
+ContinuousSettings continuous(double radii) { return {radii, 1e-6 + 1e-3 * radii, 200}; }
+
+// The sine at which `towards`, less its part along an edge, rises along a unit direction.
+double rise(const Vec3& towards, const Vec3& edge, const Vec3& direction) {
+  const double squared = edge.squaredNorm();
+  const Vec3 inwards = squared > 0 ? Vec3(towards - edge * (edge.dot(towards) / squared)) : towards;
+  const double length = inwards.norm();
+  return length > 0 ? direction.dot(inwards) / length : 0;
+}
+
+// The edge of a face whose two nodes alone have weight: it runs from node i to i + 1. -1: none.
+int edge_of(const Vec3& weights) {
+  for (int i = 0; i < 3; ++i)
+    if (weights[i] > 0 && weights[(i + 1) % 3] > 0 && weights[(i + 2) % 3] == 0) return i;
+  return -1;
+}
+
+bool is_one_node(const Vec3& weights) { return (weights.array() > 0).count() == 1; }
+
+// A segment has its second node twice: all of the weight goes to the first of the two.
+Vec3 without_twin(const SurfaceFace& face, Vec3 weights) {
+  if (face.is_segment()) weights[1] += weights[2], weights[2] = 0;
+  return weights;
+}
+
+}  // namespace
+
+TriangleNodes SurfaceCollider::places(const SurfaceFace& face, double time) const {
+  TriangleNodes nodes;
+  for (std::size_t i = 0; i < 3; ++i) nodes[i] = place(face.nodes[i]) + time * settings_.step * velocity(face.nodes[i]);
+  return nodes;
+}
+
+// m, the most that a node of one side moves against one of the other.
+double SurfaceCollider::travel(std::span<const Slot> first, std::span<const Slot> second) const {
+  double fastest = 0;
+  for (const Slot a : first)
+    for (const Slot b : second) fastest = std::max(fastest, (velocity(a) - velocity(b)).squaredNorm());
+  return settings_.step * std::sqrt(fastest);
+}
+
+// Of the two faces at an edge, one speaks for it.
+bool SurfaceCollider::owns(const SurfaceFace& face, const Vec3& weights) const {
+  const int edge = edge_of(weights);
+  if (edge < 0) return true;
+  const Slot across = face.across[static_cast<std::size_t>(edge)], own = face.nodes[static_cast<std::size_t>(edge + 2) % 3];
+  return across < 0 || world_.id[static_cast<std::size_t>(own)] < world_.id[static_cast<std::size_t>(across)];
+}
+
+// Whether no neighbour of the feature comes closer to a point in this direction from it.
+bool SurfaceCollider::is_nearest(const SurfaceFace& face, const Vec3& weights, const Vec3& direction, double lean) const {
+  if (const int edge = edge_of(weights); edge >= 0) {
+    const auto i = static_cast<std::size_t>(edge);
+    const Slot across = face.across[i];
+    const Vec3 &from = place(face.nodes[i]), &to = place(face.nodes[(i + 1) % 3]);
+    return across < 0 || rise(place(across) - from, to - from, direction) <= lean;
+  }
+  for (std::size_t i = 0; i < 3 && is_one_node(weights); ++i) {
+    if (weights[static_cast<Eigen::Index>(i)] == 0) continue;
+    const Vec3& node = place(face.nodes[i]);
+    for (const Slot next : surfaces_.ring(face.nodes[i]))
+      if (rise(place(next) - node, Vec3::Zero(), direction) > lean) return false;
+  }
+  return true;
+}
+
+// Whether an edge stands out in this direction against all of its faces.
+bool SurfaceCollider::is_ridge(const SurfaceEdge& edge, const Vec3& direction) const {
+  const Vec3 &from = place(edge.nodes[0]), &to = place(edge.nodes[1]);
+  return std::all_of(edge.wings.begin(), edge.wings.end(), [&](Slot wing) {
+    return wing < 0 || rise(place(wing) - from, to - from, direction) < -ridge;
+  });
+}
+
+// From the second side's point to the first's (m), at a share of the step.
+Vec3 SurfaceCollider::apart(const Pair& pair, double time) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 4; ++k)
+    if (pair.weights[k] != 0) sum += pair.weights[k] * (place(pair.slots[k]) + time * settings_.step * velocity(pair.slots[k]));
+  return sum;
+}
+
+Vec3 SurfaceCollider::parting(const Pair& pair) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 4; ++k)
+    if (pair.weights[k] != 0) sum += pair.weights[k] * velocity(pair.slots[k]);
+  return sum;
+}
+
+// The margin rule of bodies (narrowphase.hpp), of the two points.
+double SurfaceCollider::margin(const Pair& pair, const Vec3& normal) const {
+  double first = 0, second = 0;
+  for (std::size_t k = 0; k < 4; ++k)
+    if (pair.weights[k] != 0)
+      (pair.weights[k] > 0 ? first : second) += std::abs(pair.weights[k]) * normal.dot(velocity(pair.slots[k]));
+  const double fastest = pair.watched ? 0 : std::max({std::abs(first), std::abs(second), std::abs(first - second)});
+  const double fall = std::abs(normal.dot(settings_.gravity)) * settings_.step * settings_.step;
+  return settings_.margin + settings_.step * fastest + pair.spin + fall;
+}
+
+void SurfaceCollider::add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature,
+                          double beyond) {
+  SurfaceContact c{{-1, -1, -1, -1}, feature, {-1, -1, -1, -1}, {}, arm, normal, gap, 0, beyond};
+  bool home = false;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Slot s = pair.slots[k];
+    if (pair.weights[k] == 0) continue;
+    c.slots[count] = s, c.ids[count] = world_.id[static_cast<std::size_t>(s)], c.weights[count] = pair.weights[k];
+    home |= world_.is_home(s), ++count;
+  }
+  if (!home) return;
+  const auto material = [&](Slot s) {
+    return static_cast<std::size_t>(world_.properties[static_cast<std::size_t>(s)].material);
+  };
+  c.friction = settings_.friction[material(c.slots[0]) * settings_.material_count + material(c.slots[count - 1])];
+  out_.push_back(c);
+}
+
+// A pair as it is now.
+void SurfaceCollider::add_standing(const Pair& pair) {
+  const Vec3 between = apart(pair, 0);
+  const double distance = between.norm();
+  if (!(distance > 1e-100)) return;  // at the same place: the next step knows on which side they are
+  Vec3 normal = between / distance;
+  double gap = distance - pair.radii, beyond = 0;
+  if (pair.within && settings_.has_past && distance < 4 * pair.radii && apart(pair, -1).dot(normal) < 0)
+    normal = -normal, gap = -distance - pair.radii, beyond = distance + 0.1 * pair.radii;
+  if (gap <= margin(pair, normal)) add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, gap, 0, beyond);
+}
+
+// A pair as it will first touch, at a share of the step; its gap opened by what it closes until then.
+void SurfaceCollider::add_meeting(const Pair& pair, double time) {
+  const Vec3 between = apart(pair, time);
+  const double distance = between.norm();
+  if (!(distance > 1e-100)) return;
+  const Vec3 normal = between / distance;
+  const double closed = std::max(0.0, -time * settings_.step * normal.dot(parting(pair)));
+  add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, distance - pair.radii + closed, 0);
+}
+
+// A point with a radius, end 0 of the pair, on a face. `fast`: travel (m) from which on it is followed along the step.
+void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast) {
+  std::copy(face.nodes.begin(), face.nodes.end(), pair.slots.begin() + 1);
+  const auto set_weights = [&](const Vec3& w) { pair.weights = {1, -w[0], -w[1], -w[2]}; };
+  if (travel(std::span(pair.slots).first(1), face.nodes) > fast) {
+    const ContinuousHit hit = point_meets_triangle(path(pair.slots[0]), path(face.nodes[0]), path(face.nodes[1]),
+                                                   path(face.nodes[2]), continuous(pair.radii));
+    pair.watched = !hit.hit;
+    if (hit.hit && hit.time > 0) {
+      set_weights(without_twin(face, {hit.weights[1], hit.weights[2], hit.weights[3]}));
+      return add_meeting(pair, hit.time);
+    }
+  }
+  const auto [a, b, c] = places(face, 0);
+  const TrianglePoint near = closest_on_triangle(place(pair.slots[0]), a, b, c);
+  const Vec3 weights = without_twin(face, near.weights);
+  const bool at_node = is_one_node(weights);
+  if (at_node && !surfaces_.is_node(pair.slots[0])) return;  // nodes touch bodies as the particles that they are
+  set_weights(weights);
+  pair.within = !at_node && (weights[2] > 0 || face.is_segment());
+  const Vec3 between = apart(pair, 0);
+  const double distance = between.norm();
+  if (distance > 0 && !(owns(face, weights) && is_nearest(face, weights, between / distance, lean_of_points))) return;
+  if (at_node) {  // two nodes: the lower id first, so that all who find them agree
+    for (std::size_t k = 1; k < 4; ++k)
+      if (pair.weights[k] != 0) pair.slots[1] = pair.slots[k];
+    if (world_.id[static_cast<std::size_t>(pair.slots[1])] < world_.id[static_cast<std::size_t>(pair.slots[0])])
+      std::swap(pair.slots[0], pair.slots[1]);
+    pair.weights = {1, -1, 0, 0};
+  }
+  add_standing(pair);
+}
+
+void SurfaceCollider::node_face(Slot node, std::int32_t number) {
+  const SurfaceFace& face = surfaces_.faces[static_cast<std::size_t>(number)];
+  if (std::find(face.nodes.begin(), face.nodes.end(), node) != face.nodes.end()) return;
+  Pair pair;
+  pair.slots[0] = node;
+  pair.radii = radius(node) + radius(face.nodes[0]);
+  point_face(pair, face, pair.radii);
+}
+
+void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
+  const SurfaceEdge *e = &surfaces_.edges[static_cast<std::size_t>(first)], *f = &surfaces_.edges[static_cast<std::size_t>(second)];
+  const auto ids = [&](const SurfaceEdge& edge) {
+    return std::pair(world_.id[static_cast<std::size_t>(edge.nodes[0])], world_.id[static_cast<std::size_t>(edge.nodes[1])]);
+  };
+  for (const Slot a : e->nodes)
+    if (std::find(f->nodes.begin(), f->nodes.end(), a) != f->nodes.end()) return;
+  if (ids(*f) < ids(*e)) std::swap(e, f);
+  Pair pair;
+  pair.slots = {e->nodes[0], e->nodes[1], f->nodes[0], f->nodes[1]};
+  pair.radii = radius(e->nodes[0]) + radius(f->nodes[0]);
+  if (travel(e->nodes, f->nodes) > pair.radii) {
+    const ContinuousHit hit = edge_meets_edge(path(e->nodes[0]), path(e->nodes[1]), path(f->nodes[0]), path(f->nodes[1]),
+                                              continuous(pair.radii));
+    pair.watched = !hit.hit;
+    if (hit.hit && hit.time > 0) {
+      pair.weights = {hit.weights[0], hit.weights[1], -hit.weights[2], -hit.weights[3]};
+      const bool inside = hit.weights[0] > 0 && hit.weights[1] > 0 && hit.weights[2] > 0 && hit.weights[3] > 0;
+      if (inside) add_meeting(pair, hit.time);  // ends of edges meet faces
+      return;
+    }
+  }
+  const SegmentPoints near = closest_of_segments(place(pair.slots[0]), place(pair.slots[1]), place(pair.slots[2]), place(pair.slots[3]));
+  if (!(near.s > 0 && near.s < 1 && near.t > 0 && near.t < 1)) return;  // nodes on faces say it
+  pair.weights = {1 - near.s, near.s, near.t - 1, -near.t};
+  pair.within = true;
+  const Vec3 between = near.first - near.second;
+  if (near.distance > 0 && !(is_ridge(*f, between / near.distance) && is_ridge(*e, -between / near.distance))) return;
+  add_standing(pair);
+}
+
+void SurfaceCollider::body_face(const Proxy& body, std::int32_t number) {
+  const SurfaceFace& face = surfaces_.faces[static_cast<std::size_t>(number)];
+  if (body.kind == ShapeKind::box) return box_face(body, face);
+  Pair pair;
+  pair.slots[0] = body.slot;
+  pair.radii = body.half.x() + radius(face.nodes[0]);
+  pair.turns = body.kind != ShapeKind::particle;
+  point_face(pair, face, body.half_size);
+}
+
+// The share of the step at which a box, without turning, first touches a face; 2: not within it.
+double SurfaceCollider::first_touch(const Proxy& box, const SurfaceFace& face, double radius) const {
+  const ContinuousSettings settings = continuous(radius);
+  const Vec3 motion = settings_.step * box.velocity;
+  const MovingPoint nodes[3] = {path(face.nodes[0]), path(face.nodes[1]), path(face.nodes[2])};
+  std::array<MovingPoint, 8> corners;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 sign(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+    const Vec3 corner = box.position + box.rotation * sign.cwiseProduct(box.half);
+    corners[static_cast<std::size_t>(k)] = {corner, corner + motion};
+  }
+  double first = 2;
+  const auto note = [&](const ContinuousHit& hit) {
+    if (hit.hit) first = std::min(first, hit.time);
+  };
+  for (const MovingPoint& corner : corners) note(point_meets_triangle(corner, nodes[0], nodes[1], nodes[2], settings));
+  for (std::size_t k = 0; k < 8; ++k)
+    for (const std::size_t bit : {1u, 2u, 4u}) {
+      if ((k & bit) != 0) continue;
+      for (std::size_t i = 0; i < (face.is_segment() ? 1 : 3); ++i)
+        note(edge_meets_edge(corners[k], corners[k | bit], nodes[i], nodes[(i + 1) % 3], settings));
+    }
+  return first;
+}
+
+void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
+  Pair pair;
+  pair.slots = {box.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
+  pair.radii = radius(face.nodes[0]), pair.spin = box.spin_reach;
+  double time = 0;
+  if (travel(std::span(pair.slots).first(1), face.nodes) > box.half_size) {
+    const double touch = first_touch(box, face, pair.radii);
+    pair.watched = touch > 1;
+    time = pair.watched ? 0 : touch;
+  }
+  double fastest = box.speed;
+  for (const Slot s : face.nodes) fastest = std::max({fastest, velocity(s).norm(), (velocity(s) - box.velocity).norm()});
+  const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
+  const double widest = settings_.margin + (pair.watched || time > 0 ? 0 : settings_.step * fastest) + pair.spin + fall;
+  const Vec3 centre = box.position + time * settings_.step * box.velocity;
+  TriangleContacts found;
+  box_triangle(centre, box.rotation, box.half, places(face, time), {pair.radii + widest, box.half_size}, found);
+  for (int i = 0; i < found.count; ++i) {
+    const TriangleContact& c = found.points[static_cast<std::size_t>(i)];
+    if (c.feature >= 8 && c.feature < 11) continue;  // nodes touch bodies as the particles that they are
+    const Vec3 weights = without_twin(face, c.weights);
+    if (face.is_segment() && ((c.feature >= 11 && (c.feature - 11) % 3 != 0) || is_one_node(weights))) continue;
+    if (!owns(face, weights) || !is_nearest(face, weights, c.normal, lean_of_boxes)) continue;
+    pair.weights = {1, -weights[0], -weights[1], -weights[2]};
+    const Vec3 arm = c.position - 0.5 * c.gap * c.normal - centre;
+    const double closed = std::max(0.0, -time * settings_.step * c.normal.dot(parting(pair)));
+    const double gap = c.gap - pair.radii;
+    if (time == 0 && gap > margin(pair, c.normal)) continue;
+    add(pair, arm, c.normal, gap + closed, c.feature);
+  }
+}
+
+void SurfaceCollider::finish() {
+  std::sort(out_.begin(), out_.end(), [](const SurfaceContact& a, const SurfaceContact& b) { return a.before(b); });
+  const auto same = [](const SurfaceContact& a, const SurfaceContact& b) { return !a.before(b) && !b.before(a); };
+  out_.erase(std::unique(out_.begin(), out_.end(), same), out_.end());
+}
+
+}  // namespace unibody

@@ -1,0 +1,79 @@
+// Contacts with the surfaces of flexible bodies: bodies on faces and edges, nodes on faces, edges across edges.
+//
+// A pair that moves little in the step is taken as it stands, and only where its distance is least with regard to the neighbours
+// as well: of a body over a flat cloth one face is a contact, not the edges and faces around. A pair that moves by more than its
+// size is followed along the step (continuous.hpp) and touches where and how it first will. Velocities are those at the start of
+// the step: what is turned aside within it may pass through what it was not heading for.
+//
+// Sides: two points that have passed each other in the last step, which an unconverged solve may let happen, are told to go back.
+// Where they were follows from positions and velocities alone: a step ends with x += h v.
+//
+// Nodes touch bodies as the particles that they are (narrowphase.hpp); what is here is what lies between them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "collide/continuous.hpp"
+#include "collide/contacts.hpp"
+#include "collide/narrowphase.hpp"
+#include "collide/surfaces.hpp"
+#include "collide/triangle_contacts.hpp"
+
+namespace unibody {
+
+class SurfaceCollider {
+ public:
+  // Adds to `contacts`.
+  SurfaceCollider(const World& world, const Surfaces& surfaces, const CollideSettings& settings,
+                  std::vector<SurfaceContact>& contacts)
+      : world_(world), surfaces_(surfaces), settings_(settings), out_(contacts) {}
+
+  void body_face(const Proxy& body, std::int32_t face);
+  void node_face(Slot node, std::int32_t face);
+  void edge_edge(std::int32_t first, std::int32_t second);
+
+  // Puts the contacts in the order of their keys, each once.
+  void finish();
+
+ private:
+  // Two points, one a side: means of the ends, those of the first side with positive weights.
+  struct Pair {
+    std::array<Slot, 4> slots{-1, -1, -1, -1};
+    std::array<double, 4> weights{};
+    double radii = 0;      // m, of both sides
+    double spin = 0;       // m, what a turning end adds to the margin
+    bool turns = false;    // end 0 is a round body, touched off its centre
+    bool within = false;   // both points lie inside their features, so that a change of sides shows
+    bool watched = false;  // it is fast, and its motion leads past
+  };
+  const Vec3& place(Slot s) const { return world_.position[static_cast<std::size_t>(s)]; }
+  const Vec3& velocity(Slot s) const { return world_.velocity[static_cast<std::size_t>(s)]; }
+  double radius(Slot node) const { return world_.properties[static_cast<std::size_t>(node)].shape.size.x(); }
+  MovingPoint path(Slot s) const { return {place(s), place(s) + settings_.step * velocity(s)}; }
+  TriangleNodes places(const SurfaceFace& face, double time) const;  // time: share of the step
+  double travel(std::span<const Slot> first, std::span<const Slot> second) const;
+
+  // With regard to the neighbours of the feature of a face, edge or node, that weights say.
+  bool owns(const SurfaceFace& face, const Vec3& weights) const;
+  bool is_nearest(const SurfaceFace& face, const Vec3& weights, const Vec3& direction, double lean) const;
+  bool is_ridge(const SurfaceEdge& edge, const Vec3& direction) const;
+
+  Vec3 apart(const Pair& pair, double time) const;
+  Vec3 parting(const Pair& pair) const;
+  double margin(const Pair& pair, const Vec3& normal) const;
+  void point_face(Pair pair, const SurfaceFace& face, double fast);
+  void add_standing(const Pair& pair);
+  void add_meeting(const Pair& pair, double time);
+  void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature,
+           double beyond = 0);
+  void box_face(const Proxy& box, const SurfaceFace& face);
+  double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;
+
+  const World& world_;
+  const Surfaces& surfaces_;
+  const CollideSettings& settings_;
+  std::vector<SurfaceContact>& out_;
+};
+
+}  // namespace unibody

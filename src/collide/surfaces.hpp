@@ -1,0 +1,77 @@
+// The surfaces of flexible bodies that this rank knows: faces of cloths and segments of threads, their edges, and what lies next
+// to what; by slot. Made anew whenever slots move.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "collide/broadphase.hpp"
+#include "collide/collide_settings.hpp"
+#include "scene/scene.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+struct SurfaceFace {
+  std::array<Slot, 3> nodes;   // of a thread's segment the last two are equal
+  std::array<Slot, 3> across;  // of edge i, from node i to i + 1: the third node of the neighbour; -1: none here
+  std::int32_t surface;        // index into the scene's
+  bool home;                   // one of its nodes is home
+
+  bool is_segment() const { return nodes[1] == nodes[2]; }
+};
+
+struct SurfaceEdge {
+  std::array<Slot, 2> nodes;  // ascending ids
+  std::array<Slot, 2> wings;  // the third nodes of its faces; -1: none here
+  std::int32_t surface;
+  bool home;
+};
+
+class Surfaces {
+ public:
+  explicit Surfaces(const std::vector<Surface>& surfaces) : surfaces_(surfaces) {}
+
+  // All faces whose three nodes are here. They are complete around whatever a home body can touch, if the guests are those that
+  // widen() and partners() ask for.
+  void build(const World& world);
+  void clear();
+
+  // Nodes within two faces of home nodes, which are not home themselves; ascending ids. Mutual between ranks.
+  std::vector<Id> partners(const World& world) const;
+
+  // Grows the bounds of home nodes to those of their faces, so that whoever touches a face meets all of its nodes, and whoever
+  // touches a face those of its neighbours.
+  void widen(const World& world, const CollideSettings& settings, std::span<Bounds> bounds) const;
+
+  bool empty() const { return faces.empty(); }
+  bool is_node(Slot s) const { return static_cast<std::size_t>(s) < surface_of_.size() && surface_of_[s] >= 0; }
+  bool edges_may_meet() const;  // of two surfaces, or of one that collides with itself
+  std::int32_t surface_of(Slot node) const { return surface_of_[static_cast<std::size_t>(node)]; }
+  bool collides_with_itself(std::int32_t surface) const { return surfaces_[static_cast<std::size_t>(surface)].self_collision; }
+  std::span<const Slot> ring(Slot node) const {  // the nodes that share an edge with it
+    const auto i = static_cast<std::size_t>(node);
+    return {rings_.entries.data() + rings_.start[i], rings_.start[i + 1] - rings_.start[i]};
+  }
+  std::size_t bytes() const;
+
+  std::vector<SurfaceFace> faces;
+  std::vector<SurfaceEdge> edges;  // each once
+
+ private:
+  void find_faces(const World& world);
+  void find_edges(const World& world);
+
+  const std::vector<Surface>& surfaces_;
+  std::vector<std::int32_t> surface_of_;  // by slot; -1: no node of a surface
+  struct {
+    std::vector<std::uint32_t> start;  // by slot
+    std::vector<Slot> entries;
+  } rings_;
+};
+
+// Bounds of a face, grown by all that its nodes can reach in a step, and by `more`.
+Bounds swept_face_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings, double more = 0);
+
+}  // namespace unibody

@@ -1,0 +1,195 @@
+#include "constraints/surface_batch.hpp"
+
+#include "constraints/friction.hpp"
+
+namespace unibody {
+
+namespace {
+
+void put(Vec3x4& v, std::size_t lane, const Vec3& x) { v.x[lane] = x.x(), v.y[lane] = x.y(), v.z[lane] = x.z(); }
+
+Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
+  return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
+}
+
+// The vectors that four records begin with, one a lane.
+template <typename Where>
+Vec3x4 gathered(const Slot (&slot)[lanes], Where&& where) {
+  const auto row = [&](std::size_t l) { return Vec4d(*reinterpret_cast<const Vec4dView*>(where(slot[l]))); };
+  Vec4d x = row(0), y = row(1), z = row(2), rest = row(3);
+  transpose(x, y, z, rest);
+  return {x, y, z};
+}
+
+Vec4d inverse_or_zero(Vec4d x) {
+  const Mask4 proper = x > broadcast(0);
+  return select(proper, broadcast(1) / select(proper, x, broadcast(1)), broadcast(0));
+}
+
+}  // namespace
+
+void SurfaceBatch::start_build(std::size_t count, const SolverSettings& settings, double step) {
+  friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
+  blocks_.assign((count + lanes - 1) / lanes, Block{});
+}
+
+void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, std::span<const SolverBody> bodies,
+                            std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic, bool counted) {
+  Block& block = blocks_[i / lanes];
+  const std::size_t l = i % lanes;
+  const auto nobody = static_cast<Slot>(bodies.size() - 1);
+  if (l == 0)
+    for (auto& ends : block.slot) std::fill(std::begin(ends), std::end(ends), nobody);
+  for (std::size_t k = 0; k < 4; ++k) {
+    block.slot[k][l] = contact.slots[k] < 0 ? nobody : contact.slots[k];
+    block.weight[k][l] = contact.weights[k];
+  }
+  put(block.arm, l, contact.arm);
+  put(block.n, l, contact.normal);
+  put(block.s, l, first_tangent_of(contact.normal));
+  block.friction[l] = friction_ == FrictionModel::none ? 0 : contact.friction;
+  block.gap[l] = contact.gap, block.beyond[l] = contact.beyond;
+  const auto first = static_cast<std::size_t>(contact.slots[0]);
+  const double all = bodies[first].inverse_inertia;
+  const InverseInertia w = isotropic[first] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[first];
+  const double entries[6] = {w.xx, w.yy, w.zz, w.yz, w.xz, w.xy};
+  for (std::size_t k = 0; k < 6; ++k) block.inertia[k][l] = entries[k];
+  block.counted[l] = counted ? -1 : 0;
+}
+
+// As ContactBatch::scale_jacobi: absolute row sums of the point's own block, masses split by the bodies' constraint counts.
+void SurfaceBatch::scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const {
+  Vec4d linear = broadcast(0), split_linear = broadcast(0), split_first{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    Vec4d mass{}, split{};
+    for (std::size_t l = 0; l < lanes; ++l) {
+      mass[l] = bodies[block.slot[k][l]].inverse_mass;
+      split[l] = std::max(1.0, scaling_ * counts[block.slot[k][l]]);
+    }
+    const Vec4d part = block.weight[k] * block.weight[k] * mass;
+    linear += part, split_linear += part * split;
+    if (k == 0) split_first = split;
+  }
+  const Vec3x4 axes[3] = {block.n, block.s, cross(block.n, block.s)};
+  Vec4d own[3], sum[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3x4 torque = cross(block.arm, axes[i]), turned = multiply(block.inertia, torque);
+    own[i] = linear + dot(torque, turned), sum[i] = split_linear + split_first * dot(torque, turned);
+    for (std::size_t j = 0; j < 3; ++j)
+      if (j != i) {
+        const Vec4d coupling = abs(dot(cross(block.arm, axes[j]), turned));
+        sum[i] += split_first * coupling;
+        if (i > 0 && j > 0) own[i] += coupling;
+      }
+  }
+  const Mask4 rough = block.friction > broadcast(0);
+  // Without friction there are no tangents to couple with; the normal row stands alone.
+  const Vec4d alone = split_linear + split_first * dot(cross(block.arm, block.n), multiply(block.inertia, cross(block.arm, block.n)));
+  Vec4d normal = select(rough, sum[0], alone), tangential = select(rough, max(sum[1], sum[2]), broadcast(0));
+  if (uses_cone_projection(friction_)) normal = max(normal, tangential), tangential = select(rough, normal, broadcast(0));
+  block.normal = {normal, inverse_or_zero(normal), own[0]};
+  block.tangential = {tangential, inverse_or_zero(tangential), select(rough, max(own[1], own[2]), broadcast(0))};
+}
+
+void SurfaceBatch::start_stage(const Stage& stage) {
+  for (Block& block : blocks_) {
+    block.bias = stage.bias(block.gap);
+    if (stage.kind == Stage::Kind::position)
+      block.bias = select(block.beyond > broadcast(0), min(block.bias, -block.beyond / broadcast(stage.step)), block.bias);
+  }
+}
+
+void SurfaceBatch::keep_impulses(bool joint) {
+  for (Block& block : blocks_) {
+    if (!joint) block.kept = block.lambda, block.lambda = Impulse{};
+    block.y = block.lambda;
+  }
+}
+
+SurfaceBatch::Velocity SurfaceBatch::parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies) {
+  const Vec4d zero = broadcast(0);
+  Vec3x4 u{zero, zero, zero};
+  for (std::size_t k = 0; k < 4; ++k)
+    u = u + gathered(block.slot[k], [&](Slot b) { return bodies[b].v; }) * block.weight[k];
+  u = u + cross(gathered(block.slot[0], [&](Slot b) { return bodies[b].w; }), block.arm);
+  return {dot(block.n, u), dot(block.s, u), dot(t, u)};
+}
+
+template <FrictionModel model>
+SurfaceBatch::Impulse SurfaceBatch::stepped(const Block& block, const Velocity& u, const Impulse& from, Vec4d inverse_n,
+                                            Vec4d inverse_t) {
+  Vec4d r = u.n + block.bias;
+  if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
+  const ConeForce next = project<model>({from.n - inverse_n * r, from.s - inverse_t * u.s, from.t - inverse_t * u.t}, block.friction);
+  return {next.n, next.s, next.t};
+}
+
+template <FrictionModel model>
+void SurfaceBatch::sweep(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums) {
+  const double per_unit = 1 / sums.unit;
+  const Vec4d momentum = broadcast(beta);
+  Vec4d change = broadcast(0), largest = broadcast(0);
+  Mask4 gradient_units{}, progress_units{};
+  for (Block& block : blocks_) {
+    const Vec3x4 t = cross(block.n, block.s);
+    const Velocity u = parting(block, t, bodies);
+    const Impulse next = stepped<model>(block, u, block.y, block.normal.inverse, block.tangential.inverse);
+    Vec4d gradient = broadcast(0), progress = broadcast(0);
+    const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d to, Vec4d r, Vec4d scale) {
+      const Vec4d step = to - y, forward = to - lambda, scaled = scale * step, new_y = to + momentum * forward;
+      gradient += r * forward, progress += scaled * step;
+      change = max(change, abs(scaled));
+      const Vec4d moved = new_y - y;
+      lambda = to, y = new_y;
+      return moved;
+    };
+    const Vec4d n = advance(block.lambda.n, block.y.n, next.n, u.n + block.bias, block.normal.scale);
+    const Vec4d s = advance(block.lambda.s, block.y.s, next.s, u.s, block.tangential.scale);
+    const Vec4d f = advance(block.lambda.t, block.y.t, next.t, u.t, block.tangential.scale);
+    largest = max(largest, max(abs(gradient), progress));
+    gradient_units += whole_units(gradient, per_unit) & block.counted;
+    progress_units += whole_units(progress, per_unit) & block.counted;
+
+    const Vec3x4 force = (block.n * n + block.s * s) + t * f, torque = cross(block.arm, force);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const Vec4d all{force.x[l], force.y[l], force.z[l], 0};
+      for (std::size_t k = 0; k < 4; ++k) wrenches[block.slot[k][l]].force += broadcast(block.weight[k][l]) * all;
+      wrenches[block.slot[0][l]].torque += Vec4d{torque.x[l], torque.y[l], torque.z[l], 0};
+    }
+  }
+  for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient_units[l], sums.progress += progress_units[l];
+  sums.change = std::max(sums.change, step_ * horizontal_max(change));
+  sums.largest = std::max(sums.largest, horizontal_max(largest));
+}
+
+void SurfaceBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums) {
+  with_model(friction_, [&]<FrictionModel model>() { sweep<model>(bodies, wrenches, beta, sums); });
+}
+
+double SurfaceBatch::residual(std::span<const SolverBody> bodies) const {
+  return with_model(friction_, [&]<FrictionModel model>() {
+    Vec4d worst = broadcast(0);
+    for (const Block& block : blocks_) {
+      Vec4d of_n = block.normal.mobility, of_t = block.tangential.mobility;
+      if (uses_cone_projection(model)) of_n = of_t = max(of_n, of_t);
+      const Velocity u = parting(block, cross(block.n, block.s), bodies);
+      const Impulse next = stepped<model>(block, u, block.lambda, inverse_or_zero(of_n), inverse_or_zero(of_t));
+      const Vec4d ds = next.s - block.lambda.s, dt = next.t - block.lambda.t;
+      worst = max(worst, max(of_n * abs(next.n - block.lambda.n), of_t * sqrt(ds * ds + dt * dt)));
+    }
+    return step_ * horizontal_max(worst);
+  });
+}
+
+std::int64_t SurfaceBatch::sliding() const {
+  std::int64_t count = 0;
+  for (const Block& block : blocks_) {
+    const Vec4d n = block.kept.n + block.lambda.n, s = block.kept.s + block.lambda.s, t = block.kept.t + block.lambda.t;
+    const Vec4d limit = broadcast(0.999) * block.friction * n;
+    const Mask4 at_limit = (limit > broadcast(0)) & (s * s + t * t >= limit * limit) & block.counted;
+    for (std::size_t l = 0; l < lanes; ++l) count -= at_limit[l];
+  }
+  return count;
+}
+
+}  // namespace unibody
