@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@ namespace unibody {
 
 class FramesFile {
  public:
-  // `path`: the file, or a folder of results. Throws an InputError, as all members do, that names the file and says what was
-  // expected of it.
+  // `path`: the file, or a folder of results. Throws, as all members do, an InputError that names the file and says what was
+  // expected of it, or std::runtime_error where HDF5 can't read what it holds.
   explicit FramesFile(const std::string& path);
 
   const std::string& path() const { return path_; }

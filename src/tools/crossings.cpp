@@ -143,11 +143,17 @@ int run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  Options options;
+  std::string fault;
   try {
-    return run(parse(argc, argv));
-  } catch (const std::exception& error) {
-    std::fflush(stdout);
-    std::fprintf(stderr, "crossings: %s\n", error.what());
-    return 2;
+    options = parse(argc, argv);
+    return run(options);
+  } catch (const InputError& error) {
+    fault = error.what();
+  } catch (const std::exception& error) {  // of HDF5, on a damaged file
+    fault = "'" + options.path + "': " + error.what();
   }
+  std::fflush(stdout);
+  std::fprintf(stderr, "crossings: %s\n", fault.c_str());
+  return 2;
 }
