@@ -1,0 +1,142 @@
+#include "report/frames_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+
+#include "core/errors.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr hsize_t any = HSIZE_UNDEF;
+
+std::string numbered(const std::string& group, std::int64_t number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%06lld", static_cast<long long>(number));
+  return group + "/" + text.data();
+}
+
+bool has(hid_t file, const std::string& name) { return H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0; }
+
+h5::Handle open_group(hid_t file, const std::string& name) {
+  return {H5Gopen2(file, name.c_str(), H5P_DEFAULT), H5Gclose, "open group " + name};
+}
+
+// The numbers that a group's members have as names, ascending; other names are left out.
+std::vector<std::int64_t> members(hid_t file, const std::string& name) {
+  std::vector<std::int64_t> numbers;
+  const auto group = open_group(file, name);
+  H5G_info_t info{};
+  if (H5Gget_info(group, &info) < 0) return numbers;
+  for (hsize_t k = 0; k < info.nlinks; ++k) {
+    std::array<char, 32> text{};
+    const auto size = H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, k, text.data(), text.size(), H5P_DEFAULT);
+    if (size <= 0 || size >= static_cast<ssize_t>(text.size())) continue;
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + size, number);
+    if (error == std::errc() && end == text.data() + size) numbers.push_back(number);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+// The file in a folder of results; says why there is none.
+std::string file_of(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  constexpr const char* expected = ": expected the output folder of a run of unibody, or its frames.h5";
+  if (!fs::exists(path, error)) throw InputError("there is no '" + path + "'" + expected);
+  if (!fs::is_directory(path, error)) return path;
+  const auto file = (fs::path(path) / "frames.h5").string();
+  if (!fs::exists(file, error)) throw InputError("there is no frames.h5 in '" + path + "'" + expected);
+  return file;
+}
+
+}  // namespace
+
+FramesFile::FramesFile(const std::string& path) : path_(file_of(path)) {
+  const h5::Quiet quiet;
+  // Not h5::open_file, which would start MPI for a file that one process reads.
+  const hid_t id = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (id < 0) refuse("can't be opened as an HDF5 file: expected the frames.h5 of a run of unibody");
+  file_ = h5::Handle(id, H5Fclose, "open " + path_);
+  if (!has(file_, "frames")) refuse("has no group /frames: expected the frames.h5 of a run of unibody");
+  frames_ = members(file_, "frames");
+  if (frames_.empty()) refuse("holds no frame yet: expected one at least");
+  const std::string name = numbered("/frames", frames_.front()) + "/position";
+  body_count_ = static_cast<Id>(h5::dimensions(open_array(name, any, {3}, H5T_FLOAT))[0]);
+}
+
+void FramesFile::refuse(const std::string& fault) const { throw InputError("'" + path_ + "' " + fault); }
+
+h5::Handle FramesFile::open_array(const std::string& name, hsize_t rows, std::initializer_list<hsize_t> columns,
+                                  H5T_class_t kind) const {
+  const hid_t id = H5Dopen2(file_, name.c_str(), H5P_DEFAULT);
+  if (id < 0) refuse("has no dataset " + name);
+  h5::Handle dataset(id, H5Dclose, "open " + name);
+  const h5::Handle type(H5Dget_type(dataset), H5Tclose, "get the type of " + name);
+  const auto extent = h5::dimensions(dataset);
+  const bool fits = extent.size() == 2 && (rows == any || extent[0] == rows) &&
+                    std::find(columns.begin(), columns.end(), extent[1]) != columns.end() && H5Tget_class(type) == kind;
+  if (fits) return dataset;
+  std::string found, expected = rows == any ? "N" : std::to_string(rows);
+  for (const hsize_t n : extent) found.append(found.empty() ? "" : ", ").append(std::to_string(n));
+  expected.append(", ").append(std::to_string(*columns.begin()));
+  for (auto it = columns.begin() + 1; it != columns.end(); ++it) expected.append(" or ").append(std::to_string(*it));
+  refuse(name + " is [" + found + "]: expected [" + expected + "] " + (kind == H5T_FLOAT ? "real" : "whole") + " numbers");
+}
+
+std::vector<FramesFile::Cells> FramesFile::surfaces() const {
+  const h5::Quiet quiet;
+  if (!has(file_, "surfaces")) refuse("has no group /surfaces: expected the results of a scene with cloths or threads");
+  std::vector<Cells> result;
+  for (const std::int64_t number : members(file_, "surfaces")) {
+    const std::string group = numbered("/surfaces", number), name = group + "/cells";
+    const auto dataset = open_array(name, any, {3, 2}, H5T_INTEGER);
+    const auto extent = h5::dimensions(dataset);
+    Cells surface;
+    surface.corners = static_cast<int>(extent[1]);
+    std::vector<Id> ids(static_cast<std::size_t>(extent[0] * extent[1]));
+    h5::read_rows(dataset, H5T_NATIVE_INT64, 0, extent[0], ids.data());
+    for (auto id = ids.begin(); id != ids.end(); id += surface.corners) {
+      std::array<Id, 3> cell{-1, -1, -1};
+      std::copy(id, id + surface.corners, cell.begin());
+      surface.cells.push_back(cell);
+    }
+    for (const Id id : ids)
+      if (id < 0 || id >= body_count_)
+        refuse(name + " names body " + std::to_string(id) + ": expected 0 to " + std::to_string(body_count_ - 1));
+    const auto own = open_group(file_, group);
+    const bool named = H5Aexists(own, "name") > 0;
+    surface.name = named ? h5::read_string(own, "name") : "surface " + std::to_string(number);
+    result.push_back(std::move(surface));
+  }
+  if (result.empty()) refuse("has no surface in /surfaces: expected the results of a scene with cloths or threads");
+  return result;
+}
+
+double FramesFile::time(std::int64_t frame) const {
+  const h5::Quiet quiet;
+  const std::string group = numbered("/frames", frame);
+  if (!has(file_, group) || H5Aexists_by_name(file_, group.c_str(), "time", H5P_DEFAULT) <= 0)
+    refuse("has no attribute time (s) at " + group);
+  return h5::read_double(open_group(file_, group), "time");
+}
+
+void FramesFile::positions(std::int64_t frame, std::vector<Vec3>& out) const {
+  const h5::Quiet quiet;
+  const std::string name = numbered("/frames", frame) + "/position";
+  const auto rows = static_cast<hsize_t>(body_count_);
+  const auto dataset = open_array(name, rows, {3}, H5T_FLOAT);
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  out.resize(rows);
+  h5::read_rows(dataset, H5T_NATIVE_DOUBLE, 0, rows, out.data());
+  for (std::size_t k = 0; k < out.size(); ++k)
+    if (!out[k].allFinite()) refuse(name + " of body " + std::to_string(k) + " is not finite: expected a place (m)");
+}
+
+}  // namespace unibody
