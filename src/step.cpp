@@ -59,6 +59,13 @@ void Simulation::detect() {
   if (is_alone()) return;
   const Scratch::Frame frame(scratch_);
   Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_);
+  if (getenv("DBG")) { //DBG
+    char name[99]; snprintf(name,99,"%s_%d_%d",getenv("DBG"),(int)steps_done,halo_.rank()); //DBG
+    FILE* f=fopen(name,"w"); //DBG
+    for (const auto& c : contacts.surface) if (counts_here(world,c)) fprintf(f,"%ld %ld %ld %ld %u %a %a %a %a\n",c.ids[0],c.ids[1],c.ids[2],c.ids[3],c.feature,c.gap,c.normal.x(),c.weights[1],c.beyond); //DBG
+    for (const auto& c : contacts.manifolds) if (counts_here(world,c)) fprintf(f,"m %ld %ld %d %a\n",c.id_a,c.id_b,c.count,contacts.points[c.first].gap); //DBG
+    fclose(f); //DBG
+  } //DBG
 }
 
 // A single cloth or thread, whose nodes touch nothing.

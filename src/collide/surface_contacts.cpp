@@ -125,7 +125,8 @@ void SurfaceCollider::add(const Pair& pair, const Vec3& arm, const Vec3& normal,
   std::size_t count = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     const Slot s = pair.slots[k];
-    if (pair.weights[k] == 0) continue;
+    const bool twin = k == 3 && s == pair.slots[2];
+    if (s < 0 || twin || (pair.weights[k] == 0 && !pair.meets)) continue;
     c.slots[count] = s, c.ids[count] = world_.id[static_cast<std::size_t>(s)], c.weights[count] = pair.weights[k];
     home |= world_.is_home(s), ++count;
   }
@@ -149,8 +150,9 @@ void SurfaceCollider::add_standing(const Pair& pair) {
   if (gap <= margin(pair, normal)) add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, gap, 0, beyond);
 }
 
-// A pair as it will first touch, at a share of the step; its gap opened by what it closes until then.
-void SurfaceCollider::add_meeting(const Pair& pair, double time) {
+// A pair as it will first touch, at a share of the step; its gap opened by what it closes until then. Each face speaks for itself.
+void SurfaceCollider::add_meeting(Pair pair, double time) {
+  pair.meets = true;
   const Vec3 between = apart(pair, time);
   const double distance = between.norm();
   if (!(distance > 1e-100)) return;

@@ -46,6 +46,7 @@ class SurfaceCollider {
     bool turns = false;    // end 0 is a round body, touched off its centre
     bool within = false;   // both points lie inside their features, so that a change of sides shows
     bool watched = false;  // it is fast, and its motion leads past
+    bool meets = false;    // ends without weight belong to the key
   };
   const Vec3& place(Slot s) const { return world_.position[static_cast<std::size_t>(s)]; }
   const Vec3& velocity(Slot s) const { return world_.velocity[static_cast<std::size_t>(s)]; }
@@ -64,7 +65,7 @@ class SurfaceCollider {
   double margin(const Pair& pair, const Vec3& normal) const;
   void point_face(Pair pair, const SurfaceFace& face, double fast);
   void add_standing(const Pair& pair);
-  void add_meeting(const Pair& pair, double time);
+  void add_meeting(Pair pair, double time);
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature,
            double beyond = 0);
   void box_face(const Proxy& box, const SurfaceFace& face);
