@@ -66,9 +66,9 @@ BroadPhase::BroadPhase(std::pmr::memory_resource* memory)
       sorted_(memory) {}
 
 void BroadPhase::find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs,
-                      std::span<const Filter> filters) {
+                      std::span<const Filter> filters, std::int32_t first) {
   choose_levels(bounds, roles);
-  fill(bounds, roles, filters);
+  fill(bounds, roles, filters, first);
   for (const Row& row : rows_) {
     within_row(row, pairs);
     for (const auto& step : forward) {
@@ -82,7 +82,7 @@ void BroadPhase::find(std::span<const Bounds> bounds, std::span<const Role> role
 // Cell sizes are f 2^k with one f in [1/2, 1) for all levels: the one that leaves the cells the least too large, by volume.
 void BroadPhase::choose_levels(std::span<const Bounds> bounds, std::span<const Role> roles) {
   std::array<std::int32_t, bins> histogram{};
-  const auto bin_of = [](double mantissa) { return std::min(static_cast<int>((mantissa - 0.5) * 2 * bins), bins - 1); };
+  const auto bin_of = [](double mantissa) { return std::clamp(static_cast<int>((mantissa - 0.5) * 2 * bins), 0, bins - 1); };
   for (std::size_t i = 0; i < bounds.size(); ++i) {
     if (roles[i] == Role::absent || !usable(bounds[i])) continue;
     int exponent;
@@ -122,7 +122,8 @@ void BroadPhase::choose_levels(std::span<const Bounds> bounds, std::span<const R
     if (level >= 0) level = number[level];
 }
 
-void BroadPhase::fill(std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters) {
+void BroadPhase::fill(std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters,
+                      std::int32_t first) {
   std::size_t capacity = 64;
   while (capacity < 2 * bounds.size()) capacity *= 2;
   mask_ = capacity - 1;
@@ -153,7 +154,7 @@ void BroadPhase::fill(std::span<const Bounds> bounds, std::span<const Role> role
     sort_few(places_.data() + row.first, places_.data() + row.last, [](const Place& a, const Place& b) { return a.x < b.x; });
     for (std::int32_t e = row.first; e < row.last; ++e) {
       const std::int32_t i = places_[e].index;
-      entries_[e] = {bounds[i].lower, bounds[i].upper, i, filters.empty() ? Filter{} : filters[i], roles[i] == Role::home};
+      entries_[e] = {bounds[i].lower, bounds[i].upper, i + first, filters.empty() ? Filter{} : filters[i], roles[i] == Role::home};
       if (levels_[row.level].population <= few) few_[row.level].push_back(e);
     }
   }

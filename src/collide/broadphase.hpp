@@ -44,8 +44,10 @@ class BroadPhase {
  public:
   explicit BroadPhase(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
-  // Appends the pairs to `pairs`, in no particular order. Bounds that are not finite overlap nothing. Without filters all meet all.
-  void find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs, std::span<const Filter> filters = {});
+  // Appends the pairs to `pairs`, in no particular order; bodies are numbered from `first`. Bounds that are not finite overlap
+  // nothing. Without filters all meet all.
+  void find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs, std::span<const Filter> filters = {},
+            std::int32_t first = 0);
 
   // Pairs of indices below `count`, sorted by (first, second): by counting on the first, then within each few. Valid until the
   // next.
@@ -72,7 +74,8 @@ class BroadPhase {
   };
 
   void choose_levels(std::span<const Bounds> bounds, std::span<const Role> roles);
-  void fill(std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters);
+  void fill(std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters,
+            std::int32_t first);
   std::int32_t find_row(std::int64_t y, std::int64_t z, std::int32_t level) const;
   std::int32_t find_or_add_row(std::int64_t y, std::int64_t z, std::int32_t level);
   void within_row(const Row& row, Pairs& pairs) const;

@@ -31,7 +31,7 @@ Bounds swept_bounds(const World& world, std::size_t slot, const CollideSettings&
 }
 
 Collider::Collider(std::pmr::memory_resource* memory)
-    : proxies_(memory), bounds_(memory), roles_(memory), filters_(memory), planes_(memory), pairs_(memory), broad_phase_(memory) {}
+    : proxies_(memory), bounds_(memory), roles_(memory), filters_(memory), edges_(memory), planes_(memory), pairs_(memory), broad_phase_(memory) {}
 
 void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces) {
   contacts.clear();
@@ -40,9 +40,12 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   pair_with_planes(settings);
   if (surfaces) add_surfaces(world, *surfaces, settings);
   broad_phase_.find(bounds_, roles_, pairs_, filters_);
+  const std::size_t others = bounds_.size();
+  edges_.clear();
+  if (surfaces) pair_edges(world, *surfaces, settings);
 
   const auto bodies = static_cast<std::int32_t>(proxies_.size());
-  const auto pairs = broad_phase_.sort(pairs_, bounds_.size());
+  const auto pairs = broad_phase_.sort(pairs_, others + edges_.size());
   for (const IndexPair& pair : pairs)
     if (pair.second < bodies) collide_bodies(proxies_[pair.first], proxies_[pair.second], settings, contacts);
   if (!surfaces) return;
@@ -64,32 +67,54 @@ void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSetti
   contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
 }
 
-// Nodes meet the faces of others, and those of their own surface if it collides with itself; edges meet edges.
+namespace {
+
+std::int32_t group_of(const World& world, const Surfaces& surfaces, Slot node) {
+  if (surfaces.collides_with_itself(surfaces.surface_of(node))) return -1;
+  return world.properties[static_cast<std::size_t>(node)].group;
+}
+
+}  // namespace
+
+// Nodes meet the faces of others, and those of their own surface if it collides with itself.
 void Collider::add_surfaces(const World& world, const Surfaces& surfaces, const CollideSettings& settings) {
-  constexpr std::uint8_t body = 1, node = 2, face = 4, edge = 8;
-  const auto group_of = [&](std::int32_t surface, std::int32_t group) { return surfaces.collides_with_itself(surface) ? -1 : group; };
+  constexpr std::uint8_t body = 1, node = 2, face = 4;
   for (std::size_t i = 0; i < proxies_.size(); ++i) {
     const Slot s = proxies_[i].slot;
     const bool is_node = surfaces.is_node(s);
     filters_[i].kind = is_node ? node : body;
     filters_[i].accepts = is_node ? body | face : body | node | face;
-    if (is_node) filters_[i].group = group_of(surfaces.surface_of(s), filters_[i].group);
+    if (!is_node) continue;
+    filters_[i].group = group_of(world, surfaces, s);
+    bounds_[i] = swept_bounds(world, std::span(&s, 1), settings);
   }
-  const auto add = [&](std::span<const Slot> nodes, std::int32_t surface, bool home, Filter filter) {
-    filter.group = group_of(surface, world.properties[static_cast<std::size_t>(nodes[0])].group);
-    bounds_.push_back(swept_face_bounds(world, nodes, settings));
-    roles_.push_back(home ? Role::home : Role::other);
-    filters_.push_back(filter);
-  };
-  for (const SurfaceFace& f : surfaces.faces) add(f.nodes, f.surface, f.home, {-1, face, body | node});
+  for (const SurfaceFace& f : surfaces.faces) {
+    bounds_.push_back(swept_bounds(world, f.nodes, settings));
+    roles_.push_back(f.home ? Role::home : Role::other);
+    filters_.push_back({group_of(world, surfaces, f.nodes[0]), face, body | node});
+  }
+}
+
+// Sharp edges meet each other; in the pairs they are numbered on from bodies and faces.
+void Collider::pair_edges(const World& world, const Surfaces& surfaces, const CollideSettings& settings) {
   if (!surfaces.edges_may_meet()) return;
-  for (const SurfaceEdge& e : surfaces.edges) add(e.nodes, e.surface, e.home, {-1, edge, edge});
+  const auto before = static_cast<std::int32_t>(bounds_.size());
+  bounds_.clear(), roles_.clear(), filters_.clear();
+  for (std::size_t k = 0; k < surfaces.edges.size(); ++k) {
+    const SurfaceEdge& e = surfaces.edges[k];
+    if (!is_sharp(world, e)) continue;
+    edges_.push_back(static_cast<std::int32_t>(k));
+    bounds_.push_back(swept_bounds(world, e.nodes, settings));
+    roles_.push_back(e.home ? Role::home : Role::other);
+    filters_.push_back({group_of(world, surfaces, e.nodes[0])});
+  }
+  broad_phase_.find(bounds_, roles_, pairs_, filters_, before);
 }
 
 void Collider::collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider) {
   const auto bodies = static_cast<std::int32_t>(proxies_.size());
   const auto edges = bodies + static_cast<std::int32_t>(surfaces.faces.size());
-  if (pair.first >= edges) return collider.edge_edge(pair.first - edges, pair.second - edges);
+  if (pair.first >= edges) return collider.edge_edge(edges_[pair.first - edges], edges_[pair.second - edges]);
   const Proxy& body = proxies_[pair.first];
   if (surfaces.is_node(body.slot))
     collider.node_face(body.slot, pair.second - bodies);

@@ -28,13 +28,15 @@ class Collider {
   void gather(const World& world, const CollideSettings& settings);
   void pair_with_planes(const CollideSettings& settings);
   void add_surfaces(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
+  void pair_edges(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
   void collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts);
   void collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider);
 
   std::pmr::vector<Proxy> proxies_;  // in ascending id
-  std::pmr::vector<Bounds> bounds_;  // of bodies, then of faces, then of edges
+  std::pmr::vector<Bounds> bounds_;  // of bodies, then of faces; then of edges
   std::pmr::vector<Role> roles_;
   std::pmr::vector<Filter> filters_;
+  std::pmr::vector<std::int32_t> edges_;  // those that may meet others
   std::pmr::vector<std::int32_t> planes_;
   Pairs pairs_;
   BroadPhase broad_phase_;

@@ -13,10 +13,6 @@ namespace {
 // lose contacts by a turn in the last bit.
 constexpr double lean_of_points = 1e-9, lean_of_boxes = 0.05;
 
-// How much two edges must stand out against their faces, as a sine, to touch each other: where one lies in flat cloth, nodes on
-// faces say it all.
-constexpr double ridge = 1e-3;
-
 // Hits may be reported so much before the two touch.
 ContinuousSettings continuous(double radii) { return {radii, 1e-6 + 1e-3 * radii, 200}; }
 
@@ -88,7 +84,7 @@ bool SurfaceCollider::is_nearest(const SurfaceFace& face, const Vec3& weights, c
 bool SurfaceCollider::is_ridge(const SurfaceEdge& edge, const Vec3& direction) const {
   const Vec3 &from = place(edge.nodes[0]), &to = place(edge.nodes[1]);
   return std::all_of(edge.wings.begin(), edge.wings.end(), [&](Slot wing) {
-    return wing < 0 || rise(place(wing) - from, to - from, direction) < -ridge;
+    return wing < 0 || rise(place(wing) - from, to - from, direction) <= 0;
   });
 }
 

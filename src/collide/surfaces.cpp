@@ -37,10 +37,28 @@ struct HalfEdge {
 
 }  // namespace
 
-Bounds swept_face_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings, double more) {
-  double reach = 0;
-  for (const Slot s : nodes) reach = std::max(reach, reach_of(world, s, settings));
-  return bounds_of(world, nodes, reach + more);
+Bounds swept_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings) {
+  const double still = settings.margin / 2 + settings.gravity.norm() * settings.step * settings.step;
+  Bounds b = bounds_of(world, nodes, still);
+  for (const Slot s : nodes) {
+    const auto i = static_cast<std::size_t>(s);
+    const double around = world.properties[i].shape.size.x() + still;
+    const Vec3 x = world.position[i] + settings.step * world.velocity[i];
+    b.lower = b.lower.cwiseMin((x.array() - around).matrix()), b.upper = b.upper.cwiseMax((x.array() + around).matrix());
+  }
+  return b;
+}
+
+// Its height over the line between its wings, against the radius of what it touches with.
+bool is_sharp(const World& world, const SurfaceEdge& edge) {
+  const auto place = [&](Slot s) -> const Vec3& { return world.position[static_cast<std::size_t>(s)]; };
+  if (edge.wings[0] < 0 || edge.wings[1] < 0) return true;
+  const Vec3& from = place(edge.nodes[0]);
+  const Vec3 along = (place(edge.nodes[1]) - from).normalized();
+  Vec3 a = place(edge.wings[0]) - from, b = place(edge.wings[1]) - from;
+  a -= along * along.dot(a), b -= along * along.dot(b);
+  const double radius = world.properties[static_cast<std::size_t>(edge.nodes[0])].shape.size.x();
+  return !(a.cross(b).norm() <= 0.1 * radius * (a - b).norm()) || a.dot(b) > 0;
 }
 
 void Surfaces::clear() {

@@ -71,7 +71,11 @@ class Surfaces {
   } rings_;
 };
 
-// Bounds of a face, grown by all that its nodes can reach in a step, and by `more`.
-Bounds swept_face_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings, double more = 0);
+// Bounds of a node, edge or face where it is and where its velocities lead, with what its weight adds in the step.
+Bounds swept_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings);
+
+// Whether an edge stands out from its surface by more than a tenth of the radius: only then can it meet another edge before the
+// nodes meet faces, but for less than that tenth.
+bool is_sharp(const World& world, const SurfaceEdge& edge);
 
 }  // namespace unibody
