@@ -162,6 +162,12 @@ void Halo::update_guests() {
   for (Vec v : vec_) VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD);
 }
 
+void Halo::update_velocities() const {
+  if (size_ == 1) return;
+  VecGhostUpdateBegin(vec_[velocity], INSERT_VALUES, SCATTER_FORWARD);
+  VecGhostUpdateEnd(vec_[velocity], INSERT_VALUES, SCATTER_FORWARD);
+}
+
 // What the home bodies may touch in a step; with a skin, so that it holds for some steps.
 std::vector<Bounds> Halo::reach(const World& world, const CollideSettings& settings, const Surfaces* surfaces, bool skin) const {
   std::vector<Bounds> bounds(world.homes);

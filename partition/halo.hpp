@@ -33,6 +33,9 @@ class Halo {
   // touch, are made again then.
   void refresh_guests(World& world, const CollideSettings& settings, Surfaces* surfaces = nullptr);
 
+  // Guests' velocities from their homes, in between. Collective.
+  void update_velocities() const;
+
   // The home bodies have changed: the next refresh finds the guests anew. Bodies `wanted` (ascending ids, none home or static)
   // become guests wherever they are: constraints tie home bodies to them. Wanting must be mutual: where a rank wants a body of
   // another, that one wants one of its own. Collective.

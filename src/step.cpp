@@ -12,6 +12,7 @@
 #include "partition/migrate_constraints.hpp"
 #include "solve/free_motion.hpp"
 #include "solve/recall.hpp"
+#include "solve/surface_guard.hpp"
 
 namespace unibody {
 
@@ -295,6 +296,8 @@ StepReport Simulation::solve() {
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
+  if (!is_alone()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
+  if (report.held) fprintf(stderr,"held %ld\n",report.held); //DBG
   report.sliding = system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);

@@ -25,6 +25,7 @@ struct StepReport {
   double residual = 0;                                               // m, natural residual at the end of the step, max over ranks
   bool converged = false;                                            // the residual is within the tolerance
   std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
+  std::int64_t held = 0;  // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
   std::int64_t sliding = 0;                                          // contact points at the limit of friction, over all ranks
 };
 

@@ -1,5 +1,6 @@
 #include "collide/collide.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -67,15 +68,6 @@ void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSetti
   contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
 }
 
-namespace {
-
-std::int32_t group_of(const World& world, const Surfaces& surfaces, Slot node) {
-  if (surfaces.collides_with_itself(surfaces.surface_of(node))) return -1;
-  return world.properties[static_cast<std::size_t>(node)].group;
-}
-
-}  // namespace
-
 // Nodes meet the faces of others, and those of their own surface if it collides with itself.
 void Collider::add_surfaces(const World& world, const Surfaces& surfaces, const CollideSettings& settings) {
   constexpr std::uint8_t body = 1, node = 2, face = 4;
@@ -85,13 +77,13 @@ void Collider::add_surfaces(const World& world, const Surfaces& surfaces, const 
     filters_[i].kind = is_node ? node : body;
     filters_[i].accepts = is_node ? body | face : body | node | face;
     if (!is_node) continue;
-    filters_[i].group = group_of(world, surfaces, s);
+    filters_[i].group = surfaces.contact_group(world, s);
     bounds_[i] = swept_bounds(world, std::span(&s, 1), settings);
   }
   for (const SurfaceFace& f : surfaces.faces) {
     bounds_.push_back(swept_bounds(world, f.nodes, settings));
     roles_.push_back(f.home ? Role::home : Role::other);
-    filters_.push_back({group_of(world, surfaces, f.nodes[0]), face, body | node});
+    filters_.push_back({surfaces.contact_group(world, f.nodes[0]), face, body | node});
   }
 }
 
@@ -106,7 +98,7 @@ void Collider::pair_edges(const World& world, const Surfaces& surfaces, const Co
     edges_.push_back(static_cast<std::int32_t>(k));
     bounds_.push_back(swept_bounds(world, e.nodes, settings));
     roles_.push_back(e.home ? Role::home : Role::other);
-    filters_.push_back({group_of(world, surfaces, e.nodes[0])});
+    filters_.push_back({surfaces.contact_group(world, e.nodes[0])});
   }
   broad_phase_.find(bounds_, roles_, pairs_, filters_, before);
 }
@@ -116,10 +108,8 @@ void Collider::collide_surface(const IndexPair& pair, const Surfaces& surfaces, 
   const auto edges = bodies + static_cast<std::int32_t>(surfaces.faces.size());
   if (pair.first >= edges) return collider.edge_edge(edges_[pair.first - edges], edges_[pair.second - edges]);
   const Proxy& body = proxies_[pair.first];
-  if (surfaces.is_node(body.slot))
-    collider.node_face(body.slot, pair.second - bodies);
-  else
-    collider.body_face(body, pair.second - bodies);
+  surfaces.is_node(body.slot) ? collider.node_face(body.slot, pair.second - bodies)
+                              : collider.body_face(body, pair.second - bodies);
 }
 
 // Merges homes, guests and statics, each in ascending id, into one order by id: pairs sorted by index are then sorted by id.

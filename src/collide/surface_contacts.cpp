@@ -204,8 +204,7 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
   const auto ids = [&](const SurfaceEdge& edge) {
     return std::pair(world_.id[static_cast<std::size_t>(edge.nodes[0])], world_.id[static_cast<std::size_t>(edge.nodes[1])]);
   };
-  for (const Slot a : e->nodes)
-    if (std::find(f->nodes.begin(), f->nodes.end(), a) != f->nodes.end()) return;
+  if (std::find_first_of(e->nodes.begin(), e->nodes.end(), f->nodes.begin(), f->nodes.end()) != e->nodes.end()) return;
   if (ids(*f) < ids(*e)) std::swap(e, f);
   Pair pair;
   pair.slots = {e->nodes[0], e->nodes[1], f->nodes[0], f->nodes[1]};

@@ -39,14 +39,25 @@ struct HalfEdge {
 
 Bounds swept_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings) {
   const double still = settings.margin / 2 + settings.gravity.norm() * settings.step * settings.step;
-  Bounds b = bounds_of(world, nodes, still);
+  Bounds b{Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)};
+  double radius = 0;
   for (const Slot s : nodes) {
     const auto i = static_cast<std::size_t>(s);
-    const double around = world.properties[i].shape.size.x() + still;
-    const Vec3 x = world.position[i] + settings.step * world.velocity[i];
-    b.lower = b.lower.cwiseMin((x.array() - around).matrix()), b.upper = b.upper.cwiseMax((x.array() + around).matrix());
+    const Vec3 &from = world.position[i], to = from + settings.step * world.velocity[i];
+    b.lower = b.lower.cwiseMin(from).cwiseMin(to), b.upper = b.upper.cwiseMax(from).cwiseMax(to);
+    radius = std::max(radius, world.properties[i].shape.size.x());
   }
+  b.lower.array() -= radius + still, b.upper.array() += radius + still;
   return b;
+}
+
+double surface_slack(const World& world, std::span<const Slot> nodes) {
+  Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
+  for (const Slot s : nodes) {
+    const Vec3& x = world.position[static_cast<std::size_t>(s)];
+    low = low.cwiseMin(x), high = high.cwiseMax(x);
+  }
+  return (high - low).maxCoeff() / 2;
 }
 
 // Its height over the line between its wings, against the radius of what it touches with.
@@ -176,7 +187,7 @@ void Surfaces::widen(const World& world, const CollideSettings& settings, std::s
     if (!face.home) continue;
     double reach = 0;  // the greatest of the face and of those around it
     for (const Slot s : face.nodes) reach = std::max(reach, of_node[static_cast<std::size_t>(s)]);
-    const Bounds b = bounds_of(world, face.nodes, reach);
+    const Bounds b = bounds_of(world, face.nodes, reach + surface_slack(world, face.nodes));
     for (const Slot s : face.nodes) {
       if (!world.is_home(s)) continue;
       Bounds& wide = bounds[static_cast<std::size_t>(s)];

@@ -49,7 +49,11 @@ class Surfaces {
   bool is_node(Slot s) const { return static_cast<std::size_t>(s) < surface_of_.size() && surface_of_[s] >= 0; }
   bool edges_may_meet() const;  // of two surfaces, or of one that collides with itself
   std::int32_t surface_of(Slot node) const { return surface_of_[static_cast<std::size_t>(node)]; }
-  bool collides_with_itself(std::int32_t surface) const { return surfaces_[static_cast<std::size_t>(surface)].self_collision; }
+  // The group within which a surface's features do not touch; -1 where it collides with itself.
+  std::int32_t contact_group(const World& world, Slot node) const {
+    const bool itself = surfaces_[static_cast<std::size_t>(surface_of(node))].self_collision;
+    return itself ? -1 : world.properties[static_cast<std::size_t>(node)].group;
+  }
   std::span<const Slot> ring(Slot node) const {  // the nodes that share an edge with it
     const auto i = static_cast<std::size_t>(node);
     return {rings_.entries.data() + rings_.start[i], rings_.start[i + 1] - rings_.start[i]};
@@ -73,6 +77,9 @@ class Surfaces {
 
 // Bounds of a node, edge or face where it is and where its velocities lead, with what its weight adds in the step.
 Bounds swept_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings);
+
+// m, how far a solve may take an edge or face off its way for the halo to know of what it meets: half of its extent.
+double surface_slack(const World& world, std::span<const Slot> nodes);
 
 // Whether an edge stands out from its surface by more than a tenth of the radius: only then can it meet another edge before the
 // nodes meet faces, but for less than that tenth.

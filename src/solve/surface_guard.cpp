@@ -1,0 +1,184 @@
+#include "solve/surface_guard.hpp"
+
+#include <mpi.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "collide/continuous.hpp"
+#include "collide/triangle_distance.hpp"
+
+namespace unibody {
+
+namespace {
+
+// After so many rounds the ends of a pair are stopped against each other altogether, so that it ends.
+constexpr int gentle_rounds = 6, most_rounds = 60;
+
+// m, how far apart pairs are kept: this share of the distance at which surfaces touch, or half of what there is.
+constexpr double kept_share = 0.1;
+
+bool overlap(const Bounds& a, const Bounds& b) {
+  return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
+}
+
+}  // namespace
+
+SurfaceGuard::SurfaceGuard(World& world, const Surfaces& surfaces, const CollideSettings& settings,
+                           std::pmr::memory_resource* memory)
+    : world_(world),
+      surfaces_(surfaces),
+      settings_(settings),
+      bounds_(memory),
+      roles_(memory),
+      filters_(memory),
+      pairs_(memory),
+      broad_phase_(memory) {}
+
+// Bounds of the way that a feature goes in the step.
+Bounds SurfaceGuard::path(std::span<const Slot> nodes, std::span<const Vec3> velocity, double more) const {
+  Bounds b{Vec3::Constant(HUGE_VAL), Vec3::Constant(-HUGE_VAL)};
+  for (const Slot s : nodes) {
+    const auto i = static_cast<std::size_t>(s);
+    const Vec3 &from = world_.position[i], to = from + settings_.step * velocity[i];
+    b.lower = b.lower.cwiseMin(from).cwiseMin(to), b.upper = b.upper.cwiseMax(from).cwiseMax(to);
+  }
+  b.lower.array() -= more, b.upper.array() += more;
+  return b;
+}
+
+// m, by how much a solve may take a feature off its way for it to be looked for still; no more than Halo knows of.
+double SurfaceGuard::slack(std::span<const Slot> nodes) const {
+  if (nodes.size() == 1) return 0;
+  return surface_slack(world_, nodes);
+}
+
+void SurfaceGuard::list_features() {
+  constexpr std::uint8_t point = 1, face = 2, edge = 4;
+  points_.clear(), filters_.clear();
+  const auto add = [&](std::int32_t group, std::uint8_t kind, std::uint8_t accepts) { filters_.push_back({group, kind, accepts}); };
+  const auto group_of = [&](Slot s) { return surfaces_.contact_group(world_, s); };
+  for (Slot s = 0; static_cast<std::size_t>(s) < world_.size(); ++s) {
+    if (!is_round(world_.properties[static_cast<std::size_t>(s)].shape)) continue;
+    points_.push_back(s);
+    add(surfaces_.is_node(s) ? group_of(s) : -1, point, face);
+  }
+  for (const SurfaceFace& f : surfaces_.faces) add(group_of(f.nodes[0]), face, point);
+  if (surfaces_.edges_may_meet())
+    for (const SurfaceEdge& e : surfaces_.edges) add(group_of(e.nodes[0]), edge, edge);
+}
+
+void SurfaceGuard::find_pairs() {
+  bounds_.clear(), roles_.clear(), pairs_.clear();
+  const auto kept = [&](Slot s) { return kept_share * world_.properties[static_cast<std::size_t>(s)].shape.size.x(); };
+  const auto has_moved = [&](Slot s) { return moved_[static_cast<std::size_t>(s)] != 0; };
+  const auto add = [&](std::span<const Slot> nodes, double more) {
+    bounds_.push_back(path(nodes, world_.velocity, more));
+    roles_.push_back(std::any_of(nodes.begin(), nodes.end(), has_moved) ? Role::home : Role::other);
+  };
+  for (const Slot s : points_) add(std::span(&s, 1), 0);
+  for (const SurfaceFace& f : surfaces_.faces) add(f.nodes, 2 * kept(f.nodes[0]));
+  if (surfaces_.edges_may_meet())
+    for (const SurfaceEdge& e : surfaces_.edges) add(e.nodes, kept(e.nodes[0]));
+  broad_phase_.find(bounds_, roles_, pairs_, filters_);
+}
+
+SurfaceGuard::Candidate SurfaceGuard::candidate(const IndexPair& pair) const {
+  const std::size_t points = points_.size(), faces = points + surfaces_.faces.size();
+  const auto first = static_cast<std::size_t>(pair.first), second = static_cast<std::size_t>(pair.second);
+  if (first >= faces) {
+    const auto *e = &surfaces_.edges[first - faces].nodes, *f = &surfaces_.edges[second - faces].nodes;
+    const auto id = [&](Slot s) { return world_.id[static_cast<std::size_t>(s)]; };
+    if (std::pair(id((*f)[0]), id((*f)[1])) < std::pair(id((*e)[0]), id((*e)[1]))) std::swap(e, f);
+    return {{(*e)[0], (*e)[1], (*f)[0], (*f)[1]}, true};
+  }
+  const auto& nodes = surfaces_.faces[second - points].nodes;
+  return {{points_[first], nodes[0], nodes[1], nodes[2]}, false};
+}
+
+void SurfaceGuard::test(const Candidate& pair) {
+  const auto& s = pair.ends;
+  if (std::none_of(s.begin(), s.end(), [&](Slot end) { return world_.is_home(end); })) return;
+  const std::size_t sides = pair.edges ? 2 : 1;
+  for (std::size_t i = 0; i < sides; ++i)
+    if (std::find(s.begin() + static_cast<std::ptrdiff_t>(sides), s.end(), s[i]) != s.end()) return;
+  const std::span<const Slot> one(s.data(), sides), other(s.data() + sides, 4 - sides);
+  if (!overlap(path(one, start_, slack(one)), path(other, start_, slack(other)))) return;
+
+  const auto place = [&](std::size_t k) -> const Vec3& { return world_.position[static_cast<std::size_t>(s[k])]; };
+  const double distance = pair.edges ? closest_of_segments(place(0), place(1), place(2), place(3)).distance
+                                     : closest_on_triangle(place(0), place(1), place(2), place(3)).distance;
+  const double touch = 2 * world_.properties[static_cast<std::size_t>(s[3])].shape.size.x();
+  const double kept = std::min(kept_share * touch, 0.5 * distance);
+  if (!(kept > 1e-12)) return;  // on each other already: contacts alone can part them
+  const auto way = [&](std::size_t k) {
+    return MovingPoint{place(k), place(k) + settings_.step * world_.velocity[static_cast<std::size_t>(s[k])]};
+  };
+  const ContinuousSettings settings{kept, 0.1 * kept, 200};
+  const ContinuousHit hit = pair.edges ? edge_meets_edge(way(0), way(1), way(2), way(3), settings)
+                                       : point_meets_triangle(way(0), way(1), way(2), way(3), settings);
+  if (!hit.hit) return;
+  Hit& found = hits_.emplace_back(Hit{{}, s, 0.9 * hit.time});
+  for (std::size_t k = 0; k < 4; ++k) found.key[k] = world_.id[static_cast<std::size_t>(s[k])];
+  found.key[4] = pair.edges;
+}
+
+// Each home end goes to the mean of what its pairs ask of it. In the order of keys, so that sums are the same on all ranks.
+void SurfaceGuard::draw_together(bool stop) {
+  std::sort(hits_.begin(), hits_.end(), [](const Hit& a, const Hit& b) { return a.key < b.key; });
+  struct Target {
+    Vec3 sum = Vec3::Zero();
+    int count = 0;
+  };
+  std::map<Slot, Target> targets;
+  for (const Hit& hit : hits_) {
+    Vec3 momentum = Vec3::Zero(), held = Vec3::Zero();
+    double mass = 0;
+    int immobile = 0;
+    for (const Slot s : hit.ends) {
+      const auto i = static_cast<std::size_t>(s);
+      const BodyProperties& body = world_.properties[i];
+      if (body.is_dynamic())
+        momentum += body.mass * world_.velocity[i], mass += body.mass;
+      else
+        held += world_.velocity[i], ++immobile;
+    }
+    const Vec3 mean = immobile > 0 ? Vec3(held / immobile) : Vec3(momentum / mass);
+    for (const Slot s : hit.ends) {
+      const auto i = static_cast<std::size_t>(s);
+      if (!world_.properties[i].is_dynamic() || !world_.is_home(s)) continue;
+      Target& t = targets[s];
+      t.sum += mean + (stop ? 0 : hit.share) * (world_.velocity[i] - mean), ++t.count;
+    }
+  }
+  for (const auto& [slot, target] : targets) world_.velocity[static_cast<std::size_t>(slot)] = target.sum / target.count;
+}
+
+std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) {
+  start_ = world_.velocity;
+  for (std::size_t i = 0; i < world_.homes; ++i) world_.velocity[i] = Eigen::Map<const Vec3>(bodies[i].v);
+  halo.update_velocities();
+  list_features();
+  moved_.assign(world_.size(), 1);  // the pairs of the first round: all
+  std::int64_t held = 0;
+  for (int round = 0; round < most_rounds; ++round) {
+    find_pairs();
+    hits_.clear();
+    for (const IndexPair& pair : pairs_) test(candidate(pair));
+    const auto counts_here = [&](const Hit& hit) { return world_.is_home(hit.ends[world_.is_static(hit.ends[0]) ? 1 : 0]); };
+    auto counted = static_cast<std::int64_t>(std::count_if(hits_.begin(), hits_.end(), counts_here));
+    MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_INT64_T, MPI_SUM, halo.comm());
+    if (counted == 0) break;
+    held += counted;
+    fprintf(stderr,"[%d:%ld] ",round,counted); //DBG
+    const std::vector<Vec3> before = world_.velocity;
+    draw_together(round >= gentle_rounds);
+    halo.update_velocities();
+    for (std::size_t i = 0; i < before.size(); ++i) moved_[i] = before[i] != world_.velocity[i];
+  }
+  for (std::size_t i = 0; i < world_.homes && held > 0; ++i) std::copy_n(world_.velocity[i].data(), 3, bodies[i].v);
+  return held;
+}
+
+}  // namespace unibody

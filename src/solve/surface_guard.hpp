@@ -1,0 +1,66 @@
+// The last resort against passing through: after the solve, before bodies move.
+//
+// What contacts could not hold apart within the iterations, or turned towards each other, would pass through a surface in this
+// step. Such pairs are found by continuous tests along the motion to come; the velocities of their ends are drawn together
+// towards their common mean, just as far as keeps them apart. Momentum is kept where one pair acts on a body; energy is lost. A
+// solve that converges leaves nothing to hold.
+//
+// Round bodies count by their centres, boxes not at all. Pairs that were far apart for their velocities at the start of the step,
+// and thrown at each other within it, are not looked for: a rank may not know of them.
+#pragma once
+
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "collide/broadphase.hpp"
+#include "collide/collide_settings.hpp"
+#include "collide/surfaces.hpp"
+#include "partition/halo.hpp"
+#include "solve/system.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+class SurfaceGuard {
+ public:
+  SurfaceGuard(World& world, const Surfaces& surfaces, const CollideSettings& settings, std::pmr::memory_resource* memory);
+
+  // Changes the velocities (m/s) of home bodies; the World's are those that the step will end with. Collective. Returns how many
+  // pairs were held, over all rounds and ranks.
+  std::int64_t hold(std::span<SolverBody> bodies, const Halo& halo);
+
+ private:
+  // A point and a face, or two edges: ends of the two sides one after the other.
+  struct Candidate {
+    std::array<Slot, 4> ends;
+    bool edges;
+  };
+  struct Hit {
+    std::array<Id, 5> key;  // ids of the ends; 1 for two edges
+    std::array<Slot, 4> ends;
+    double share;  // of the motion against each other that they may keep
+  };
+  void list_features();
+  void find_pairs();
+  Candidate candidate(const IndexPair& pair) const;
+  void test(const Candidate& pair);
+  void draw_together(bool stop);
+  Bounds path(std::span<const Slot> nodes, std::span<const Vec3> velocity, double more) const;
+  double slack(std::span<const Slot> nodes) const;
+
+  World& world_;
+  const Surfaces& surfaces_;
+  const CollideSettings& settings_;
+  std::vector<Vec3> start_;          // m/s, velocities before the solve
+  std::vector<std::uint8_t> moved_;  // by slot: in the last round
+  std::vector<Hit> hits_;
+  std::vector<Slot> points_;
+  std::pmr::vector<Bounds> bounds_;  // of points, then of faces, then of edges
+  std::pmr::vector<Role> roles_;
+  std::pmr::vector<Filter> filters_;
+  Pairs pairs_;
+  BroadPhase broad_phase_;
+};
+
+}  // namespace unibody
