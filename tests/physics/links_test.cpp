@@ -99,14 +99,14 @@ struct Rotor {
   double mass_a, mass_b, compliance, damping;
 };
 
-// Two masses tied together turn about their centre of mass, which moves on. Every correction lies along the predicted
-// direction, so that the step has a closed form: x = s e with e = x~ / |x~| and
+// The vector between two masses that a link ties together, where the first falls with `fall` against the second. Every correction
+// lies along the predicted direction, so that the step has a closed form: x = s e with e = x~ / |x~| and
 //   (s - l) + E lambda / h + rho (s - x_old . e) / h = 0,   lambda = (s - |x~|) / (h W),   v = (x - x_old) / h.
 struct RotorMap {
   Vec3 x, v;
-  void step(const Rotor& rotor, double rest, double h) {
+  void step(const Rotor& rotor, double rest, double h, const Vec3& fall = Vec3::Zero()) {
     const double W = 1 / rotor.mass_a + 1 / rotor.mass_b, soft = rotor.compliance / (h * h * W);
-    const Vec3 predicted = x + h * v;
+    const Vec3 predicted = x + h * (v + h * fall);
     const double reach = predicted.norm();
     const Vec3 e = predicted / reach;
     const double s = (rest + soft * reach + rotor.damping / h * x.dot(e)) / (1 + soft + rotor.damping / h);
@@ -149,6 +149,29 @@ TEST(Rotor, IsTheImplicitMapWithAnyDamping) {
     const Vec3 middle = (rotor.mass_a * run.position(0) + rotor.mass_b * run.position(1)) / total;
     EXPECT_LT((middle - centre - 200 * h * drift).norm(), 1e-12);
   }
+}
+
+// A pendulum of 1 kg and 1 m from the horizontal: the implicit step takes 7.01 J of its 9.8 J in five seconds, damping of ten
+// steps less: it acts on stretch, not on swinging, and leaves the link longer for a while.
+TEST(Rotor, SwingingIsNotDamped) {
+  const double h = 0.016;
+  std::vector<double> energy;
+  for (const double damping : {0.0, 10 * h}) {
+    Scene scene = scene_from_text(
+        "gravity: [0, 0, -9.8]\nthreads:\n  - {points: [[0, 0, 0], [1, 0, 0]], segments: 1, radius: 0.01, mass: 2, "
+        "stretch: {damping: " +
+        std::to_string(damping) + "}, pins: [{node: 0}]}\n");
+    scene.solver.tolerance = 0;
+    Experiment run(std::move(scene));
+    RotorMap map{Vec3(1, 0, 0), Vec3::Zero()};
+    for (int k = 0; k < 313; ++k) {
+      run.step(), map.step({1, INFINITY, 0, damping}, 1, h, Vec3(0, 0, -9.8));
+      ASSERT_LT((run.position(1) - map.x).norm(), 1e-10) << k;
+    }
+    energy.push_back(0.5 * run.velocity(1).squaredNorm() + 9.8 * run.position(1).z());
+  }
+  EXPECT_NEAR(energy[0], -7.01, 0.005);  // a figure computed elsewhere
+  EXPECT_NEAR(energy[1], energy[0], 0.05 * std::abs(energy[0]));
 }
 
 }  // namespace unibody::small_worlds
