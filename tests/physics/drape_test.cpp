@@ -89,7 +89,7 @@ double drape(double rigidity, double scale = 1) {
 
 }  // namespace
 
-// Stiffer cloths hang over further: a limp one by two thirds, one that is stiff for its weight lies as a disc.
+// Stiffer cloths throw a larger shadow; one that is stiff for its weight lies as a disc.
 TEST(Drape, CoefficientGrowsWithTheRigidity) {
   const double limp = drape(3e-5), middling = drape(1e-4), stiff = drape(1e-3);
   EXPECT_GT(limp, 0.5);
