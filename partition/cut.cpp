@@ -37,7 +37,9 @@ void Cut::set_constraints(const World& world, const ConstraintBatches& constrain
 }
 
 void Cut::share(const World& world, std::span<const Slot> ends, std::map<int, Traffic>& traffic) const {
-  const auto is_guest = [&](Slot s) { return s >= 0 && static_cast<std::size_t>(s) < world.size() && !world.is_home(s) && !world.is_static(s); };
+  const auto is_guest = [&](Slot s) {
+    return s >= 0 && static_cast<std::size_t>(s) < world.size() && !world.is_home(s) && !world.is_static(s);
+  };
   for (const Slot guest : ends) {
     if (!is_guest(guest)) continue;
     const int rank = halo_.home_rank_of_guest(static_cast<std::size_t>(guest) - world.homes);

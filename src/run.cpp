@@ -18,6 +18,7 @@
 #include "report/report.hpp"
 #include "report/state_hash.hpp"
 #include "report/summary.hpp"
+#include "report/surface_report.hpp"
 #include "step.hpp"
 
 namespace unibody {
@@ -170,10 +171,16 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   prepare_output_directory(comm, options.output, options.overwrite, options.restart);
   const std::string checkpoint_path = options.output + "/checkpoint.h5";
   simulation.detect();  // guests are there
-  const auto constraint_values = [&](const StepReport& step) {
-    return constraint_columns(comm, scene, simulation.world, simulation.constraints, step.constraint_residuals);
+  const auto further_columns = [&](const StepReport& step, std::int64_t held) {
+    auto columns = constraint_columns(comm, scene, simulation.world, simulation.constraints, step.constraint_residuals);
+    if (!simulation.has_surfaces()) return columns;
+    columns.push_back({"held_pairs (1)", static_cast<double>(held)});
+    if (!scene.output.crossings) return columns;
+    const PhaseClock::Scope scope(clock, Phase::output);
+    columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm, simulation.world, simulation.surfaces()))});
+    return columns;
   };
-  ReportFile report_file(comm, options.output + "/report.csv", constraint_values({}));
+  ReportFile report_file(comm, options.output + "/report.csv", further_columns({}, 0));
   std::optional<Output> frames;
   if (scene.output.every > 0)
     frames.emplace(comm, options.output, scene.output, scene.body_count(), simulation.world, scene.surfaces);
@@ -200,17 +207,19 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     report.step = frame, report.time = static_cast<double>(frame) * scene.time.step;
     report.converged = true;
     StepReport last;
+    std::int64_t held = 0;
     for (int s = 0; s < scene.time.substeps; ++s) {
       const StepReport step = last = simulation.step();
       // Before anything looks for contacts among such bodies.
       if (const Id bad = first_bad_body(comm, simulation.world); bad >= 0)
         stop_at_bad_body(comm, scene, simulation, bad, frame, s);
+      held += step.held;
       report.iterations += step.iterations, report.sliding_contacts = step.sliding;
       report.natural_residual = std::max(report.natural_residual, step.residual);
       report.converged &= step.converged;
     }
     simulation.detect();
-    report.constraint_columns = constraint_values(last);
+    report.constraint_columns = further_columns(last, held);
     report.measures =
         measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
     report.imbalance = balance.imbalance(simulation.world, simulation.contacts, constraint_count(simulation.constraints));

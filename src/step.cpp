@@ -51,7 +51,7 @@ void Simulation::detect() {
     const PhaseClock::Scope scope(clock_, Phase::halo);
     hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // homes, so that their guests learn it
     collide_settings_.has_past = steps_done > 0;
-    halo_.refresh_guests(world, collide_settings_, is_alone() ? nullptr : &surfaces_);
+    halo_.refresh_guests(world, collide_settings_, has_surfaces() ? &surfaces_ : nullptr);
     hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // guests: a refresh brings states only
   }
   build_constraints();
@@ -60,13 +60,6 @@ void Simulation::detect() {
   if (is_alone()) return;
   const Scratch::Frame frame(scratch_);
   Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_);
-  if (getenv("DBG")) { //DBG
-    char name[99]; snprintf(name,99,"%s_%d_%d",getenv("DBG"),(int)steps_done,halo_.rank()); //DBG
-    FILE* f=fopen(name,"w"); //DBG
-    for (const auto& c : contacts.surface) if (counts_here(world,c)) fprintf(f,"%ld %ld %ld %ld %u %a %a %a %a\n",c.ids[0],c.ids[1],c.ids[2],c.ids[3],c.feature,c.gap,c.normal.x(),c.weights[1],c.beyond); //DBG
-    for (const auto& c : contacts.manifolds) if (counts_here(world,c)) fprintf(f,"m %ld %ld %d %a\n",c.id_a,c.id_b,c.count,contacts.points[c.first].gap); //DBG
-    fclose(f); //DBG
-  } //DBG
 }
 
 // A single cloth or thread, whose nodes touch nothing.
@@ -104,7 +97,7 @@ void Simulation::make_constraints() {
   for_each_type(constraints,
                 [&](auto type, const auto& list) { std::get<type.value>(constraint_multipliers).assign(list.size(), {}); });
   std::vector<Id> wanted = partners(world, constraints);
-  if (!is_alone()) {
+  if (has_surfaces()) {
     const std::vector<Id> of_surfaces = surfaces_.partners(world);
     std::vector<Id> both;
     std::set_union(wanted.begin(), wanted.end(), of_surfaces.begin(), of_surfaces.end(), std::back_inserter(both));
@@ -209,7 +202,7 @@ void Simulation::build_system() {
 
 // With Gauss-Seidel they share masses among themselves alone.
 void Simulation::build_surface_contacts(std::span<const std::int32_t> counts_of_all) {
-  system_.any_surface = !is_alone() && any_over_ranks(!contacts.surface.empty());
+  system_.any_surface = has_surfaces() && any_over_ranks(!contacts.surface.empty());
   if (!system_.any_surface) return;
   std::pmr::vector<std::int32_t> own(&scratch_);
   if (counts_of_all.empty()) {
@@ -283,7 +276,8 @@ void Simulation::warm_start(double share_of_contacts) {
 StepReport Simulation::solve() {
   build_system();
   const SolverSettings& settings = scene_.solver;
-  const bool two_stages = settings.stages != Stages::position && (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
+  const bool two_stages = settings.stages != Stages::position &&
+                          (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
   StepReport report;
   const double position_share = settings.warm_start >= 0 ? settings.warm_start : 0.5;
   warm_start(settings.stages != Stages::position ? 1 : position_share);
@@ -296,8 +290,7 @@ StepReport Simulation::solve() {
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
-  if (!is_alone()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
-  if (report.held) fprintf(stderr,"held %ld\n",report.held); //DBG
+  if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
   report.sliding = system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);

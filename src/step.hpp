@@ -25,8 +25,8 @@ struct StepReport {
   double residual = 0;                                               // m, natural residual at the end of the step, max over ranks
   bool converged = false;                                            // the residual is within the tolerance
   std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
-  std::int64_t held = 0;  // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
-  std::int64_t sliding = 0;                                          // contact points at the limit of friction, over all ranks
+  std::int64_t held = 0;     // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
+  std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
 };
 
 // This rank's part of a running scene. All members are collective.
@@ -56,7 +56,8 @@ class Simulation {
   ConstraintSet constraints;                     // all that touch this rank's home bodies
   ConstraintMultipliers constraint_multipliers;  // of each of them; history, checkpointed
 
-  const Surfaces& surfaces() const { return surfaces_; }  // where they may touch anything; else empty
+  bool has_surfaces() const { return !is_alone() && !scene_.surfaces.empty(); }  // that may touch something
+  const Surfaces& surfaces() const { return surfaces_; }                         // where they may touch anything; else empty
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
   void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"

@@ -33,7 +33,8 @@ template <class Entry>
 void test(const Entry& a, const Entry& b, Pairs& pairs) {
   const bool overlap = (a.lower.x() <= b.upper.x()) & (b.lower.x() <= a.upper.x()) & (a.lower.y() <= b.upper.y()) &
                        (b.lower.y() <= a.upper.y()) & (a.lower.z() <= b.upper.z()) & (b.lower.z() <= a.upper.z());
-  if (overlap & (a.home | b.home) && a.filter.meets(b.filter)) pairs.push_back({std::min(a.index, b.index), std::max(a.index, b.index)});
+  if (overlap & (a.home | b.home) && a.filter.meets(b.filter))
+    pairs.push_back({std::min(a.index, b.index), std::max(a.index, b.index)});
 }
 
 // std::sort has some overhead for the usual three or four.
@@ -65,8 +66,8 @@ BroadPhase::BroadPhase(std::pmr::memory_resource* memory)
       starts_(memory),
       sorted_(memory) {}
 
-void BroadPhase::find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs,
-                      std::span<const Filter> filters, std::int32_t first) {
+void BroadPhase::find(std::span<const Bounds> bounds, std::span<const Role> roles, Pairs& pairs, std::span<const Filter> filters,
+                      std::int32_t first) {
   choose_levels(bounds, roles);
   fill(bounds, roles, filters, first);
   for (const Row& row : rows_) {
@@ -154,7 +155,8 @@ void BroadPhase::fill(std::span<const Bounds> bounds, std::span<const Role> role
     sort_few(places_.data() + row.first, places_.data() + row.last, [](const Place& a, const Place& b) { return a.x < b.x; });
     for (std::int32_t e = row.first; e < row.last; ++e) {
       const std::int32_t i = places_[e].index;
-      entries_[e] = {bounds[i].lower, bounds[i].upper, i + first, filters.empty() ? Filter{} : filters[i], roles[i] == Role::home};
+      entries_[e] = {bounds[i].lower, bounds[i].upper, i + first, filters.empty() ? Filter{} : filters[i],
+                     roles[i] == Role::home};
       if (levels_[row.level].population <= few) few_[row.level].push_back(e);
     }
   }

@@ -74,8 +74,7 @@ class BroadPhase {
   };
 
   void choose_levels(std::span<const Bounds> bounds, std::span<const Role> roles);
-  void fill(std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters,
-            std::int32_t first);
+  void fill(std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters, std::int32_t first);
   std::int32_t find_row(std::int64_t y, std::int64_t z, std::int32_t level) const;
   std::int32_t find_or_add_row(std::int64_t y, std::int64_t z, std::int32_t level);
   void within_row(const Row& row, Pairs& pairs) const;

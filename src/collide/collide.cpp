@@ -32,7 +32,14 @@ Bounds swept_bounds(const World& world, std::size_t slot, const CollideSettings&
 }
 
 Collider::Collider(std::pmr::memory_resource* memory)
-    : proxies_(memory), bounds_(memory), roles_(memory), filters_(memory), edges_(memory), planes_(memory), pairs_(memory), broad_phase_(memory) {}
+    : proxies_(memory),
+      bounds_(memory),
+      roles_(memory),
+      filters_(memory),
+      edges_(memory),
+      planes_(memory),
+      pairs_(memory),
+      broad_phase_(memory) {}
 
 void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces) {
   contacts.clear();

@@ -13,6 +13,8 @@ namespace {
 // lose contacts by a turn in the last bit.
 constexpr double lean_of_points = 1e-9, lean_of_boxes = 0.05;
 
+constexpr std::uint32_t edges_feature = 1000;
+
 // Hits may be reported so much before the two touch.
 ContinuousSettings continuous(double radii) { return {radii, 1e-6 + 1e-3 * radii, 200}; }
 
@@ -83,9 +85,8 @@ bool SurfaceCollider::is_nearest(const SurfaceFace& face, const Vec3& weights, c
 // Whether an edge stands out in this direction against all of its faces.
 bool SurfaceCollider::is_ridge(const SurfaceEdge& edge, const Vec3& direction) const {
   const Vec3 &from = place(edge.nodes[0]), &to = place(edge.nodes[1]);
-  return std::all_of(edge.wings.begin(), edge.wings.end(), [&](Slot wing) {
-    return wing < 0 || rise(place(wing) - from, to - from, direction) <= 0;
-  });
+  return std::all_of(edge.wings.begin(), edge.wings.end(),
+                     [&](Slot wing) { return wing < 0 || rise(place(wing) - from, to - from, direction) <= 0; });
 }
 
 // From the second side's point to the first's (m), at a share of the step.
@@ -127,9 +128,7 @@ void SurfaceCollider::add(const Pair& pair, const Vec3& arm, const Vec3& normal,
     home |= world_.is_home(s), ++count;
   }
   if (!home) return;
-  const auto material = [&](Slot s) {
-    return static_cast<std::size_t>(world_.properties[static_cast<std::size_t>(s)].material);
-  };
+  const auto material = [&](Slot s) { return static_cast<std::size_t>(world_.properties[static_cast<std::size_t>(s)].material); };
   c.friction = settings_.friction[material(c.slots[0]) * settings_.material_count + material(c.slots[count - 1])];
   out_.push_back(c);
 }
@@ -143,10 +142,12 @@ void SurfaceCollider::add_standing(const Pair& pair) {
   double gap = distance - pair.radii, beyond = 0;
   if (pair.within && settings_.has_past && distance < 4 * pair.radii && apart(pair, -1).dot(normal) < 0)
     normal = -normal, gap = -distance - pair.radii, beyond = distance + 0.1 * pair.radii;
-  if (gap <= margin(pair, normal)) add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, gap, 0, beyond);
+  if (gap <= margin(pair, normal))
+    add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, gap, pair.edges ? edges_feature : 0, beyond);
 }
 
-// A pair as it will first touch, at a share of the step; its gap opened by what it closes until then. Each face speaks for itself.
+// A pair as it will first touch, at a share of the step; its gap opened by what it closes until then. Each face speaks for
+// itself.
 void SurfaceCollider::add_meeting(Pair pair, double time) {
   pair.meets = true;
   const Vec3 between = apart(pair, time);
@@ -154,7 +155,8 @@ void SurfaceCollider::add_meeting(Pair pair, double time) {
   if (!(distance > 1e-100)) return;
   const Vec3 normal = between / distance;
   const double closed = std::max(0.0, -time * settings_.step * normal.dot(parting(pair)));
-  add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, distance - pair.radii + closed, 0);
+  add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, distance - pair.radii + closed,
+      pair.edges ? edges_feature : 0);
 }
 
 // A point with a radius, end 0 of the pair, on a face. `fast`: travel (m) from which on it is followed along the step.
@@ -200,18 +202,19 @@ void SurfaceCollider::node_face(Slot node, std::int32_t number) {
 }
 
 void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
-  const SurfaceEdge *e = &surfaces_.edges[static_cast<std::size_t>(first)], *f = &surfaces_.edges[static_cast<std::size_t>(second)];
+  const SurfaceEdge *e = &surfaces_.edges[static_cast<std::size_t>(first)],
+                    *f = &surfaces_.edges[static_cast<std::size_t>(second)];
   const auto ids = [&](const SurfaceEdge& edge) {
     return std::pair(world_.id[static_cast<std::size_t>(edge.nodes[0])], world_.id[static_cast<std::size_t>(edge.nodes[1])]);
   };
   if (std::find_first_of(e->nodes.begin(), e->nodes.end(), f->nodes.begin(), f->nodes.end()) != e->nodes.end()) return;
   if (ids(*f) < ids(*e)) std::swap(e, f);
   Pair pair;
-  pair.slots = {e->nodes[0], e->nodes[1], f->nodes[0], f->nodes[1]};
+  pair.slots = {e->nodes[0], e->nodes[1], f->nodes[0], f->nodes[1]}, pair.edges = true;
   pair.radii = radius(e->nodes[0]) + radius(f->nodes[0]);
   if (travel(e->nodes, f->nodes) > pair.radii) {
-    const ContinuousHit hit = edge_meets_edge(path(e->nodes[0]), path(e->nodes[1]), path(f->nodes[0]), path(f->nodes[1]),
-                                              continuous(pair.radii));
+    const ContinuousHit hit =
+        edge_meets_edge(path(e->nodes[0]), path(e->nodes[1]), path(f->nodes[0]), path(f->nodes[1]), continuous(pair.radii));
     pair.watched = !hit.hit;
     if (hit.hit && hit.time > 0) {
       pair.weights = {hit.weights[0], hit.weights[1], -hit.weights[2], -hit.weights[3]};
@@ -220,7 +223,8 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
       return;
     }
   }
-  const SegmentPoints near = closest_of_segments(place(pair.slots[0]), place(pair.slots[1]), place(pair.slots[2]), place(pair.slots[3]));
+  const SegmentPoints near =
+      closest_of_segments(place(pair.slots[0]), place(pair.slots[1]), place(pair.slots[2]), place(pair.slots[3]));
   if (!(near.s > 0 && near.s < 1 && near.t > 0 && near.t < 1)) return;  // nodes on faces say it
   pair.weights = {1 - near.s, near.s, near.t - 1, -near.t};
   pair.within = true;

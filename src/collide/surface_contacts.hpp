@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
-#include "collide/continuous.hpp"
 #include "collide/contacts.hpp"
+#include "collide/continuous.hpp"
 #include "collide/narrowphase.hpp"
 #include "collide/surfaces.hpp"
 #include "collide/triangle_contacts.hpp"
@@ -43,6 +43,7 @@ class SurfaceCollider {
     std::array<double, 4> weights{};
     double radii = 0;      // m, of both sides
     double spin = 0;       // m, what a turning end adds to the margin
+    bool edges = false;    // two on each side
     bool turns = false;    // end 0 is a round body, touched off its centre
     bool within = false;   // both points lie inside their features, so that a change of sides shows
     bool watched = false;  // it is fast, and its motion leads past
@@ -66,8 +67,7 @@ class SurfaceCollider {
   void point_face(Pair pair, const SurfaceFace& face, double fast);
   void add_standing(const Pair& pair);
   void add_meeting(Pair pair, double time);
-  void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature,
-           double beyond = 0);
+  void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
   void box_face(const Proxy& box, const SurfaceFace& face);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;
 

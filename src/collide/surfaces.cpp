@@ -98,10 +98,8 @@ void Surfaces::find_faces(const World& world) {
         surface.cells_of(*node, cells);
         for (const auto& ids : cells) {
           if (*node != std::min({ids[0], ids[1], ids[2]})) continue;
-          const SurfaceFace face{{world.find(ids[0]), world.find(ids[1]), world.find(ids[2])},
-                                 {-1, -1, -1},
-                                 static_cast<std::int32_t>(k),
-                                 false};
+          const SurfaceFace face{
+              {world.find(ids[0]), world.find(ids[1]), world.find(ids[2])}, {-1, -1, -1}, static_cast<std::int32_t>(k), false};
           if (std::any_of(face.nodes.begin(), face.nodes.end(), [](Slot s) { return s < 0; })) continue;
           faces.push_back(face);
           for (const Slot s : face.nodes) faces.back().home |= world.is_home(s);
@@ -181,7 +179,8 @@ void Surfaces::widen(const World& world, const CollideSettings& settings, std::s
   std::vector<double> of_face(faces.size()), of_node(world.size(), 0);
   for (std::size_t f = 0; f < faces.size(); ++f) {
     for (const Slot s : faces[f].nodes) of_face[f] = std::max(of_face[f], reach_of(world, s, settings));
-    for (const Slot s : faces[f].nodes) of_node[static_cast<std::size_t>(s)] = std::max(of_node[static_cast<std::size_t>(s)], of_face[f]);
+    for (const Slot s : faces[f].nodes)
+      of_node[static_cast<std::size_t>(s)] = std::max(of_node[static_cast<std::size_t>(s)], of_face[f]);
   }
   for (const SurfaceFace& face : faces) {
     if (!face.home) continue;
@@ -197,12 +196,12 @@ void Surfaces::widen(const World& world, const CollideSettings& settings, std::s
 }
 
 bool Surfaces::edges_may_meet() const {
-  return surfaces_.size() > 1 || std::any_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.self_collision; });
+  return surfaces_.size() > 1 ||
+         std::any_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.self_collision; });
 }
 
 std::size_t Surfaces::bytes() const {
   return bytes_of(faces) + bytes_of(edges) + bytes_of(surface_of_) + bytes_of(rings_.start) + bytes_of(rings_.entries);
-
 }
 
 }  // namespace unibody

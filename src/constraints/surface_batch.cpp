@@ -84,7 +84,8 @@ void SurfaceBatch::scale(Block& block, std::span<const SolverBody> bodies, std::
   }
   const Mask4 rough = block.friction > broadcast(0);
   // Without friction there are no tangents to couple with; the normal row stands alone.
-  const Vec4d alone = split_linear + split_first * dot(cross(block.arm, block.n), multiply(block.inertia, cross(block.arm, block.n)));
+  const Vec4d alone =
+      split_linear + split_first * dot(cross(block.arm, block.n), multiply(block.inertia, cross(block.arm, block.n)));
   Vec4d normal = select(rough, sum[0], alone), tangential = select(rough, max(sum[1], sum[2]), broadcast(0));
   if (uses_cone_projection(friction_)) normal = max(normal, tangential), tangential = select(rough, normal, broadcast(0));
   block.normal = {normal, inverse_or_zero(normal), own[0]};
@@ -109,8 +110,7 @@ void SurfaceBatch::keep_impulses(bool joint) {
 SurfaceBatch::Velocity SurfaceBatch::parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies) {
   const Vec4d zero = broadcast(0);
   Vec3x4 u{zero, zero, zero};
-  for (std::size_t k = 0; k < 4; ++k)
-    u = u + gathered(block.slot[k], [&](Slot b) { return bodies[b].v; }) * block.weight[k];
+  for (std::size_t k = 0; k < 4; ++k) u = u + gathered(block.slot[k], [&](Slot b) { return bodies[b].v; }) * block.weight[k];
   u = u + cross(gathered(block.slot[0], [&](Slot b) { return bodies[b].w; }), block.arm);
   return {dot(block.n, u), dot(block.s, u), dot(t, u)};
 }
@@ -120,7 +120,8 @@ SurfaceBatch::Impulse SurfaceBatch::stepped(const Block& block, const Velocity& 
                                             Vec4d inverse_t) {
   Vec4d r = u.n + block.bias;
   if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
-  const ConeForce next = project<model>({from.n - inverse_n * r, from.s - inverse_t * u.s, from.t - inverse_t * u.t}, block.friction);
+  const ConeForce next =
+      project<model>({from.n - inverse_n * r, from.s - inverse_t * u.s, from.t - inverse_t * u.t}, block.friction);
   return {next.n, next.s, next.t};
 }
 

@@ -18,15 +18,14 @@ class SurfaceBatch {
  public:
   explicit SurfaceBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
 
-  // The body that is nobody is the last of `bodies`. counts: how many constraints share each slot's mass. counted(contact): whether
-  // this rank counts it in sums over all ranks.
+  // The body that is nobody is the last of `bodies`. counts: how many constraints share each slot's mass. counted(contact):
+  // whether this rank counts it in sums over all ranks.
   template <typename Counted>
-  void build(std::span<const SurfaceContact> contacts, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings,
-             double step, Counted&& counted) {
+  void build(std::span<const SurfaceContact> contacts, std::span<const SolverBody> bodies,
+             std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
+             std::span<const std::int32_t> counts, const SolverSettings& settings, double step, Counted&& counted) {
     start_build(contacts.size(), settings, step);
-    for (std::size_t i = 0; i < contacts.size(); ++i)
-      set_lane(i, contacts[i], bodies, inertia, isotropic, counted(contacts[i]));
+    for (std::size_t i = 0; i < contacts.size(); ++i) set_lane(i, contacts[i], bodies, inertia, isotropic, counted(contacts[i]));
     for (Block& block : blocks_) scale(block, bodies, counts);
   }
 
@@ -59,7 +58,7 @@ class SurfaceBatch {
     Vec4d weight[4];
     Vec3x4 arm, n, s;
     Vec4d friction, gap, beyond, bias;  // 1, m, m, m/s
-    Vec4d inertia[6];           // of end 0: 1/(kg m^2), inverse, world frame: xx, yy, zz, yz, xz, xy
+    Vec4d inertia[6];                   // of end 0: 1/(kg m^2), inverse, world frame: xx, yy, zz, yz, xz, xy
     Scale normal, tangential;
     Impulse lambda, y, kept;
     Mask4 counted;

@@ -11,7 +11,7 @@ namespace unibody {
 struct Measures {
   // One depth a pair, that of its deepest point; the root mean square is over the pairs that penetrate.
   double penetration_max = 0, penetration_rms = 0, penetration_l2 = 0;  // m; l2: root of the sum of squares
-  std::int64_t pairs = 0, contacts = 0;                                 // pairs with a manifold and contacts of surfaces; points, also open
+  std::int64_t pairs = 0, contacts = 0;  // pairs with a manifold and contacts of surfaces; points, also open
 
   // Of the dynamic bodies.
   double kinetic_energy = 0;             // J

@@ -86,8 +86,8 @@ void add_surface(const Value& entry, Scene& scene, const std::string& name, Id f
 
 void read_cloth(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
-  for (const char* key : {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "bending",
-                          "self_collision"})
+  for (const char* key :
+       {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "bending", "self_collision"})
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");

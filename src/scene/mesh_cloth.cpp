@@ -125,7 +125,7 @@ struct MeshCloth {
   TriangleMesh mesh;
   std::vector<double> mass;  // kg, of each node
   ConstraintSet constraints;
-  std::vector<Incidence> incidence;    // of each type
+  std::vector<Incidence> incidence;  // of each type
   Incidence triangles_of;
 
   MeshCloth(TriangleMesh given, const std::string& origin, const ClothLaw& law) : mesh(std::move(given)) {

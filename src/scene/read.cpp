@@ -36,6 +36,7 @@ const Field<TimeSettings> time_fields[] = {
 
 const Field<OutputSettings> output_fields[] = {
     {"every", [](const Value& v, OutputSettings& o) { o.every = static_cast<int>(v.integer(0, 1'000'000'000)); }},
+    {"crossings", [](const Value& v, OutputSettings& o) { o.crossings = v.boolean(); }},
     {"checkpoint_every",
      [](const Value& v, OutputSettings& o) { o.checkpoint_every = static_cast<int>(v.integer(-1, 1'000'000'000)); }},
     {"precision",

@@ -25,6 +25,7 @@ struct OutputSettings {
   int every = 1;               // frames between written frames; 0: none
   int checkpoint_every = 100;  // frames between checkpoints; 0: at the end only; -1: none at all
   bool single_precision = false;
+  bool crossings = true;  // count, in every frame, the edges that go through faces
 };
 
 // A run of bodies of consecutive ids made by one entry of `bodies`. `make(k)`, 0 <= k < count, is a pure function of k, so

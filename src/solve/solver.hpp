@@ -38,7 +38,7 @@ struct System {
   std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps
   ContactBatch contacts;
   SurfaceBatch surface;
-  bool any_surface = false;  // some rank has contacts of surfaces
+  bool any_surface = false;                  // some rank has contacts of surfaces
   ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
   std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
   double step = 0.016;             // s

@@ -57,7 +57,9 @@ double SurfaceGuard::slack(std::span<const Slot> nodes) const {
 void SurfaceGuard::list_features() {
   constexpr std::uint8_t point = 1, face = 2, edge = 4;
   points_.clear(), filters_.clear();
-  const auto add = [&](std::int32_t group, std::uint8_t kind, std::uint8_t accepts) { filters_.push_back({group, kind, accepts}); };
+  const auto add = [&](std::int32_t group, std::uint8_t kind, std::uint8_t accepts) {
+    filters_.push_back({group, kind, accepts});
+  };
   const auto group_of = [&](Slot s) { return surfaces_.contact_group(world_, s); };
   for (Slot s = 0; static_cast<std::size_t>(s) < world_.size(); ++s) {
     if (!is_round(world_.properties[static_cast<std::size_t>(s)].shape)) continue;
@@ -171,7 +173,6 @@ std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) 
     MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_INT64_T, MPI_SUM, halo.comm());
     if (counted == 0) break;
     held += counted;
-    fprintf(stderr,"[%d:%ld] ",round,counted); //DBG
     const std::vector<Vec3> before = world_.velocity;
     draw_together(round >= gentle_rounds);
     halo.update_velocities();
