@@ -142,9 +142,9 @@ void Halo::make_vecs(World& world, const std::vector<PetscInt>& guest_global) {
   static double nothing[4];
   const auto data = [](auto& v) { return v.empty() ? nothing : reinterpret_cast<double*>(v.data()); };
   make(position, 3, data(world.position));
-  make(orientation, 4, data(world.orientation));
+  if (world.has_rotations) make(orientation, 4, data(world.orientation));
   make(velocity, 3, data(world.velocity));
-  make(angular_velocity, 3, data(world.angular_velocity));
+  if (world.has_rotations) make(angular_velocity, 3, data(world.angular_velocity));
 }
 
 void Halo::refresh_guests(World& world, const CollideSettings& settings, Surfaces* surfaces) {
@@ -158,8 +158,10 @@ void Halo::refresh_guests(World& world, const CollideSettings& settings, Surface
 
 void Halo::update_guests() {
   if (size_ == 1) return;
-  for (Vec v : vec_) VecGhostUpdateBegin(v, INSERT_VALUES, SCATTER_FORWARD);
-  for (Vec v : vec_) VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD);
+  for (Vec v : vec_)
+    if (v) VecGhostUpdateBegin(v, INSERT_VALUES, SCATTER_FORWARD);
+  for (Vec v : vec_)
+    if (v) VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD);
 }
 
 void Halo::update_velocities() const {

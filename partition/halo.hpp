@@ -6,7 +6,8 @@
 // bounds are taken somewhat too large, so that the list serves for several steps. The price: guests that never touch anything are
 // refreshed as well.
 //
-// The global state lives in four ghosted PETSc Vecs over the World's own arrays: homes first, then guests.
+// The global state lives in four ghosted PETSc Vecs over the World's own arrays, two where nothing rotates: homes first, then
+// guests.
 #pragma once
 
 #include <petscvec.h>
@@ -51,7 +52,8 @@ class Halo {
 
   std::size_t bytes() const { return bytes_of(registered_) + bytes_of(guest_rank_); }
 
-  // The ghosted Vecs: position (block 3), orientation (4: x, y, z, w), velocity (3), angular velocity (3).
+  // The ghosted Vecs: position (block 3), orientation (4: x, y, z, w), velocity (3), angular velocity (3);
+  // null where nothing rotates.
   enum Field { position, orientation, velocity, angular_velocity, field_count };
   Vec vec(Field field) const { return vec_[field]; }
 

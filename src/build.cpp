@@ -23,7 +23,7 @@ World build_world(MPI_Comm comm, const Scene& scene) {
       (group.is_static ? statics : homes).push_back(body);
     }
   }
-  return make_world(homes, statics);
+  return make_world(homes, statics, scene.has_rotations());
 }
 
 ConstraintSet build_constraints(const Scene& scene, const World& world) {
@@ -60,8 +60,9 @@ void hold_pinned(const Scene& scene, World& world, double time) {
   }
 }
 
-World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics) {
+World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations) {
   World world;
+  world.has_rotations = has_rotations;
   world.homes = homes.size();
   world.resize(homes.size() + statics.size());
   for (std::size_t i = 0; i < homes.size(); ++i) world.set(i, homes[i]);

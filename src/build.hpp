@@ -18,6 +18,6 @@ ConstraintSet build_constraints(const Scene& scene, const World& world);
 void hold_pinned(const Scene& scene, World& world, double time);
 
 // A world of these home bodies and statics, each in ascending id; no guests yet.
-World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics);
+World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations = true);
 
 }  // namespace unibody

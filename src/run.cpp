@@ -91,7 +91,7 @@ std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, 
     const auto bodies = checkpoint.read_bodies(first, last);
     to.insert(to.end(), bodies.begin(), bodies.end());
   }
-  simulation.world = make_world(homes, statics);
+  simulation.world = make_world(homes, statics, scene.has_rotations());
   simulation.multipliers = checkpoint.read_multipliers(simulation.world);
   simulation.make_constraints();
   simulation.constraint_multipliers = checkpoint.read_constraint_multipliers(simulation.constraints);

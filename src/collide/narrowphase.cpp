@@ -109,12 +109,12 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.position = world.position[slot];
   if (settings.planar) p.position.y() = 0;
   p.velocity = world.velocity[slot];
-  p.rotation = world.orientation[slot].toRotationMatrix();
+  p.rotation = world.orientation_of(slot).toRotationMatrix();
   p.kind = body.shape.kind;
   p.half = p.kind == ShapeKind::box ? body.shape.size : Vec3::Constant(body.shape.size.x());
   p.radius = p.kind == ShapeKind::plane ? 0 : bounding_radius(body.shape);
   p.speed = p.velocity.norm();
-  p.spin_reach = p.kind == ShapeKind::box ? settings.step * p.radius * world.angular_velocity[slot].norm() : 0;
+  p.spin_reach = p.kind == ShapeKind::box ? settings.step * p.radius * world.angular_velocity_of(slot).norm() : 0;
   p.half_size = p.half.minCoeff();
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;

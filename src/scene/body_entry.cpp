@@ -154,9 +154,10 @@ void read_entry(const Value& entry, Scene& scene) {
     Body result = make(k);
     result.id = first + k;
     result.state.position = position + orientation * result.state.position;
-    result.state.orientation = orientation * result.state.orientation;
+    if (result.properties.shape.kind != ShapeKind::particle) result.state.orientation = orientation * result.state.orientation;
     return result;
   };
+  group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle;  // an entry has bodies of one kind, or boxes
   scene.groups.push_back(std::move(group));
 }
 

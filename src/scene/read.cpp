@@ -157,6 +157,10 @@ const BodyGroup& group_of(const Scene& scene, Id id) {
 
 Id Scene::body_count() const { return groups.empty() ? 0 : groups.back().first + groups.back().count; }
 
+bool Scene::has_rotations() const {
+  return std::any_of(groups.begin(), groups.end(), [](const BodyGroup& g) { return g.rotates; });
+}
+
 Body Scene::body(Id id) const {
   const BodyGroup& group = group_of(*this, id);
   return group.make(id - group.first);

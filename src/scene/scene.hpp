@@ -34,6 +34,7 @@ struct BodyGroup {
   Id first = 0;
   Id count = 0;
   bool is_static = false;  // all fixed or kinematic: replicated on every rank
+  bool rotates = true;     // false: particles
   std::string name;        // of the entry; may be empty
   std::function<Body(Id k)> make;
 };
@@ -85,6 +86,7 @@ struct Scene {
   std::vector<Surface> surfaces;
 
   Id body_count() const;
+  bool has_rotations() const;          // false: all bodies are particles
   Body body(Id id) const;              // id in [0, body_count())
   std::string body_name(Id id) const;  // "crate" or "pile[17]"; "body 17" where the entry has no name
   double friction_of(int material_a, int material_b) const {

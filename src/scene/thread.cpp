@@ -129,7 +129,7 @@ Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(I
                 std::function<void(Id first, Id node, ConstraintSet& out)> touching, std::function<Id(Id)> patch) {
   const Id first = scene.body_count();
   BodyGroup group;
-  group.first = first, group.count = count, group.name = nodes.name;
+  group.first = first, group.count = count, group.rotates = false, group.name = nodes.name;
   group.make = [first, make = std::move(make)](Id k) {
     Body body = make(k);
     body.id = first + k;

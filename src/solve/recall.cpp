@@ -24,7 +24,7 @@ bool has_one_point(const World& world, const Manifold& m) {
 class Places {
  public:
   Places(const World& world, const Manifold& m) : position_(world.position[carrier(world, m)]) {
-    to_body_ = world.orientation[carrier(world, m)].conjugate().toRotationMatrix();
+    to_body_ = world.orientation_of(static_cast<std::size_t>(carrier(world, m))).conjugate().toRotationMatrix();
   }
   Vec3 of(const ContactPoint& p) const { return to_body_ * (p.position - position_); }
 

@@ -14,6 +14,7 @@ namespace unibody {
 
 struct World {
   std::size_t homes = 0, guests = 0;
+  bool has_rotations = true;  // false: all bodies are particles, and the two arrays of rotation are empty
 
   std::vector<Id> id;
   PropertyTable properties;
@@ -42,15 +43,20 @@ struct World {
     return -1;
   }
 
-  BodyState state(std::size_t slot) const { return {position[slot], orientation[slot], velocity[slot], angular_velocity[slot]}; }
+  Quat orientation_of(std::size_t slot) const { return has_rotations ? orientation[slot] : Quat::Identity(); }
+  Vec3 angular_velocity_of(std::size_t slot) const { return has_rotations ? angular_velocity[slot] : Vec3(Vec3::Zero()); }
+  BodyState state(std::size_t slot) const {
+    return {position[slot], orientation_of(slot), velocity[slot], angular_velocity_of(slot)};
+  }
   void set_state(std::size_t slot, const BodyState& s) {
-    position[slot] = s.position, orientation[slot] = s.orientation;
-    velocity[slot] = s.velocity, angular_velocity[slot] = s.angular_velocity;
+    position[slot] = s.position, velocity[slot] = s.velocity;
+    if (has_rotations) orientation[slot] = s.orientation, angular_velocity[slot] = s.angular_velocity;
   }
   Body body(std::size_t slot) const { return {id[slot], properties[slot], state(slot)}; }
 
   void resize(std::size_t n) {
-    id.resize(n), properties.resize(n), position.resize(n), orientation.resize(n), velocity.resize(n), angular_velocity.resize(n);
+    id.resize(n), properties.resize(n), position.resize(n), velocity.resize(n);
+    if (has_rotations) orientation.resize(n), angular_velocity.resize(n);
   }
   void set(std::size_t slot, const Body& b) {
     id[slot] = b.id, properties.set(slot, b.properties);
