@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <unordered_set>
 
 #include "collide/continuous.hpp"
 #include "collide/triangle_distance.hpp"
@@ -16,7 +17,7 @@ namespace {
 // After so many rounds the ends of a pair are stopped against each other altogether, so that it ends.
 constexpr int gentle_rounds = 6, most_rounds = 60;
 
-// m, how far apart pairs are kept: this share of the distance at which surfaces touch, or half of what there is.
+// Pairs are kept apart by this share of the distance at which surfaces touch, or by half of what there is.
 constexpr double kept_share = 0.1;
 
 bool overlap(const Bounds& a, const Bounds& b) {
@@ -54,6 +55,11 @@ double SurfaceGuard::slack(std::span<const Slot> nodes) const {
   return surface_slack(world_, nodes);
 }
 
+// m, a side's part of how far apart pairs are kept.
+double SurfaceGuard::kept(Slot s) const {
+  return surfaces_.is_node(s) ? kept_share * world_.properties[static_cast<std::size_t>(s)].shape.size.x() : 0;
+}
+
 void SurfaceGuard::list_features() {
   constexpr std::uint8_t point = 1, face = 2, edge = 4;
   points_.clear(), filters_.clear();
@@ -66,24 +72,57 @@ void SurfaceGuard::list_features() {
     points_.push_back(s);
     add(surfaces_.is_node(s) ? group_of(s) : -1, point, face);
   }
-  for (const SurfaceFace& f : surfaces_.faces) add(group_of(f.nodes[0]), face, point);
+  double sizes = 0;
+  for (const SurfaceFace& f : surfaces_.faces) {
+    add(group_of(f.nodes[0]), face, point);
+    sizes += 2 * surface_slack(world_, f.nodes);
+  }
+  face_size_ = std::max(1e-6, sizes / static_cast<double>(std::max<std::size_t>(1, surfaces_.faces.size())));
   if (surfaces_.edges_may_meet())
     for (const SurfaceEdge& e : surfaces_.edges) add(group_of(e.nodes[0]), edge, edge);
 }
 
+// Features are looked up by boxes of about one size, that of a face, so that they share a level of the grid; after the first
+// round, by those near something that has moved.
 void SurfaceGuard::find_pairs() {
   bounds_.clear(), roles_.clear(), pairs_.clear();
-  const auto kept = [&](Slot s) { return kept_share * world_.properties[static_cast<std::size_t>(s)].shape.size.x(); };
   const auto has_moved = [&](Slot s) { return moved_[static_cast<std::size_t>(s)] != 0; };
   const auto add = [&](std::span<const Slot> nodes, double more) {
     bounds_.push_back(path(nodes, world_.velocity, more));
     roles_.push_back(std::any_of(nodes.begin(), nodes.end(), has_moved) ? Role::home : Role::other);
   };
-  for (const Slot s : points_) add(std::span(&s, 1), 0);
-  for (const SurfaceFace& f : surfaces_.faces) add(f.nodes, 2 * kept(f.nodes[0]));
+  for (const Slot s : points_) add(std::span(&s, 1), face_size_ / 2);
+  for (const SurfaceFace& f : surfaces_.faces) add(f.nodes, kept(f.nodes[0]));
   if (surfaces_.edges_may_meet())
     for (const SurfaceEdge& e : surfaces_.edges) add(e.nodes, kept(e.nodes[0]));
+  leave_out_distant();
   broad_phase_.find(bounds_, roles_, pairs_, filters_);
+}
+
+// What touches no cell that something which has moved touches.
+void SurfaceGuard::leave_out_distant() {
+  const double cell = 2 * face_size_;
+  std::unordered_set<std::uint64_t> cells;
+  const auto any_cell = [&](const Bounds& b, auto&& f) {  // until f says yes
+    const Vec3 low = (b.lower / cell).array().floor(), high = (b.upper / cell).array().floor();
+    if (!((high - low).maxCoeff() < 16)) return true;  // or it is large
+    for (double x = low.x(); x <= high.x(); ++x)
+      for (double y = low.y(); y <= high.y(); ++y)
+        for (double z = low.z(); z <= high.z(); ++z) {
+          const auto bits = [](double c) { return static_cast<std::uint64_t>(static_cast<std::int64_t>(c)) & 0x1fffff; };
+          if (f(bits(x) << 42 | bits(y) << 21 | bits(z))) return true;
+        }
+    return false;
+  };
+  if (std::find(roles_.begin(), roles_.end(), Role::other) == roles_.end()) return;
+  for (std::size_t i = 0; i < bounds_.size(); ++i)
+    if (roles_[i] == Role::home && any_cell(bounds_[i], [&](std::uint64_t key) {
+          cells.insert(key);
+          return false;
+        }))
+      return;
+  for (std::size_t i = 0; i < bounds_.size(); ++i)
+    if (!any_cell(bounds_[i], [&](std::uint64_t key) { return cells.contains(key); })) roles_[i] = Role::absent;
 }
 
 SurfaceGuard::Candidate SurfaceGuard::candidate(const IndexPair& pair) const {
@@ -106,18 +145,18 @@ void SurfaceGuard::test(const Candidate& pair) {
   for (std::size_t i = 0; i < sides; ++i)
     if (std::find(s.begin() + static_cast<std::ptrdiff_t>(sides), s.end(), s[i]) != s.end()) return;
   const std::span<const Slot> one(s.data(), sides), other(s.data() + sides, 4 - sides);
+  if (!overlap(path(one, world_.velocity, kept(s[0])), path(other, world_.velocity, kept(s[3])))) return;
   if (!overlap(path(one, start_, slack(one)), path(other, start_, slack(other)))) return;
 
   const auto place = [&](std::size_t k) -> const Vec3& { return world_.position[static_cast<std::size_t>(s[k])]; };
   const double distance = pair.edges ? closest_of_segments(place(0), place(1), place(2), place(3)).distance
                                      : closest_on_triangle(place(0), place(1), place(2), place(3)).distance;
-  const double touch = 2 * world_.properties[static_cast<std::size_t>(s[3])].shape.size.x();
-  const double kept = std::min(kept_share * touch, 0.5 * distance);
-  if (!(kept > 1e-12)) return;  // on each other already: contacts alone can part them
+  const double apart = std::min(2 * kept(s[3]), 0.5 * distance);
+  if (!(apart > 1e-12)) return;  // on each other already: contacts alone can part them
   const auto way = [&](std::size_t k) {
     return MovingPoint{place(k), place(k) + settings_.step * world_.velocity[static_cast<std::size_t>(s[k])]};
   };
-  const ContinuousSettings settings{kept, 0.1 * kept, 200};
+  const ContinuousSettings settings{apart, 0.1 * apart, 200};
   const ContinuousHit hit = pair.edges ? edge_meets_edge(way(0), way(1), way(2), way(3), settings)
                                        : point_meets_triangle(way(0), way(1), way(2), way(3), settings);
   if (!hit.hit) return;

@@ -43,6 +43,8 @@ class SurfaceGuard {
   };
   void list_features();
   void find_pairs();
+  void leave_out_distant();
+  double kept(Slot s) const;
   Candidate candidate(const IndexPair& pair) const;
   void test(const Candidate& pair);
   void draw_together(bool stop);
@@ -54,6 +56,7 @@ class SurfaceGuard {
   const CollideSettings& settings_;
   std::vector<Vec3> start_;          // m/s, velocities before the solve
   std::vector<std::uint8_t> moved_;  // by slot: in the last round
+  double face_size_ = 1;             // m, mean extent
   std::vector<Hit> hits_;
   std::vector<Slot> points_;
   std::pmr::vector<Bounds> bounds_;  // of points, then of faces, then of edges
