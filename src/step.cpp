@@ -269,6 +269,11 @@ void Simulation::warm_start(double share_of_contacts) {
   cut_.exchange(system_.bodies);
 }
 
+Stages Simulation::stages() const {
+  if (scene_.solver.stages != Stages::automatic) return scene_.solver.stages;
+  return constraints_of_all_ > 0 && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
+}
+
 // Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
 // A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
 // old multipliers that must not pass 1/2: an unconverged position stage that starts from all of them gains energy.
@@ -276,16 +281,16 @@ void Simulation::warm_start(double share_of_contacts) {
 StepReport Simulation::solve() {
   build_system();
   const SolverSettings& settings = scene_.solver;
-  const bool two_stages = settings.stages != Stages::position &&
+  const bool two_stages = stages() != Stages::position &&
                           (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
   StepReport report;
   const double position_share = settings.warm_start >= 0 ? settings.warm_start : 0.5;
-  warm_start(settings.stages != Stages::position ? 1 : position_share);
+  warm_start(stages() != Stages::position ? 1 : position_share);
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
-    system_.contacts.keep_impulses(settings.stages == Stages::joint, impulses);
-    system_.surface.keep_impulses(settings.stages == Stages::joint);
+    system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
+    system_.surface.keep_impulses(stages() == Stages::joint);
   }
   report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);

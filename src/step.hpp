@@ -75,6 +75,7 @@ class Simulation {
   void measure_solution(StepReport& report);
   bool any_over_ranks(bool here) const;
   bool is_alone() const;
+  Stages stages() const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void finalise();
 

@@ -14,8 +14,8 @@ inline constexpr std::array<std::string_view, 5> friction_model_names{"disc", "c
 enum class Gap { frozen, reevaluated };
 inline constexpr std::array<std::string_view, 2> gap_names{"frozen", "reevaluated"};
 
-enum class Stages { two, joint, position };
-inline constexpr std::array<std::string_view, 3> stages_names{"two", "joint", "position"};
+enum class Stages { automatic, two, joint, position };
+inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "joint", "position"};
 
 enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
@@ -29,8 +29,9 @@ struct SolverSettings {
   double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.
   // joint: the position stage works on both stages' multipliers together: converges to the step's exact solution.
-  // position: the position stage alone.
-  Stages stages = Stages::two;
+  // position: the position stage alone. auto: two, but position for Jacobi solvers in scenes with constraints beside contacts,
+  // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
+  Stages stages = Stages::automatic;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
   // contacts where it is the only stage. -1: 1/2, but 0 for constraints beside which there may be contacts: near convergence
   // the two together would gain energy.
