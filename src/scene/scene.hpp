@@ -65,7 +65,7 @@ struct Surface {
 
   Id first_node = 0, node_count = 0;
   // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
-  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of;
+  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of = nullptr;
   bool self_collision = false;  // cells touch others of the same surface
 };
 
