@@ -81,7 +81,7 @@ gravity: [0, 1, -9.81]
 )",
                                30}};
 
-const std::string solvers[] = {"{name: accelerated_jacobi, iterations: 14}", "{name: gauss_seidel, iterations: 8}"};
+const std::string solvers[] = {"{name: accelerated_jacobi, iterations: 14}", "{name: gauss_seidel, iterations: 40}"};
 
 // After every fifth step: the state, what was held, and crossings; and whether there were contacts of surfaces at all.
 struct Story {
