@@ -175,6 +175,27 @@ TEST(Surfaces, CountsOfAGrid) {
   EXPECT_EQ(boundary, 2u * 5 + 2 * 4);
 }
 
+// As the scene says, and not unless it says so. One surface alone has nothing for its edges to meet.
+TEST(Surfaces, SelfCollision) {
+  for (const std::string kind : {"cloth", "thread"})
+    for (const std::string text : {"", ", self_collision: false", ", self_collision: true"}) {
+      const Scene scene = scene_from(
+          kind == "cloth" ? "cloths:\n  - {grid: {size: [1, 1], nodes: [3, 3]}, mass: 1, thickness: 0.01" + text + "}\n"
+                          : "threads:\n  - {points: [[0, 0, 0], [1, 0, 0]], segments: 3, radius: 0.01, mass: 1" + text + "}\n");
+      const bool itself = text.find("true") != std::string::npos;
+      ASSERT_EQ(scene.surfaces.size(), 1u);
+      EXPECT_EQ(scene.surfaces[0].self_collision, itself) << kind << text;
+      const Part part(
+          scene, [](Id) { return true; }, [](Id) { return true; });
+      EXPECT_EQ(part.known->edges_may_meet(), itself);
+      EXPECT_EQ(part.known->contact_group(part.world, 0), itself ? -1 : part.world.properties[0].group);
+      EXPECT_GE(part.world.properties[0].group, 0);
+    }
+  const Part mixed(
+      mixed_scene(), [](Id) { return true; }, [](Id) { return true; });
+  EXPECT_TRUE(mixed.known->edges_may_meet());
+}
+
 // Those within two faces; and wanting is mutual, whoever has what.
 TEST(Surfaces, PartnersAreNodesWithinTwoFaces) {
   const Scene scene = mixed_scene();
