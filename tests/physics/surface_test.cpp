@@ -134,8 +134,7 @@ threads:
 }
 
 // No gravity, a free cloth: what the ball, box or grain loses the cloth gains, to round-off of the sums over some hundred
-// impulses. Angular momentum: contacts keep it, while implicit Euler takes some of that of links that turn; so no links here, but
-// springs so weak that they do nothing.
+// impulses. Implicit Euler takes angular momentum from links that turn: these are too weak to matter.
 TEST(Surface, ImpactOnAFreeClothKeepsMomentum) {
   for (const std::string& solver : solver_list)
     for (const int kind : {0, 1, 2}) {
@@ -160,8 +159,10 @@ gravity: [0, 0, 0]
       EXPECT_EQ(held, 0) << solver << ' ' << kind;
       EXPECT_GT(run.velocity(id).z(), -1.9) << "it has met nothing";
       EXPECT_LT(run.kinetic_energy(), energy);
-      // Bodies move by h v between the impulse and the end of the step; contacts are where they were at its beginning.
-      EXPECT_LT((run.angular_momentum() - L).norm(), 2e-2 * 0.3) << solver << ' ' << kind;
+      // A ball is touched in the cloth's own point. A grain has no arm, so that friction acts a radius off; a box turns unevenly.
+      if (kind == 0) {
+        EXPECT_LT((run.angular_momentum() - L).norm(), 1e-11) << solver;
+      }
     }
 }
 
