@@ -31,6 +31,16 @@ cloths:
     pins: [{node: [0, 0]}, {node: [7, 0]}, {node: [0, 6]}, {node: [7, 6], release: 0.2}]
 )",
                                30},
+                              // Each between nodes that are far from it: only their faces tell their ranks of each other.
+                              {"grains_on_wide_faces", R"(
+bodies:
+  - lattice: {count: 25, columns: [5, 5], spacing: [1.3, 1.2, 1], height: 0.08, jitter: 0.01}
+    shape: {sphere: {radius: 0.05}}
+    mass: 0.1
+cloths:
+  - {grid: {size: [8, 8], nodes: [5, 5]}, mass: 1, thickness: 0.01, velocity: [0, 0, 0.3]}
+)",
+                               15},
                               {"a_bullet", R"(
 bodies:
   - {shape: {sphere: {radius: 0.05}}, mass: 0.2, position: [0.03, 0.02, 0.9], velocity: [0, 10, -150]}
