@@ -133,6 +133,11 @@ void SurfaceCollider::add(const Pair& pair, const Vec3& arm, const Vec3& normal,
   out_.push_back(c);
 }
 
+// Whether the two points, now apart by `between`, have passed each other in the last step.
+bool SurfaceCollider::has_passed(const Pair& pair, const Vec3& between) const {
+  return pair.within && settings_.has_past && between.norm() < 4 * pair.radii && apart(pair, -1).dot(between) < 0;
+}
+
 // A pair as it is now.
 void SurfaceCollider::add_standing(const Pair& pair) {
   const Vec3 between = apart(pair, 0);
@@ -140,8 +145,7 @@ void SurfaceCollider::add_standing(const Pair& pair) {
   if (!(distance > 1e-100)) return;  // at the same place: the next step knows on which side they are
   Vec3 normal = between / distance;
   double gap = distance - pair.radii, beyond = 0;
-  if (pair.within && settings_.has_past && distance < 4 * pair.radii && apart(pair, -1).dot(normal) < 0)
-    normal = -normal, gap = -distance - pair.radii, beyond = distance + 0.1 * pair.radii;
+  if (has_passed(pair, between)) normal = -normal, gap = -distance - pair.radii, beyond = distance + 0.1 * pair.radii;
   if (gap <= margin(pair, normal))
     add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, gap, pair.edges ? edges_feature : 0, beyond);
 }
@@ -178,7 +182,8 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
   const bool at_node = is_one_node(weights);
   if (at_node && !surfaces_.is_node(pair.slots[0])) return;  // nodes touch bodies as the particles that they are
   set_weights(weights);
-  pair.within = !at_node && (weights[2] > 0 || face.is_segment());
+  const int edge = edge_of(weights);  // one of two faces: on it there are sides as well; around a boundary one may go
+  pair.within = !at_node && (edge < 0 || face.across[static_cast<std::size_t>(edge)] >= 0 || face.is_segment());
   const Vec3 between = apart(pair, 0);
   const double distance = between.norm();
   if (distance > 0 && !(owns(face, weights) && is_nearest(face, weights, between / distance, lean_of_points))) return;
@@ -229,7 +234,8 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
   pair.weights = {1 - near.s, near.s, near.t - 1, -near.t};
   pair.within = true;
   const Vec3 between = near.first - near.second;
-  if (near.distance > 0 && !(is_ridge(*f, between / near.distance) && is_ridge(*e, -between / near.distance))) return;
+  const Vec3 towards = (has_passed(pair, between) ? -1 : 1) * between / near.distance;  // where they stood out to each other
+  if (near.distance > 0 && !(is_ridge(*f, towards) && is_ridge(*e, -towards))) return;
   add_standing(pair);
 }
 

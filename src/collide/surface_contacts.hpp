@@ -45,7 +45,7 @@ class SurfaceCollider {
     double spin = 0;       // m, what a turning end adds to the margin
     bool edges = false;    // two on each side
     bool turns = false;    // end 0 is a round body, touched off its centre
-    bool within = false;   // both points lie inside their features, so that a change of sides shows
+    bool within = false;   // both points lie inside their surfaces, so that a change of sides shows
     bool watched = false;  // it is fast, and its motion leads past
     bool meets = false;    // ends without weight belong to the key
   };
@@ -63,6 +63,7 @@ class SurfaceCollider {
 
   Vec3 apart(const Pair& pair, double time) const;
   Vec3 parting(const Pair& pair) const;
+  bool has_passed(const Pair& pair, const Vec3& between) const;
   double margin(const Pair& pair, const Vec3& normal) const;
   void point_face(Pair pair, const SurfaceFace& face, double fast);
   void add_standing(const Pair& pair);

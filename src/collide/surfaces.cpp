@@ -43,7 +43,8 @@ Bounds swept_bounds(const World& world, std::span<const Slot> nodes, const Colli
   double radius = 0;
   for (const Slot s : nodes) {
     const auto i = static_cast<std::size_t>(s);
-    const Vec3 &from = world.position[i], to = from + settings.step * world.velocity[i];
+    const Vec3 way = settings.step * world.velocity[i];
+    const Vec3 from = settings.has_past ? Vec3(world.position[i] - way) : world.position[i], to = world.position[i] + way;
     b.lower = b.lower.cwiseMin(from).cwiseMin(to), b.upper = b.upper.cwiseMax(from).cwiseMax(to);
     radius = std::max(radius, world.properties[i].shape.size.x());
   }

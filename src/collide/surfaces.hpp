@@ -75,7 +75,8 @@ class Surfaces {
   } rings_;
 };
 
-// Bounds of a node, edge or face where it is and where its velocities lead, with what its weight adds in the step.
+// Bounds of a node, edge or face where it is, where its velocities lead, with what its weight adds in the step, and where they
+// led from: who has passed it is to be found still.
 Bounds swept_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings);
 
 // m, how far a solve may take an edge or face off its way for the halo to know of what it meets: half of its extent.

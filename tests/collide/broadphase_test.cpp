@@ -67,6 +67,43 @@ TEST(BroadPhase, FindsThePairsOfBruteForceInOrder) {
       }
 }
 
+// Groups, kinds and who accepts whom; numbers that go on from the first.
+TEST(BroadPhase, FiltersAreThoseOfBruteForce) {
+  BroadPhase broad;
+  std::size_t kept = 0, dropped = 0;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const int count = seed % 3 == 0 ? 12 : 600;
+    const Input in = random_input(seed, count, seed % 2 ? 3 : 6, seed % 4 ? 4 : 1000);
+    Random random(100 + seed);
+    std::vector<Filter> filters;
+    for (int i = 0; i < count; ++i)
+      filters.push_back({static_cast<std::int32_t>(random(-1, 4)), static_cast<std::uint8_t>(1 << static_cast<int>(random(0, 3))),
+                         static_cast<std::uint8_t>(random(0, 8))});
+    std::vector<std::pair<int, int>> expected;
+    const int first = static_cast<int>(random(0, 1000));
+    for (const auto& [i, j] : brute_force(in)) {
+      const Filter &a = filters[static_cast<std::size_t>(i)], &b = filters[static_cast<std::size_t>(j)];
+      const bool same = a.group == b.group && a.group != -1;
+      if (!same && (a.accepts & b.kind) && (b.accepts & a.kind))
+        expected.emplace_back(first + i, first + j);
+      else
+        ++dropped;
+    }
+    kept += expected.size();
+    Pairs pairs;
+    pairs.push_back({0, 1});  // what is there stays
+    broad.find(in.bounds, in.roles, pairs, filters, first);
+    ASSERT_EQ(pairs.front().first, 0);
+    pairs.pop_front();
+    std::vector<std::pair<int, int>> result;
+    for (const auto& p : broad.sort(pairs, in.bounds.size() + static_cast<std::size_t>(first)))
+      result.emplace_back(p.first, p.second);
+    EXPECT_EQ(result, expected) << seed;
+  }
+  EXPECT_GT(kept, 1000u);
+  EXPECT_GT(dropped, 1000u);
+}
+
 TEST(BroadPhase, EqualTouchingBoundsOnTheGrid) {
   Input in;
   for (int i = 0; i < 512; ++i) {  // cubes whose faces meet exactly: 26 neighbours each

@@ -19,7 +19,7 @@ class TextFile {
  public:
   explicit TextFile(const std::string& text) {
     static int number = 0;
-    path_ = testing::TempDir() + "scene_" + std::to_string(getpid()) + "_" + std::to_string(number++) + ".yaml";
+    path_ = ::testing::TempDir() + "scene_" + std::to_string(getpid()) + "_" + std::to_string(number++) + ".yaml";
     std::ofstream(path_) << text;
   }
   ~TextFile() { std::remove(path_.c_str()); }
@@ -43,7 +43,7 @@ inline std::string fault_of(const std::string& text, const std::vector<Override>
   } catch (const InputError& error) {
     std::string message = error.what();
     if (message.rfind(file.path(), 0) == 0) message.replace(0, file.path().size(), "FILE");
-    const std::string folder = testing::TempDir();
+    const std::string folder = ::testing::TempDir();
     if (const auto at = message.find(folder); at != std::string::npos && message.find("FILE") == 0)
       message.replace(at, folder.size(), "FOLDER/");
     return message;
