@@ -31,7 +31,8 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
-     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths "
+     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
+     "materials, bodies, cloths "
      "or threads"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected step, frames or substeps"},
@@ -41,7 +42,8 @@ const std::vector<BadInput> bad_files{
     {"section_without_value", "time:\n" + ball,
      "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
-     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths "
+     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
+     "materials, bodies, cloths "
      "or threads"},
     {"value_missing", "time: {step: }\n", "FILE:1: key 'time.step': found nothing, expected a number > 0 (s)"},
 };
@@ -252,7 +254,8 @@ const std::vector<BadInput> bad_overrides{
      {{"time.frmes", "3"}}},
     {"unknown_section",
      ball,
-     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, solver, output, materials, "
+     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, "
+     "output, materials, "
      "bodies, cloths or threads",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",
