@@ -104,8 +104,8 @@ solver: )" +
          solver;
 }
 
-// A cloth in the wind, held by a body that turns and one that is fixed, and tied to boxes that are let go at different times; a
-// thread that ties two of them.
+// A cloth in the wind, held by a body that turns and one that is fixed, and tied to bodies that are let go at different times, one
+// of them far off; a thread that ties two of them.
 std::string tied_scene(const std::string& solver) {
   return R"(
 wind: [2, 1, 0.5]
@@ -115,6 +115,7 @@ bodies:
   - {name: post, shape: {box: {size: [0.1, 0.1, 0.1]}}, motion: fixed, position: [-0.5, 0.56, 0.8]}
   - {name: crate, shape: {box: {size: [0.12, 0.1, 0.08]}}, mass: 0.3, position: [0.5, -0.5, 0.7]}
   - {name: ball, shape: {sphere: {radius: 0.06}}, mass: 0.4, position: [0.5, 0.5, 0.72]}
+  - {name: ballast, shape: {sphere: {radius: 0.1}}, mass: 0.4, position: [0, 4, 2.72]}
   - pile: {count: 10, columns: [2, 2], seed: 3, mix: [{shape: {box: {size: [0.12, 0.1, 0.08]}}}, {shape: {sphere: {radius: 0.06}}}]}
     density: 300
     position: [0, 0, 1]
@@ -126,7 +127,7 @@ cloths:
     links: {stiffness: 3000, damping: 0.01}
     position: [0, 0, 0.8]
     pins: [{node: [0, 0], to: mill}, {node: [0, 11], to: post}, {node: [12, 0], to: crate, release: 0.4}, {node: [12, 11], to: ball},
-           {node: [11, 11], to: ball, release: 0.1}]
+           {node: [11, 11], to: ball, release: 0.1}, {node: [6, 6], to: ballast}]
 threads:
   - points: [[0.5, -0.44, 0.6], [0.5, 0.44, 0.6]]
     segments: 20
