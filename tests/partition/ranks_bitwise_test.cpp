@@ -104,8 +104,8 @@ solver: )" +
          solver;
 }
 
-// A cloth in the wind, held by a body that turns and one that is fixed, and tied to bodies that are let go at different times, one
-// of them far off; a thread that ties two of them.
+// A cloth in the wind, held by a body that turns and one that is fixed, and tied to bodies that are let go at different times,
+// one of them far off; a thread that ties two of them.
 std::string tied_scene(const std::string& solver) {
   return R"(
 wind: [2, 1, 0.5]
