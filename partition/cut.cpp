@@ -50,7 +50,7 @@ void Cut::share(const World& world, std::span<const Slot> ends, std::map<int, Tr
   }
 }
 
-void Cut::build(const World& world, const Contacts& contacts) {
+void Cut::build(const World& world, const Contacts& contacts, std::span<const AttachedNode> attached) {
   neighbours_.clear(), ends_.clear(), all_.clear(), by_colour_.clear();
   if (halo_.size() == 1) return;
   std::map<int, Neighbour> found;
@@ -66,6 +66,7 @@ void Cut::build(const World& world, const Contacts& contacts) {
   }
   std::map<int, Traffic> traffic = constrained_;
   for (const SurfaceContact& contact : contacts.surface) share(world, contact.slots, traffic);
+  for (const AttachedNode& a : attached) share(world, std::array{a.body, a.node}, traffic);
   for (auto& [rank, neighbour] : found) {
     Traffic& shared = traffic.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
     for (const std::uint32_t m : neighbour.manifolds) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "collide/contacts.hpp"
+#include "constraints/attachment_batch.hpp"
 #include "core/phases.hpp"
 #include "partition/halo.hpp"
 #include "solve/system.hpp"
@@ -27,8 +28,8 @@ class Cut {
   // Finds the bodies shared by the constraints other than contacts: once, until slots move. Local.
   void set_constraints(const World& world, const ConstraintBatches& constraints);
 
-  // Finds the shared bodies of this step's contacts, and adds those of the other constraints. Local.
-  void build(const World& world, const Contacts& contacts);
+  // Finds the shared bodies of this step's contacts and attachments, and adds those of the other constraints. Local.
+  void build(const World& world, const Contacts& contacts, std::span<const AttachedNode> attached = {});
 
   // Refreshes every shared guest from its home: one message to and from each neighbour.
   void exchange(std::span<SolverBody> bodies) const;

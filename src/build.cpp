@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "constraints/constraint_types.hpp"
+#include "solve/free_motion.hpp"
 
 namespace unibody {
 
@@ -46,13 +47,29 @@ ConstraintSet build_constraints(const Scene& scene, const World& world) {
   return result;
 }
 
-void hold_pinned(const Scene& scene, World& world, double time) {
+namespace {
+
+// m/s, at which a held body moves in the step. It aims at the place after the step, so that no error adds up.
+Vec3 velocity_of_held(const Scene& scene, const World& world, const Pin& pin, const Vec3& present, double step) {
+  const Slot slot = pin.body < 0 ? -1 : world.find(pin.body);
+  if (slot < 0) return Vec3::Zero();
+  const auto i = static_cast<std::size_t>(slot);
+  const BodyProperties& holder = world.properties[i];
+  if (holder.motion == Motion::fixed) return Vec3::Zero();
+  const FreeMotion motion = predict_motion(holder, world.state(i), scene.gravity, step, scene.planar);
+  const BodyState next = finish_motion(holder, world.state(i), motion.body, motion.gyroscopic, step, scene.planar);
+  return (next.position + next.orientation * pin.place - present) / step;
+}
+
+}  // namespace
+
+void hold_pinned(const Scene& scene, World& world, double time, double step) {
   for (const Pin& pin : scene.pins) {
     const Slot slot = world.find(pin.id);
     if (slot < 0) continue;
     const auto i = static_cast<std::size_t>(slot);
     const Motion motion = time < pin.release ? Motion::pinned : Motion::dynamic;
-    if (motion == Motion::pinned) world.velocity[i] = Vec3::Zero();
+    if (motion == Motion::pinned) world.velocity[i] = velocity_of_held(scene, world, pin, world.position[i], step);
     if (world.properties[i].motion == motion) continue;
     BodyProperties properties = world.properties[i];
     properties.motion = motion;

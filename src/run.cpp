@@ -58,7 +58,10 @@ std::string physics_of(const Scene& scene) {
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
   for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
-  for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << '\n';
+  text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
+  for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << '\n';
+  for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
+  for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
   for (const ConstraintGroup& group : scene.constraint_groups)  // all of a group follow one law: two bodies show it
     for (const Id id : {group.first, group.first + group.count / 2}) {
       ConstraintSet constraints;
@@ -173,6 +176,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   simulation.detect();  // guests are there
   const auto further_columns = [&](const StepReport& step, std::int64_t held) {
     auto columns = constraint_columns(comm, scene, simulation.world, simulation.constraints, step.constraint_residuals);
+    if (simulation.has_attachments()) columns.push_back({"residual_attachment (m)", step.attachment_residual});
     if (!simulation.has_surfaces()) return columns;
     columns.push_back({"held_pairs (1)", static_cast<double>(held)});
     if (!scene.output.crossings) return columns;

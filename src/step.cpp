@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "attach.hpp"
 #include "build.hpp"
 #include "constraints/constraint_batches.hpp"
 #include "core/room.hpp"
@@ -22,6 +23,7 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
       halo_(comm),
       cut_(halo_, clock),
       surfaces_(scene.surfaces),
+      drag_(scene),
       solver_(find_solver(scene.solver.name)),
       step_(scene.time.step / scene.time.substeps),
       constraint_batches_(std::make_unique<ConstraintBatches>()) {
@@ -49,10 +51,10 @@ void Simulation::detect() {
   if (!constraints_made_) make_constraints();
   {
     const PhaseClock::Scope scope(clock_, Phase::halo);
-    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // homes, so that their guests learn it
+    hold_pinned(scene_, world, time(), step_);  // homes, so that their guests learn it
     collide_settings_.has_past = steps_done > 0;
-    halo_.refresh_guests(world, collide_settings_, has_surfaces() ? &surfaces_ : nullptr);
-    hold_pinned(scene_, world, static_cast<double>(steps_done) * step_);  // guests: a refresh brings states only
+    halo_.refresh_guests(world, collide_settings_, needs_surfaces() ? &surfaces_ : nullptr);
+    hold_pinned(scene_, world, time(), step_);  // guests: a refresh brings states only
   }
   build_constraints();
   const PhaseClock::Scope scope(clock_, Phase::collide);
@@ -60,6 +62,7 @@ void Simulation::detect() {
   if (is_alone()) return;
   const Scratch::Frame frame(scratch_);
   Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_);
+  leave_out_attached(scene_, world, time(), contacts);
 }
 
 // A single cloth or thread, whose nodes touch nothing.
@@ -97,12 +100,13 @@ void Simulation::make_constraints() {
   for_each_type(constraints,
                 [&](auto type, const auto& list) { std::get<type.value>(constraint_multipliers).assign(list.size(), {}); });
   std::vector<Id> wanted = partners(world, constraints);
-  if (has_surfaces()) {
-    const std::vector<Id> of_surfaces = surfaces_.partners(world);
+  const auto add = [&](const std::vector<Id>& more) {
     std::vector<Id> both;
-    std::set_union(wanted.begin(), wanted.end(), of_surfaces.begin(), of_surfaces.end(), std::back_inserter(both));
+    std::set_union(wanted.begin(), wanted.end(), more.begin(), more.end(), std::back_inserter(both));
     wanted = std::move(both);
-  }
+  };
+  if (needs_surfaces()) add(surfaces_.partners(world));
+  if (has_attachments()) add(partners(world, scene_.attachments));
   halo_.reset(world, wanted);
   colours_ = {};
   constraints_of_all_ = static_cast<std::int64_t>(constraint_count(constraints));
@@ -122,9 +126,11 @@ void Simulation::build_constraints() {
   constraint_batches_->build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver.order,
                              colours_);
   cut_.set_constraints(world, *constraint_batches_);
+  if (drag_.any()) drag_.build(world, surfaces_);
 }
 
-// v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits.
+// v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits. What the air
+// does comes on top, for homes alone; build_system tells the guests.
 void Simulation::predict() {
   const std::size_t n = world.size();
   system_.homes = world.homes;
@@ -138,6 +144,7 @@ void Simulation::predict() {
     if (system_.inertia.empty()) system_.inertia.resize(n), system_.gyroscopic.resize(n);
     system_.inertia[i] = motion.inverse_inertia, system_.gyroscopic[i] = motion.gyroscopic;
   }
+  if (drag_.any()) drag_.apply(world, step_, world.homes, system_.bodies);
 }
 
 // Manifold numbers colour by colour, and within a colour by length, so that the four lanes of a block have much the same length.
@@ -165,13 +172,19 @@ void count_ends(std::span<const SurfaceContact> contacts, std::span<std::int32_t
     for (const Slot s : contact.slots)
       if (s >= 0) ++counts[static_cast<std::size_t>(s)];
 }
+void count_ends(std::span<const AttachedNode> attached, std::span<std::int32_t> counts) {
+  for (const AttachedNode& a : attached)
+    for (const Slot s : {a.body, a.node}) ++counts[static_cast<std::size_t>(s)];
+}
 
 }  // namespace
 
 // Lays out the contacts: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow it.
 void Simulation::build_system() {
   const std::size_t n = contacts.manifolds.size();
-  cut_.build(world, contacts);
+  attached_ = attached_nodes(scene_, world, time());
+  cut_.build(world, contacts, attached_);
+  if (drag_.any()) cut_.exchange(system_.bodies);
   system_.counted.assign(n, 1);
   for (std::size_t m = 0; m < n; ++m) system_.counted[m] = counts_here(world, contacts.manifolds[m]);
   std::pmr::vector<std::uint32_t> order(n, &scratch_);
@@ -183,6 +196,7 @@ void Simulation::build_system() {
     counts.assign(world.size() + 1, 0);
     for (const Manifold& m : contacts.manifolds) ++counts[m.slot_a], ++counts[m.slot_b];
     count_ends(contacts.surface, counts);
+    count_ends(attached_, counts);
     constraint_batches_->count(counts);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
@@ -198,6 +212,7 @@ void Simulation::build_system() {
   system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
                          scene_.solver, step_);
   build_surface_contacts(counts);
+  build_attachments(counts);
 }
 
 // With Gauss-Seidel they share masses among themselves alone.
@@ -214,6 +229,21 @@ void Simulation::build_surface_contacts(std::span<const std::int32_t> counts_of_
   system_.surface.build(contacts.surface, system_.bodies, system_.inertia, system_.isotropic,
                         counts_of_all.empty() ? std::span<const std::int32_t>(own) : counts_of_all, scene_.solver, step_,
                         [&](const SurfaceContact& contact) { return counts_here(world, contact); });
+}
+
+// As the contacts of surfaces.
+void Simulation::build_attachments(std::span<const std::int32_t> counts_of_all) {
+  if (!has_attachments()) return;
+  std::pmr::vector<std::int32_t> own(&scratch_);
+  if (counts_of_all.empty()) {
+    own.assign(world.size() + 1, 0);
+    count_ends(attached_, own);
+    cut_.exchange(std::span(own));
+    system_.wrenches.assign(world.size() + 1, Wrench{});
+  }
+  system_.attachment_rows.build(attached_, system_.bodies, system_.inertia, system_.isotropic,
+                                counts_of_all.empty() ? std::span<const std::int32_t>(own) : counts_of_all, scene_.solver.scaling,
+                                step_, world.homes);
 }
 
 void Simulation::fill_places(std::span<const std::int32_t> counts) {
@@ -236,6 +266,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   system_.surface.start_stage(stage);
   system_.before_iteration = nullptr;
   system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
+  system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
   const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance_);
@@ -277,7 +308,8 @@ Stages Simulation::stages() const {
 // Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
 // A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
 // old multipliers that must not pass 1/2: an unconverged position stage that starts from all of them gains energy.
-// Constraints other than contacts belong to the position stage; where there are no contacts, it is the only one.
+// Constraints other than contacts, attachments too, belong to the position stage; where there are no contacts, it is the only
+// one.
 StepReport Simulation::solve() {
   build_system();
   const SolverSettings& settings = scene_.solver;
@@ -318,6 +350,11 @@ void Simulation::measure_solution(StepReport& report) {
     MPI_Allreduce(MPI_IN_PLACE, report.constraint_residuals.data(), static_cast<int>(report.constraint_residuals.size()),
                   MPI_DOUBLE, MPI_MAX, halo_.comm());
   }
+  if (has_attachments()) {
+    report.attachment_residual = system_.attachment_rows.residual(system_.bodies);
+    MPI_Allreduce(MPI_IN_PLACE, &report.attachment_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+    report.residual = std::max(report.residual, report.attachment_residual);
+  }
   MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
   report.converged = report.residual <= tolerance_;
 }
@@ -336,7 +373,8 @@ std::size_t Simulation::bytes() const {
   return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
          bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
-         bytes_of(contacts.surface) + surfaces_.bytes() + halo_.bytes() + scratch_.bytes() + constraint_batches_->bytes();
+         bytes_of(contacts.surface) + bytes_of(attached_) + drag_.bytes() + surfaces_.bytes() + halo_.bytes() + scratch_.bytes() +
+         constraint_batches_->bytes();
 }
 
 }  // namespace unibody

@@ -15,6 +15,7 @@
 #include "partition/halo.hpp"
 #include "scene/scene.hpp"
 #include "solve/colouring.hpp"
+#include "solve/drag.hpp"
 #include "solve/solver.hpp"
 #include "world/world.hpp"
 
@@ -25,6 +26,7 @@ struct StepReport {
   double residual = 0;                                               // m, natural residual at the end of the step, max over ranks
   bool converged = false;                                            // the residual is within the tolerance
   std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
+  double attachment_residual = 0;                                    // m, the same of attachments
   std::int64_t held = 0;     // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
   std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
 };
@@ -57,7 +59,8 @@ class Simulation {
   ConstraintMultipliers constraint_multipliers;  // of each of them; history, checkpointed
 
   bool has_surfaces() const { return !is_alone() && !scene_.surfaces.empty(); }  // that may touch something
-  const Surfaces& surfaces() const { return surfaces_; }                         // where they may touch anything; else empty
+  const Surfaces& surfaces() const { return surfaces_; }  // where they may touch anything, or feel the air; else empty
+  bool has_attachments() const { return !scene_.attachments.empty(); }  // to dynamic bodies
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
   void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"
@@ -77,6 +80,9 @@ class Simulation {
   bool is_alone() const;
   Stages stages() const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
+  void build_attachments(std::span<const std::int32_t> counts);
+  bool needs_surfaces() const { return has_surfaces() || drag_.any(); }
+  double time() const { return static_cast<double>(steps_done) * step_; }  // s
   void finalise();
 
   const Scene& scene_;
@@ -85,6 +91,8 @@ class Simulation {
   Cut cut_;
   CollideSettings collide_settings_;
   Surfaces surfaces_;
+  Drag drag_;
+  std::vector<AttachedNode> attached_;  // of this step, to dynamic bodies
   const Solver& solver_;
   Scratch scratch_;           // of collision detection, then of the solve
   System system_{&scratch_};  // within step()

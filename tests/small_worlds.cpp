@@ -110,7 +110,7 @@ double Experiment::kinetic_energy() const {
   double sum = 0;
   for (std::size_t i = 0; i < w.homes; ++i)
     sum += 0.5 * w.properties[i].mass * w.velocity[i].squaredNorm() +
-           0.5 * w.angular_velocity[i].dot(spin_momentum(w.properties[i], w.state(i)));
+           0.5 * w.angular_velocity_of(i).dot(spin_momentum(w.properties[i], w.state(i)));
   return sum;
 }
 
@@ -139,8 +139,8 @@ Vec3 Experiment::angular_momentum() const {
 bool Experiment::finite() const {
   const World& w = simulation->world;
   for (std::size_t i = 0; i < w.homes; ++i)
-    if (!w.position[i].allFinite() || !w.velocity[i].allFinite() || !w.angular_velocity[i].allFinite() ||
-        !w.orientation[i].coeffs().allFinite())
+    if (!w.position[i].allFinite() || !w.velocity[i].allFinite() || !w.angular_velocity_of(i).allFinite() ||
+        !w.orientation_of(i).coeffs().allFinite())
       return false;
   return true;
 }

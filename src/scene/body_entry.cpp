@@ -150,6 +150,7 @@ void read_entry(const Value& entry, Scene& scene) {
   group.first = scene.body_count();
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
+  group.generated = type != nullptr;
   group.make = [first = group.first, make = generated.make, position, orientation](Id k) {
     Body result = make(k);
     result.id = first + k;

@@ -82,12 +82,13 @@ void add_surface(const Value& entry, Scene& scene, const std::string& name, Id f
       for (Id& id : out[k]) id += first;
   };
   if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
+  if (const Value* drag = entry.find("drag")) surface.drag = drag->number(not_negative, "");
 }
 
 void read_cloth(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
   for (const char* key :
-       {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "bending", "self_collision"})
+       {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "bending", "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");

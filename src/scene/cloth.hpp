@@ -37,8 +37,8 @@ Id add_flexible(
     std::function<void(Id first, Id node, ConstraintSet& out)> touching,
     std::function<Id(Id node)> patch = [](Id node) { return node / 256; });
 
-// Reads `pins` of a flexible body whose nodes are bodies first .. first + count - 1, where the entry has it: a list of
-// {node: ..., release: s} or {near: [x, y, z], release: s}. `number(value)` reads a node as the entry names it.
+// Reads `pins` of a flexible body whose nodes are bodies first .. first + count - 1, the last ones so far, where the entry has
+// it: a list of {node: ..., to: body, release: s} or {near: [x, y, z], ...}. `number(value)` reads a node as the entry names it.
 void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number);
 
 // The child of a map that must be there.

@@ -137,6 +137,8 @@ const Field<Scene> sections[] = {
     {"time", [](const Value& v, Scene& s) { read_fields(v, time_fields, s.time); }},
     {"planar", [](const Value& v, Scene& s) { s.planar = v.boolean(); }},
     {"gravity", read_gravity},
+    {"wind", [](const Value& v, Scene& s) { s.wind = read_vector(v, s, "m/s"); }},
+    {"air_density", [](const Value& v, Scene& s) { s.air_density = v.number(not_negative, "kg/m^3"); }},
     {"solver", read_solver},
     {"output", [](const Value& v, Scene& s) { read_fields(v, output_fields, s.output); }},
     {"materials", read_materials},

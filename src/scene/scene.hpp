@@ -35,6 +35,7 @@ struct BodyGroup {
   Id count = 0;
   bool is_static = false;  // all fixed or kinematic: replicated on every rank
   bool rotates = true;     // false: particles
+  bool generated = false;  // by a generator, even if it is one body
   std::string name;        // of the entry; may be empty
   std::function<Body(Id k)> make;
 };
@@ -50,9 +51,18 @@ struct ConstraintGroup {
   std::function<Id(Id id)> patch_of = [](Id id) { return id / 256; };
 };
 
-// A body that is held where it is until a time.
+// A node that is held until a time: where it is, or at the point of a fixed or kinematic body at which it is at the start.
 struct Pin {
   Id id = 0;
+  double release = std::numeric_limits<double>::infinity();  // s
+  Id body = -1;                                              // -1: none
+  Vec3 place = Vec3::Zero();                                 // m, from that body's centre, in its axes
+};
+
+// A node tied until a time to the point of a dynamic body at which it is at the start.
+struct Attachment {
+  Id node = 0, body = 0;
+  Vec3 place = Vec3::Zero();                                 // m, from the body's centre, in its axes
   double release = std::numeric_limits<double>::infinity();  // s
 };
 
@@ -67,6 +77,7 @@ struct Surface {
   // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of = nullptr;
   bool self_collision = false;  // cells touch others of the same surface
+  double drag = 0;              // 1, coefficient of the air's resistance to a triangle's motion along its normal
 };
 
 struct Scene {
@@ -74,6 +85,8 @@ struct Scene {
   std::string title;
   TimeSettings time;
   Vec3 gravity{0, 0, -9.81};  // m/s^2
+  Vec3 wind{0, 0, 0};         // m/s
+  double air_density = 1.2;   // kg/m^3
   bool planar = false;        // motion in x and z and one rotation about y
   SolverSettings solver;
   OutputSettings output;
@@ -82,7 +95,8 @@ struct Scene {
   std::vector<BodyGroup> groups;      // in the order of the file; ids run on from group to group
 
   std::vector<ConstraintGroup> constraint_groups;
-  std::vector<Pin> pins;  // ascending ids
+  std::vector<Pin> pins;                // ascending ids
+  std::vector<Attachment> attachments;  // ascending nodes
   std::vector<Surface> surfaces;
 
   Id body_count() const;

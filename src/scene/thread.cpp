@@ -1,4 +1,4 @@
-// Threads: nodes along a polyline, linked one to the next; and what threads have in common with cloths.
+// Threads: nodes along a polyline, linked one to the next; and what threads have in common with cloths (pins: pins.cpp).
 #include <algorithm>
 #include <cmath>
 
@@ -140,41 +140,6 @@ Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(I
       {first, count, [first, touching = std::move(touching)](Id id, ConstraintSet& out) { touching(first, id - first, out); },
        [first, patch = std::move(patch)](Id id) { return patch(id - first); }});
   return first;
-}
-
-namespace {
-
-// The node nearest to a point (world axes) at the start; of several, the first.
-Id nearest_node(const Scene& scene, Id first, Id count, const Vec3& point) {
-  Id nearest = first;
-  double least = std::numeric_limits<double>::infinity();
-  for (Id id = first; id < first + count; ++id) {
-    const double distance = (scene.groups.back().make(id - first).state.position - point).squaredNorm();
-    if (distance < least) least = distance, nearest = id;
-  }
-  return nearest;
-}
-
-}  // namespace
-
-void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number) {
-  const Value* list = entry.find("pins");
-  if (!list) return;
-  for (const Value& value : list->list("pins")) {
-    value.map({"node", "near", "release"});
-    const Value *node = value.find("node"), *near = value.find("near");
-    if (node && near) near->fail(near->found() + " beside node " + node->found(), "only one of node and near");
-    if (!node && !near) value.fail_missing("node", "a node, or near: a point (m)");
-    Pin pin;
-    pin.id = node ? first + number(*node) : nearest_node(scene, first, count, read_vector(*near, scene, "m"));
-    if (const Value* release = value.find("release")) pin.release = release->number(not_negative, "s");
-    const auto at = std::lower_bound(scene.pins.begin(), scene.pins.end(), pin.id, [](const Pin& p, Id id) { return p.id < id; });
-    if (at != scene.pins.end() && at->id == pin.id) {
-      const Value& named = node ? *node : *near;
-      named.fail(named.found() + ", a node pinned before", "each node pinned once");
-    }
-    scene.pins.insert(at, pin);
-  }
 }
 
 const Value& need(const Value& map, const char* key, const std::string& expected) {

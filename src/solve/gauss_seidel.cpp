@@ -1,6 +1,7 @@
 // Gauss-Seidel: every contact acts on the velocities that the ones before it have left. Coloured, so that the same sweep runs
 // four contacts at a time and on any number of ranks; the sweep's direction alternates, which halves its bias. Contacts of
-// surfaces are one group more, within which all move at once, by masses split among them, and therefore some times over.
+// surfaces are one group more, within which all move at once, by masses split among them, and therefore some times over;
+// attachments are another.
 
 #include <mpi.h>
 
@@ -25,7 +26,8 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
     }
     const bool backwards = report.iterations % 2 == 1;
     double change = 0;
-    const std::size_t constraints = colours + (system.any_surface ? 1 : 0);
+    const std::size_t attachments = colours + (system.any_surface ? 1 : 0);
+    const std::size_t constraints = attachments + (system.attachments ? 1 : 0);
     const std::size_t groups = constraints + (system.constraints ? system.constraints->group_count() : 0);
     for (std::size_t i = 0; i < groups; ++i) {
       const std::size_t group = backwards ? groups - 1 - i : i;
@@ -33,10 +35,14 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
         cut.exchange_colour(group, system.bodies);
         change = std::max(change, system.contacts.relax(group, backwards, system.bodies));
       } else if (group < constraints) {
-        for (int k = 0; k < surface_sweeps; ++k) {
+        const bool of_surfaces = group < attachments;
+        for (int k = 0; k < (of_surfaces ? surface_sweeps : 1); ++k) {
           cut.exchange(system.bodies);
           SweepSums sums;
-          system.surface.sweep_jacobi(system.bodies, system.wrenches, 0, sums);
+          if (of_surfaces)
+            system.surface.sweep_jacobi(system.bodies, system.wrenches, 0, sums);
+          else
+            system.attachments->sweep_jacobi(system.bodies, system.wrenches, 0, sums);
           system.apply_wrenches();
           change = std::max(change, sums.change);
         }

@@ -87,6 +87,7 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
     sums.unit = unit;
     system.contacts.sweep_jacobi(system.bodies, system.wrenches, beta, sums, system.counted);
     system.surface.sweep_jacobi(system.bodies, system.wrenches, beta, sums);
+    if (system.attachments) system.attachments->sweep_jacobi(system.bodies, system.wrenches, beta, sums);
     if (system.constraints) system.constraints->sweep_jacobi(system.start(), system.bodies, system.wrenches, beta, sums);
     reduction.start(sums);
     system.apply_wrenches();

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "constraints/attachment_batch.hpp"
 #include "constraints/contact_batch.hpp"
 #include "constraints/surface_batch.hpp"
 #include "partition/cut.hpp"
@@ -27,6 +28,7 @@ struct System {
         wrenches(memory),
         contacts(memory),
         surface(memory),
+        attachment_rows(memory),
         places(memory),
         counted(memory) {}
 
@@ -38,7 +40,9 @@ struct System {
   std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps
   ContactBatch contacts;
   SurfaceBatch surface;
-  bool any_surface = false;                  // some rank has contacts of surfaces
+  bool any_surface = false;  // some rank has contacts of surfaces
+  AttachmentBatch attachment_rows;
+  AttachmentBatch* attachments = nullptr;    // where the scene has any, in stages that have them
   ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
   std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
   double step = 0.016;             // s

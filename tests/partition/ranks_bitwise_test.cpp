@@ -104,6 +104,54 @@ solver: )" +
          solver;
 }
 
+// A cloth in the wind, held by a body that turns and one that is fixed, and tied to bodies that are let go at different times,
+// one of them far off; a thread that ties two of them.
+std::string tied_scene(const std::string& solver) {
+  return R"(
+wind: [2, 1, 0.5]
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {name: mill, shape: {box: {size: [0.2, 0.1, 0.1]}}, motion: kinematic, position: [-0.6, -0.5, 0.9], angular_velocity: [0, 3, 1]}
+  - {name: post, shape: {box: {size: [0.1, 0.1, 0.1]}}, motion: fixed, position: [-0.5, 0.56, 0.8]}
+  - {name: crate, shape: {box: {size: [0.12, 0.1, 0.08]}}, mass: 0.3, position: [0.5, -0.5, 0.7]}
+  - {name: ball, shape: {sphere: {radius: 0.06}}, mass: 0.4, position: [0.5, 0.5, 0.72]}
+  - {name: ballast, shape: {sphere: {radius: 0.1}}, mass: 0.4, position: [0, 4, 2.72]}
+  - pile: {count: 10, columns: [2, 2], seed: 3, mix: [{shape: {box: {size: [0.12, 0.1, 0.08]}}}, {shape: {sphere: {radius: 0.06}}}]}
+    density: 300
+    position: [0, 0, 1]
+cloths:
+  - grid: {size: [1, 1], nodes: [13, 12]}
+    mass_per_area: 0.3
+    thickness: 0.02
+    drag: 1.3
+    links: {stiffness: 3000, damping: 0.01}
+    position: [0, 0, 0.8]
+    pins: [{node: [0, 0], to: mill}, {node: [0, 11], to: post}, {node: [12, 0], to: crate, release: 0.4}, {node: [12, 11], to: ball},
+           {node: [11, 11], to: ball, release: 0.1}, {node: [6, 6], to: ballast}]
+threads:
+  - points: [[0.5, -0.44, 0.6], [0.5, 0.44, 0.6]]
+    segments: 20
+    radius: 0.01
+    mass: 0.1
+    pins: [{node: 0, to: crate}, {node: 20, to: ball}]
+solver: )" +
+         solver;
+}
+
+// Nothing but a cloth, which touches nothing and feels the air.
+std::string sail(const std::string& solver) {
+  return R"(
+wind: [0, 3, 1]
+cloths:
+  - grid: {size: [1, 1], nodes: [14, 12]}
+    mass: 0.3
+    thickness: 0.02
+    drag: 1.3
+    pins: [{node: [0, 0]}, {node: [13, 0], release: 0.2}]
+solver: )" +
+         solver;
+}
+
 void expect_the_states_of_one_rank(const std::string& text) {
   const auto expected = alone(text);
   EXPECT_EQ(together(text, std::nullopt, 0), expected) << "METIS";
@@ -125,6 +173,10 @@ TEST_P(RanksBitwiseFlexible, AnyPartitionGivesTheStatesOfOneRank) { expect_the_s
 INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwiseFlexible,
                          ::testing::Values("{name: accelerated_jacobi, iterations: 12}", "{name: gauss_seidel, iterations: 8}",
                                            "{name: jacobi, iterations: 6, stages: position, warm_start: 0}"));
+
+TEST_P(RanksBitwiseFlexible, TiedBodiesInTheWind) { expect_the_states_of_one_rank(tied_scene(GetParam())); }
+
+TEST_P(RanksBitwiseFlexible, ASailByItself) { expect_the_states_of_one_rank(sail(GetParam())); }
 
 // Controls: the hash sees a change in the last bit of one number, and moves with time.
 TEST(RanksBitwiseControl, AChangedSceneDiffers) {

@@ -36,7 +36,7 @@ Total total(const Experiment& run) {
   for (std::size_t i = 0; i < w.homes; ++i) {
     t.linear += w.properties[i].mass * w.velocity[i].norm();
     t.angular += w.properties[i].mass * w.position[i].norm() * w.velocity[i].norm() +
-                 w.properties[i].inertia.maxCoeff() * w.angular_velocity[i].norm();
+                 w.properties[i].inertia.maxCoeff() * w.angular_velocity_of(i).norm();
   }
   return t;
 }

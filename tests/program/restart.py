@@ -53,6 +53,24 @@ CLOTH = """
       - {points: [[-0.5, 0, 0.8], [0.5, 0, 0.8]], segments: 30, radius: 0.02, mass: 0.1}
 """
 
+# A cloth in the wind, held by a body that turns and tied to one that swings, until they are let go after the checkpoint.
+TIED = """
+    time: {step: 0.016, frames: 60}
+    output: {every: 20, checkpoint_every: 30}
+    wind: [1, 0, 2]
+    bodies:
+      - {name: crank, shape: {box: {size: [0.1, 0.1, 0.1]}}, motion: kinematic, position: [0.5, -0.5, 0.4], angular_velocity: [1, 0, 2]}
+      - {name: weight, shape: {sphere: {radius: 0.05}}, mass: 0.1, position: [-0.5, 0.5, 0.4]}
+    cloths:
+      - grid: {size: [0.9, 0.9], nodes: [18, 18]}
+        mass: 0.5
+        thickness: 0.02
+        drag: 1
+        links: {stiffness: 3000, damping: 0.01}
+        position: [0, 0, 0.35]
+        pins: [{node: [0, 0]}, {node: [17, 0], to: crank, release: 0.8}, {node: [0, 17], to: weight, release: 0.9}]
+"""
+
 
 def frame_of(checkpoint):
     with h5py.File(checkpoint, "r") as file:
@@ -97,10 +115,20 @@ class Restart(ProgramTest):
     def test_cloth_and_thread(self):
         self.check(text=CLOTH, change="cloths[0].links.stiffness=3001")
 
+    def test_tied_bodies_in_the_wind(self):
+        self.check(text=TIED, change="wind=[1, 0, 2.1]")
+
     def test_another_cloth_is_refused(self):
-        scene = self.scene(CLOTH)
+        self.check_refused(CLOTH, ("cloths[0].links.stiffness=3001", "cloths[0].bending.damping=0.1", "cloths[0].pins[1].release=0.8"))
+
+    def test_other_ties_or_another_wind_are_refused(self):
+        self.check_refused(TIED, ("cloths[0].pins[1].to=weight", "cloths[0].pins[2].to=crank", "cloths[0].pins[2].release=1",
+                                  "cloths[0].drag=1.1", "wind=[1, 0, 1]", "air_density=1"))
+
+    def check_refused(self, text, settings):
+        scene = self.scene(text)
         checkpoint = self.first_half(scene)
-        for setting in ("cloths[0].links.stiffness=3001", "cloths[0].bending.damping=0.1", "cloths[0].pins[1].release=0.8"):
+        for setting in settings:
             with self.subTest(setting=setting):
                 run = unibody(scene, "-output", self.folder / "rest", "-restart", checkpoint, "-set", setting, timeout=60)
                 self.assertEqual(run.code, 2, run.err)

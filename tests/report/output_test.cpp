@@ -91,13 +91,11 @@ TEST(RanksOutput, SameBytesOnAnyNumberOfRanks) {
 
 TEST(RanksOutput, SurfacesToo) {
   const Folder folder;
-  const std::vector<Surface> surfaces{{"sheet", 3, 200,
-                                       [](Id k) {
-                                         return std::array<Id, 3>{k, k + 1, k + 2};
-                                       }},
-                                      {"", 2, 1, [](Id k) {
-                                         return std::array<Id, 3>{k + 250, k + 251, 0};
-                                       }}};
+  std::vector<Surface> surfaces(2);
+  surfaces[0].name = "sheet", surfaces[0].count = 200;
+  surfaces[0].cell = [](Id k) { return std::array<Id, 3>{k, k + 1, k + 2}; };
+  surfaces[1].corners = 2, surfaces[1].count = 1;
+  surfaces[1].cell = [](Id k) { return std::array<Id, 3>{k + 250, k + 251, 0}; };
   write_frames(1, 0, folder / "one", 333, false, surfaces);
   write_frames(size_of(MPI_COMM_WORLD), 1, folder / "all", 333, false, surfaces);
   for (const char* file : {"/frames.h5", "/frames.xdmf"})

@@ -31,7 +31,8 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
-     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths "
+     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
+     "materials, bodies, cloths "
      "or threads"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected step, frames or substeps"},
@@ -41,7 +42,8 @@ const std::vector<BadInput> bad_files{
     {"section_without_value", "time:\n" + ball,
      "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
-     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, solver, output, materials, bodies, cloths "
+     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
+     "materials, bodies, cloths "
      "or threads"},
     {"value_missing", "time: {step: }\n", "FILE:1: key 'time.step': found nothing, expected a number > 0 (s)"},
 };
@@ -50,6 +52,10 @@ const std::vector<BadInput> bad_values{
     {"word_for_a_number", "time:\n  step: fast\n", "FILE:2: key 'time.step': found fast, expected a number > 0 (s)"},
     {"quoted_number", "time:\n  step: '0.1'\n", "FILE:2: key 'time.step': found '0.1', expected a number > 0 (s)"},
     {"number_and_unit", "time:\n  step: 16 ms\n", "FILE:2: key 'time.step': found 16 ms, expected a number > 0 (s)"},
+    {"wind_of_two", "wind: [1, 2]\n", "FILE:1: key 'wind': found [1, 2], expected a list of 3 numbers (m/s)"},
+    {"wind_out_of_the_plane", "planar: true\nwind: [1, 2, 0]\n",
+     "FILE:2: key 'wind': found [1, 2, 0], expected 0 as the second of three numbers (m/s; planar scene)"},
+    {"air_density", "air_density: -1\n", "FILE:1: key 'air_density': found -1, expected a number >= 0 (kg/m^3)"},
     {"zero_step", "time: {step: 0}\n", "FILE:1: key 'time.step': found 0, expected a number > 0 (s)"},
     {"fraction_for_an_integer", "time: {frames: 1.5}\n", "FILE:1: key 'time.frames': found 1.5, expected an integer >= 0"},
     {"no_substeps", "time: {substeps: 0}\n", "FILE:1: key 'time.substeps': found 0, expected an integer >= 1"},
@@ -196,6 +202,19 @@ std::string with_thread(const std::string& points, const std::string& rest = "ma
   return "threads:\n  - points: " + points + "\n    segments: 9\n    radius: 0.01\n    " + rest + "\n";
 }
 
+// A cloth pinned to one of several bodies, and what its faults begin and end with.
+std::string with_pin_to(const std::string& target) {
+  return "bodies:\n  - {name: ground, shape: {plane: {normal: [0, 0, 1]}}}\n"
+         "  - {name: twin, shape: {sphere: {radius: 1}}, mass: 1}\n  - {name: twin, shape: {sphere: {radius: 1}}, mass: 1}\n"
+         "  - {name: bricks, stack: {count: 1}, shape: {sphere: {radius: 1}}, mass: 1}\n"
+         "  - {name: twig, shape: {sphere: {radius: 1}}, mass: 1}\n"
+         "cloths:\n  - name: sheet\n    grid: {size: [1, 1], nodes: [4, 5]}\n    mass: 1\n    thickness: 0.01\n"
+         "    pins: [{node: [0, 0], " +
+         target + "}]\n";
+}
+const std::string pin_to = "FILE:12: key 'cloths[0].pins[0].to': ";
+const std::string single_body = "the name of an entry of bodies that is one body, or its place in the list";
+
 const std::vector<BadInput> bad_flexibles{
     {"mesh_that_is_missing", "cloths:\n  - mesh: no/flag.obj\n    mass: 1\n    thickness: 0.01\n",
      "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ file, its path from the scene's "
@@ -223,6 +242,28 @@ const std::vector<BadInput> bad_flexibles{
      "FILE:5: key 'cloths[0].self_collision': found 1, expected true or false"},
     {"self_collision_of_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    self_collision: yes"),
      "FILE:6: key 'threads[0].self_collision': found yes, expected true or false"},
+    {"pin_to_nobody", with_pin_to("to: pol"), pin_to + "found pol, a name that no entry of bodies has, expected " + single_body},
+    {"pin_to_a_cloth", with_pin_to("to: sheet"),
+     pin_to + "found sheet, a name that no entry of bodies has, expected " + single_body},
+    {"pin_to_one_of_two", with_pin_to("to: twin"), pin_to + "found twin, the name of 2 entries, expected " + single_body},
+    {"pin_to_a_generator", with_pin_to("to: bricks"),
+     pin_to + "found bricks, an entry with a generator, expected " + single_body},
+    {"pin_to_a_plane", with_pin_to("to: ground"), pin_to + "found ground, a plane, expected a body that is no plane"},
+    {"pin_beyond_the_bodies", with_pin_to("to: 5"), pin_to + "found 5, expected an integer <= 4"},
+    {"pin_to_a_list", with_pin_to("to: [1, 2]"), pin_to + "found [1, 2], expected " + single_body},
+    {"pin_to_a_quoted_number", with_pin_to("to: '1'"),
+     pin_to + "found '1', a name that no entry of bodies has, expected " + single_body},
+    {"pin_without_bodies", with_cloth("pins: [{node: [0, 0], to: 0}]"),
+     "FILE:5: key 'cloths[0].pins[0].to': found 0 in a scene without bodies, expected " + single_body},
+    {"pin_twice_to_bodies", with_pin_to("to: twig}, {node: [0, 0], to: pole"),
+     "FILE:12: key 'cloths[0].pins[1].node': found [0, 0], a node pinned before, expected each node pinned once"},
+    {"pin_twice_to_a_dynamic_body", with_pin_to("to: twig}, {node: [0, 0]"),
+     "FILE:12: key 'cloths[0].pins[1].node': found [0, 0], a node pinned before, expected each node pinned once"},
+    {"negative_drag", with_cloth("drag: -1"), "FILE:5: key 'cloths[0].drag': found -1, expected a number >= 0"},
+    {"drag_of_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    drag: 1"),
+     "FILE:6: key 'threads[0].drag': found an unknown key, expected name, position, orientation, velocity, material, pins, "
+     "points, "
+     "segments, radius, mass, stretch, bending or self_collision"},
     {"links_beside_membrane", with_cloth("links: {}\n    membrane: {youngs_modulus: 1, poissons_ratio: 0}"),
      "FILE:6: key 'cloths[0].membrane': found a membrane beside links, expected only one of links and membrane"},
     {"negative_stiffness", with_cloth("links: {stiffness: -1}"),
@@ -256,7 +297,8 @@ const std::vector<BadInput> bad_overrides{
      {{"time.frmes", "3"}}},
     {"unknown_section",
      ball,
-     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, solver, output, materials, "
+     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, "
+     "output, materials, "
      "bodies, cloths or threads",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",

@@ -1,0 +1,24 @@
+// Attachments: nodes of cloths and threads that are tied to other bodies, as one step of this rank sees them.
+#pragma once
+
+#include <vector>
+
+#include "collide/contacts.hpp"
+#include "constraints/attachment_batch.hpp"
+#include "scene/scene.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+// Those to dynamic bodies that hold at this time (s) and of which one end is home here, in the order of the scene. The other end
+// must be a guest.
+std::vector<AttachedNode> attached_nodes(const Scene& scene, const World& world, double time);
+
+// The bodies of other ranks to which attachments tie this rank's, ascending. Mutual between ranks. `world` needs no guests.
+std::vector<Id> partners(const World& world, const std::vector<Attachment>& attachments);
+
+// Takes away the contacts between nodes and the bodies that hold them at this time (s), static or dynamic: a node's own, and
+// those of faces, edges and segments in which such a node has a part.
+void leave_out_attached(const Scene& scene, const World& world, double time, Contacts& contacts);
+
+}  // namespace unibody
