@@ -55,10 +55,12 @@ void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::
       Softness softness{};
       Mask4 counts{};
       for (std::size_t l = 0; l < lanes; ++l) {
-        const std::uint32_t i = order[begin + std::min(l, used - 1)];  // an empty lane has the parameters of a full one
+        // An empty lane has the parameters of a full one, but is stiff, so that it never moves: nothing may show how many there
+        // are.
+        const std::uint32_t i = order[begin + std::min(l, used - 1)];
         for (std::size_t p = 0; p < parameter_count; ++p) block.parameters[p][l] = constraints[i].parameters[p];
-        for (std::size_t k = 0; k < rows; ++k) softness.compliance[k][l] = constraints[i].compliance[k];
-        softness.damping[l] = constraints[i].damping;
+        for (std::size_t k = 0; k < rows && l < used; ++k) softness.compliance[k][l] = constraints[i].compliance[k];
+        if (l < used) softness.damping[l] = constraints[i].damping;
         const std::array<Slot, stencil> ends = slots(i);
         for (std::size_t e = 0; e < stencil; ++e) block.slot[e][l] = l < used ? ends[e] : nobody;
         counts[l] = l < used && counted(i) ? -1 : 0;
