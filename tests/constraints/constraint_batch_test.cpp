@@ -16,7 +16,7 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   const double step = 0.01;
   std::vector<SolverBody> bodies(3, SolverBody{});
   bodies[0].inverse_mass = bodies[1].inverse_mass = 1;
-  std::vector<Vec4d> places{{0, 0, 0, 1}, {2, 0, 0, 1}, {0, 0, 0, 0}};
+  const std::vector<Vec4d> places{Vec4d{0, 0, 0, 1}, Vec4d{2, 0, 0, 1}, Vec4d{0, 0, 0, 0}};
   const StepStart start{places, step};
   ConstraintBatch<Distance> batch;
   const std::vector<std::uint32_t> order{0}, groups{1};
