@@ -119,6 +119,7 @@ template <bool soft>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_t b, const Ends& ends,
                                                                              const Rows<stencil, rows>& at,
                                                                              const Solution& lambda, double step) const {
+  // Of a stiff constraint both ways give the same bits: which is taken depends on what else this rank has.
   Solution r;
   const Vec4d over_step = broadcast(1 / step);
   for (std::size_t k = 0; k < rows; ++k) {
@@ -126,7 +127,8 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std
       const Softness& s = softness_[b];
       Vec4d rate = broadcast(0);
       for (std::size_t e = 0; e < stencil; ++e) rate += dot(at.gradient[k][e], ends.u[e]);
-      r[k] = (at.value[k] + s.compliance[k] * lambda[k] * over_step + s.damping * rate) / (broadcast(step) + s.damping);
+      r[k] = (at.value[k] + s.compliance[k] * lambda[k] * over_step + s.damping * rate) *
+             (broadcast(1) / (broadcast(step) + s.damping));
     } else {
       r[k] = at.value[k] * over_step;
     }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "constraints/constraint_types.hpp"
 
 namespace unibody {
@@ -38,6 +40,42 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   batch.sweep_jacobi(start, bodies, wrenches, 0.5, sums);
   EXPECT_GT(sums.largest, 0);
   EXPECT_GT(batch.residual(start, bodies), 0);
+}
+
+// Whether a rank has soft constraints beside stiff ones must not show in the stiff ones' bits.
+TEST(ConstraintBatch, AStiffConstraintIsTheSameBesideASoftOne) {
+  std::vector<Constraint<Distance>> links(2);
+  links[0].ids = {0, 1}, links[0].parameters = {1.9};
+  links[1].ids = {2, 3}, links[1].parameters = {0.7}, links[1].compliance = {1e-3}, links[1].damping = 0.01;
+  const std::vector<Vec4d> places{Vec4d{0.1, 0, 0, 3}, Vec4d{2, 0.3, 0, 7}, Vec4d{0, 5, 0, 2}, Vec4d{1, 5, 0, 1},
+                                  Vec4d{0, 0, 0, 0}};
+  const auto forces = [&](std::size_t count) {
+    std::vector<SolverBody> bodies(5, SolverBody{});
+    for (std::size_t i = 0; i < 4; ++i) bodies[i].inverse_mass = places[i][3], bodies[i].v[0] = 0.37 * static_cast<double>(i);
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    const std::vector<std::uint32_t> groups{static_cast<std::uint32_t>(count)};
+    ConstraintBatch<Distance> batch;
+    batch.build(
+        std::span(links).first(count), order, groups, 4,
+        [](std::uint32_t i) {
+          return std::array<Slot, 2>{static_cast<Slot>(2 * i), static_cast<Slot>(2 * i + 1)};
+        },
+        [](std::uint32_t) { return true; });
+    std::vector<double> found;
+    for (int k = 0; k < 5; ++k) {
+      std::vector<Wrench> wrenches(5, Wrench{});
+      SweepSums sums;
+      batch.sweep_jacobi({places, 0.007}, bodies, wrenches, 0.3, sums);
+      for (int d = 0; d < 3; ++d) {
+        bodies[0].v[d] += bodies[0].inverse_mass * wrenches[0].force[static_cast<std::size_t>(d)];
+        found.push_back(wrenches[0].force[static_cast<std::size_t>(d)]);
+      }
+    }
+    return found;
+  };
+  EXPECT_EQ(forces(1), forces(2));
+  EXPECT_NE(forces(1)[0], 0);
 }
 
 }  // namespace
