@@ -80,7 +80,7 @@ const std::vector<BadInput> bad_values{
      "FILE:1: key 'solver.tolerance': found -1, expected auto or a number >= 0 (m)"},
     {"scaling", "solver: {scaling: 1.5}\n", "FILE:1: key 'solver.scaling': found 1.5, expected a number in (0, 1]"},
     {"leak", "solver: {leak: 2}\n", "FILE:1: key 'solver.leak': found 2, expected auto or a number in [0, 1]"},
-    {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected two, joint or position"},
+    {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected auto, two, joint or position"},
     {"too_few_iterations_for_two_stages", "solver:\n  iterations: 1\n",
      "FILE:2: key 'solver.iterations': found 1, expected an integer >= 2 (two stages; stages: position needs 1)"},
     {"no_material", "materials: {}\n",
