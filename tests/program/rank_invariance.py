@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """The same bits on any number of ranks, for any partition: state, frames.h5, frames.xdmf, checkpoint.h5 and report.csv."""
+import csv
 import json
 import unittest
 
@@ -78,6 +79,22 @@ class RankInvariance(ProgramTest):
             with self.subTest(solver=solver):
                 self.folder_for(solver)
                 self.check_all(self.scene(MIXED), solver)
+
+    # Up to the impact: boxes on faces; sheets on each other and on themselves, where the guard has had to hold some pairs.
+    def test_cloths(self):
+        for scene, frames in (("boxes_on_cloth", 60), ("cloth_stack", 30)):
+            options = ["-set", f"time.frames={frames}", "-set", "output.every=10"]
+            runs = [self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
+            runs.append(self.good(SCENES / f"{scene}.yaml", f"{scene}_5", *options, "-partition", "random:3", ranks=3))
+            for n in (2, 3, 4, 5):
+                with self.subTest(scene=scene, run=n):
+                    self.assertEqual(runs[n - 1].state, runs[0].state)
+                    self.assert_same(f"{scene}_1", f"{scene}_{n}")
+            report = list(csv.DictReader((self.folder / f"{scene}_1" / "report.csv").read_text().splitlines()))
+            self.assertGreater(int(report[-1]["contacts"]), 300)
+            self.assertEqual({row["crossings (1)"] for row in report}, {"0"})
+            held = sum(int(row["held_pairs (1)"]) for row in report)
+            self.assertGreater(held, 0 if scene == "cloth_stack" else -1)
 
     # Contacts with and without friction side by side in every block of four, which contacts share one depends on the rank.
     def test_every_friction_model(self):
