@@ -13,7 +13,7 @@ namespace {
 // What a node can travel or reach in a step beyond its radius (m): its side of the margin rule.
 double reach_of(const World& world, Slot s, const CollideSettings& settings) {
   const auto i = static_cast<std::size_t>(s);
-  const double fall = world.properties[i].is_dynamic() ? settings.gravity.norm() * settings.step * settings.step : 0;
+  const double fall = settings.gravity.norm() * settings.step * settings.step;  // of pinned nodes too: as swept_bounds()
   return settings.margin / 2 + settings.step * world.velocity[i].norm() + fall;
 }
 
