@@ -136,6 +136,7 @@ void Simulation::predict() {
   system_.homes = world.homes;
   system_.bodies.assign(n + 1, SolverBody{});
   system_.isotropic.assign(n + 1, 1);
+  system_.rotates = world.has_rotations;
   for (std::size_t i = 0; i < n; ++i) {
     const FreeMotion motion = predict_motion(world.properties[i], world.state(i), scene_.gravity, step_, scene_.planar);
     system_.bodies[i] = motion.body;

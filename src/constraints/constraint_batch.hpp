@@ -17,6 +17,20 @@
 
 namespace unibody {
 
+// What a Jacobi sweep over blocks of four adds up: see SweepSums.
+struct SweepTotals {
+  SweepTotals(double beta, double unit) : momentum(broadcast(beta)), per_unit(1 / unit) {}
+  void add_to(SweepSums& sums, double step) const {
+    for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
+    sums.change = std::max(sums.change, step * horizontal_max(change));
+    sums.largest = std::max(sums.largest, horizontal_max(largest));
+  }
+  Vec4d momentum;
+  double per_unit;
+  Vec4d change{}, largest{};
+  Mask4 gradient{}, progress{};
+};
+
 template <ConstraintType C>
 class ConstraintBatch {
  public:
@@ -78,15 +92,16 @@ class ConstraintBatch {
     std::array<Vec4d, stencil> weight;
   };
   using Solution = std::array<Vec4d, rows>;
+  static constexpr std::size_t ahead = rows == 1 ? 8 : 2;  // blocks under way at a time
 
   // The pieces of a pass: inlined by force, since passing their results through memory costs half as much as the work. Stiff
   // constraints need no velocities beside the positions.
-  template <bool soft>
+  template <bool soft, bool moved>
   [[gnu::always_inline]] static inline Ends gather(const Block& block, const StepStart& start,
                                                    std::span<const SolverBody> bodies);
   template <bool soft>
   [[gnu::always_inline]] inline Solution residual_of(std::size_t b, const Ends& ends, const Rows<stencil, rows>& at,
-                                                     const Solution& lambda, double step) const;
+                                                     const Solution& lambda, double step, Vec4d over_step) const;
   template <bool soft>
   [[gnu::always_inline]] inline Solution solve_block(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
                                                      const Solution& r, double step) const;
@@ -94,6 +109,10 @@ class ConstraintBatch {
                                                                                                  const Solution& change);
   [[gnu::always_inline]] static inline void add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
                                                        std::span<Wrench> wrenches);
+  [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, const Solution& step, SweepTotals& totals);
+  [[gnu::always_inline]] static inline void add_velocities(const Block& block, const Rows<stencil, rows>& at,
+                                                           const Solution& change, const std::array<Vec4d, stencil>& weight,
+                                                           std::span<SolverBody> bodies);
   template <bool soft>
   void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
              SweepSums& sums);

@@ -91,9 +91,10 @@ void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) con
         multipliers[static_cast<std::size_t>(order_[i])][k] = lambda_[i / lanes][k][i % lanes];
 }
 
-// A body's record is read as a row of four, x = x_l + h v in all but its fourth component, and rows are turned into lanes.
+// A body's record is read as a row of four, x = x_l + h v in all but its fourth component, and rows are turned into lanes. A
+// Jacobi sweep, which moves no body, finds the rows ready (`moved`).
 template <ConstraintType C>
-template <bool soft>
+template <bool soft, bool moved>
 inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block& block, const StepStart& start,
                                                                     std::span<const SolverBody> bodies) {
   Ends ends;
@@ -101,12 +102,14 @@ inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block&
   for (std::size_t e = 0; e < stencil; ++e) {
     const auto& s = block.slot[e];
     const auto velocity = [&](std::size_t l) { return *reinterpret_cast<const Vec4dView*>(&bodies[s[l]]); };  // and 1/m
-    Vec4d v0 = velocity(0), v1 = velocity(1), v2 = velocity(2), v3 = velocity(3);
-    Vec4d x = start.places[s[0]] + step * v0, y = start.places[s[1]] + step * v1;
-    Vec4d z = start.places[s[2]] + step * v2, w = start.places[s[3]] + step * v3;
+    const auto place = [&](std::size_t l) {
+      return moved ? start.moved_places[s[l]] : start.places[s[l]] + step * velocity(l);
+    };
+    Vec4d x = place(0), y = place(1), z = place(2), w = place(3);
     transpose(x, y, z, w);
     ends.x[e] = {x, y, z}, ends.weight[e] = w;
     if constexpr (soft) {
+      Vec4d v0 = velocity(0), v1 = velocity(1), v2 = velocity(2), v3 = velocity(3);
       transpose(v0, v1, v2, v3);
       ends.u[e] = {v0, v1, v2};
     }
@@ -118,10 +121,9 @@ template <ConstraintType C>
 template <bool soft>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_t b, const Ends& ends,
                                                                              const Rows<stencil, rows>& at,
-                                                                             const Solution& lambda, double step) const {
+                                                                             const Solution& lambda, double step, Vec4d over_step) const {
   // Of a stiff constraint both ways give the same bits: which is taken depends on what else this rank has.
   Solution r;
-  const Vec4d over_step = broadcast(1 / step);
   for (std::size_t k = 0; k < rows; ++k) {
     if constexpr (soft) {
       const Softness& s = softness_[b];
@@ -188,46 +190,60 @@ template <ConstraintType C>
 void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies,
                                       std::span<Wrench> wrenches) const {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather<false>(blocks_[b], start, bodies);
+    const Ends ends = gather<false, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
     add_forces(blocks_[b], at, lambda_[b], wrenches);
   }
 }
 
+// In two passes over a few blocks at a time: what a block asks of the bodies first, what it does to them after. So the roots and
+// divisions of one block are under way while the next is read.
 template <ConstraintType C>
 template <bool soft>
 void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
                                double beta, SweepSums& sums) {
-  const double per_unit = 1 / sums.unit;
-  const Vec4d momentum = broadcast(beta);
-  Vec4d change = broadcast(0), largest = broadcast(0);
-  Mask4 gradient{}, progress{};
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather<soft>(blocks_[b], start, bodies);
-    Rows<stencil, rows> at;
-    C::evaluate(blocks_[b].parameters, ends.x, at);
-    const Solution r = residual_of<soft>(b, ends, at, y_[b], start.step);
-    const Solution step = solve_block<soft>(b, at, ends, r, start.step);
-    Solution moved;
-    Vec4d uphill = broadcast(0), squared = broadcast(0);
-    for (std::size_t k = 0; k < rows; ++k) {
-      const Vec4d next = y_[b][k] + step[k], forward = next - lambda_[b][k];
-      uphill += r[k] * forward, squared -= r[k] * step[k];
-      change = max(change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
-      lambda_[b][k] = next;
-      const Vec4d y = next + momentum * forward;
-      moved[k] = y - y_[b][k];
-      y_[b][k] = y;
+  std::array<Rows<stencil, rows>, ahead> at;
+  std::array<Solution, ahead> r, step;
+  const double h = start.step;  // a copy: no store of the loop can change it
+  const Vec4d over_step = broadcast(1 / h);
+  SweepTotals totals(beta, sums.unit);
+  for (std::size_t first = 0; first < blocks_.size(); first += ahead) {
+    const std::size_t count = std::min(ahead, blocks_.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t b = first + i;
+      const Ends ends = gather<soft, true>(blocks_[b], start, bodies);
+      C::evaluate(blocks_[b].parameters, ends.x, at[i]);
+      r[i] = residual_of<soft>(b, ends, at[i], y_[b], h, over_step);
+      step[i] = solve_block<soft>(b, at[i], ends, r[i], h);
     }
-    largest = max(largest, max(abs(uphill), squared));
-    gradient += whole_units(uphill, per_unit) & counted_[b];
-    progress += whole_units(squared, per_unit) & counted_[b];
-    add_forces(blocks_[b], at, moved, wrenches);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Solution moved = extrapolate(first + i, r[i], step[i], totals);
+      add_forces(blocks_[first + i], at[i], moved, wrenches);
+    }
   }
-  for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
-  sums.change = std::max(sums.change, start.step * horizontal_max(change));
-  sums.largest = std::max(sums.largest, horizontal_max(largest));
+  totals.add_to(sums, h);
+}
+
+// y becomes new + beta (new - old), new = y + step. Returns the change of y.
+template <ConstraintType C>
+inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r, const Solution& step,
+                                                                             SweepTotals& totals) {
+  Solution moved;
+  Vec4d uphill = broadcast(0), squared = broadcast(0);
+  for (std::size_t k = 0; k < rows; ++k) {
+    const Vec4d next = y_[b][k] + step[k], forward = next - lambda_[b][k];
+    uphill += r[k] * forward, squared -= r[k] * step[k];
+    totals.change = max(totals.change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
+    lambda_[b][k] = next;
+    const Vec4d y = next + totals.momentum * forward;
+    moved[k] = y - y_[b][k];
+    y_[b][k] = y;
+  }
+  totals.largest = max(totals.largest, max(abs(uphill), squared));
+  totals.gradient += whole_units(uphill, totals.per_unit) & counted_[b];
+  totals.progress += whole_units(squared, totals.per_unit) & counted_[b];
+  return moved;
 }
 
 template <ConstraintType C>
@@ -237,29 +253,44 @@ void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const So
   softness_.empty() ? sweep<false>(start, bodies, wrenches, beta, sums) : sweep<true>(start, bodies, wrenches, beta, sums);
 }
 
+// In two passes, as in sweep(): the blocks of a group have no moving body in common.
 template <ConstraintType C>
 template <bool soft>
 double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
+  std::array<Rows<stencil, rows>, ahead> at;
+  std::array<Solution, ahead> step;
+  std::array<std::array<Vec4d, stencil>, ahead> weight;
+  const double h = start.step;  // a copy: no store of the loop can change it
+  const Vec4d over_step = broadcast(1 / h);
   Vec4d change = broadcast(0);
-  for (std::size_t b = group == 0 ? 0 : group_end_[group - 1]; b < group_end_[group]; ++b) {
-    const Block& block = blocks_[b];
-    const Ends ends = gather<soft>(block, start, bodies);
-    Rows<stencil, rows> at;
-    C::evaluate(block.parameters, ends.x, at);
-    const Solution r = residual_of<soft>(b, ends, at, lambda_[b], start.step);
-    const Solution step = solve_block<soft>(b, at, ends, r, start.step);
-    for (std::size_t k = 0; k < rows; ++k) {
-      lambda_[b][k] += step[k];
-      change = max(change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
-    }
-    const auto impulse = impulses_of(at, step);
-    for (std::size_t e = 0; e < stencil; ++e)
-      for (std::size_t l = 0; l < lanes; ++l) {
-        auto& row = *reinterpret_cast<Vec4dView*>(&bodies[block.slot[e][l]]);
-        row += impulse[e][l] * broadcast(ends.weight[e][l]);
+  for (std::size_t first = group == 0 ? 0 : group_end_[group - 1]; first < group_end_[group]; first += ahead) {
+    const std::size_t count = std::min<std::size_t>(ahead, group_end_[group] - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t b = first + i;
+      const Ends ends = gather<soft, false>(blocks_[b], start, bodies);
+      C::evaluate(blocks_[b].parameters, ends.x, at[i]);
+      const Solution r = residual_of<soft>(b, ends, at[i], lambda_[b], h, over_step);
+      step[i] = solve_block<soft>(b, at[i], ends, r, h);
+      weight[i] = ends.weight;
+      for (std::size_t k = 0; k < rows; ++k) {
+        lambda_[b][k] += step[i][k];
+        change = max(change, abs(select(step[i][k] != broadcast(0), r[k], broadcast(0))));
       }
+    }
+    for (std::size_t i = 0; i < count; ++i) add_velocities(blocks_[first + i], at[i], step[i], weight[i], bodies);
   }
-  return start.step * horizontal_max(change);
+  return h * horizontal_max(change);
+}
+
+template <ConstraintType C>
+inline void ConstraintBatch<C>::add_velocities(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
+                                               const std::array<Vec4d, stencil>& weight, std::span<SolverBody> bodies) {
+  const auto impulse = impulses_of(at, change);
+  for (std::size_t e = 0; e < stencil; ++e)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      auto& row = *reinterpret_cast<Vec4dView*>(&bodies[block.slot[e][l]]);
+      row += impulse[e][l] * broadcast(weight[e][l]);
+    }
 }
 
 template <ConstraintType C>
@@ -270,13 +301,15 @@ double ConstraintBatch<C>::relax(std::size_t group, const StepStart& start, std:
 
 template <ConstraintType C>
 double ConstraintBatch<C>::residual(const StepStart& start, std::span<const SolverBody> bodies) const {
+  const double h = start.step;  // a copy: no store of the loop can change it
+  const Vec4d over_step = broadcast(1 / h);
   Vec4d worst = broadcast(0);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather<true>(blocks_[b], start, bodies);
+    const Ends ends = gather<true, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    const Solution r = softness_.empty() ? residual_of<false>(b, ends, at, lambda_[b], start.step)
-                                         : residual_of<true>(b, ends, at, lambda_[b], start.step);
+    const Solution r = softness_.empty() ? residual_of<false>(b, ends, at, lambda_[b], h, over_step)
+                                         : residual_of<true>(b, ends, at, lambda_[b], h, over_step);
     Vec4d moves = broadcast(0);  // two that cannot move leave a residual that nobody can solve
     for (const Vec4d m : ends.weight) moves += m;
     for (const Vec4d rk : r) worst = max(worst, select(moves > broadcast(0), abs(rk), broadcast(0)));

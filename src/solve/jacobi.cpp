@@ -68,6 +68,7 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
   Momentum momentum;
   double unit = 1;
   bool last = iterations < 1;
+  if (system.constraints) system.move_places();
   for (int k = 0; !last; ++k) {
     double beta = 0;
     if (k > 0) {
@@ -92,6 +93,7 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
     reduction.start(sums);
     system.apply_wrenches();
     cut.exchange(system.bodies);
+    if (system.constraints) system.move_places(system.homes);
     ++report.iterations;
   }
   report.restarts = momentum.restarts();

@@ -35,21 +35,42 @@ const Solver& find_solver(std::string_view name) {
   throw InputError("no solver is named '" + std::string(name) + "'");
 }
 
-void System::apply_wrenches() {
+void System::apply_wrenches() { rotates ? apply<true>() : apply<false>(); }
+
+template <bool rotates>
+void System::apply() {
+  const Vec4d h{step, step, step, 0};
+  const bool moves_places = !moved_places.empty();
   for (std::size_t i = 0; i < homes; ++i) {
     SolverBody& b = bodies[i];
-    const Vec4d f = wrenches[i].force, t = wrenches[i].torque;
-    for (int k = 0; k < 3; ++k) b.v[k] += b.inverse_mass * f[k];
-    if (isotropic[i]) {
-      for (int k = 0; k < 3; ++k) b.w[k] += b.inverse_inertia * t[k];
-    } else {
-      const InverseInertia& w = inertia[i];
-      b.w[0] += w.xx * t[0] + w.xy * t[1] + w.xz * t[2];
-      b.w[1] += w.xy * t[0] + w.yy * t[1] + w.yz * t[2];
-      b.w[2] += w.xz * t[0] + w.yz * t[1] + w.zz * t[2];
-    }
+    Wrench& wrench = wrenches[i];
+    auto& velocity = *reinterpret_cast<Vec4dView*>(b.v);  // and 1/m, whose force is 0
+    const Vec4d v = velocity + broadcast(b.inverse_mass) * wrench.force;
+    velocity = v;
+    if (moves_places) moved_places[i] = places[i] + h * v;
+    if constexpr (rotates) turn(i, wrench.torque);
+    wrench = Wrench{};
   }
-  std::fill(wrenches.begin(), wrenches.end(), Wrench{});
+  std::fill(wrenches.begin() + static_cast<std::ptrdiff_t>(homes), wrenches.end(), Wrench{});
+}
+
+void System::turn(std::size_t i, Vec4d t) {
+  SolverBody& b = bodies[i];
+  if (isotropic[i]) {
+    for (int k = 0; k < 3; ++k) b.w[k] += b.inverse_inertia * t[k];
+  } else {
+    const InverseInertia& w = inertia[i];
+    b.w[0] += w.xx * t[0] + w.xy * t[1] + w.xz * t[2];
+    b.w[1] += w.xy * t[0] + w.yy * t[1] + w.yz * t[2];
+    b.w[2] += w.xz * t[0] + w.yz * t[1] + w.zz * t[2];
+  }
+}
+
+void System::move_places(std::size_t first) {
+  const Vec4d h{step, step, step, 0};
+  moved_places.resize(places.size());
+  for (std::size_t i = first; i < places.size(); ++i)
+    moved_places[i] = places[i] + h * *reinterpret_cast<const Vec4dView*>(bodies[i].v);
 }
 
 }  // namespace unibody

@@ -30,6 +30,7 @@ struct System {
         surface(memory),
         attachment_rows(memory),
         places(memory),
+        moved_places(memory),
         counted(memory) {}
 
   std::size_t homes = 0;
@@ -45,14 +46,24 @@ struct System {
   AttachmentBatch* attachments = nullptr;    // where the scene has any, in stages that have them
   ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
   std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
-  double step = 0.016;             // s
+  std::pmr::vector<Vec4d> moved_places;  // x + h v of each body, kept by sweeps of constraints; else empty
+  double step = 0.016;                   // s
+  bool rotates = true;                   // some body can turn: torques count
   std::pmr::vector<std::uint8_t> counted;  // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
 
-  StepStart start() const { return {places, step}; }
+  StepStart start() const { return {places, step, moved_places}; }
 
-  // Home bodies: u += W wrench. Clears the wrenches. Guests follow by the next exchange.
+  // Home bodies: u += W wrench, and their moved_places follow. Clears the wrenches. Guests follow by the next exchange.
   void apply_wrenches();
+
+  // Brings moved_places up to date with the velocities, of bodies from `first` on.
+  void move_places(std::size_t first = 0);
+
+ private:
+  template <bool rotates>
+  void apply();
+  void turn(std::size_t i, Vec4d torque);  // u += W torque of home body i
 };
 
 struct SolveReport {
