@@ -16,6 +16,11 @@ struct Twist {
   static Twist of(const SolverBody& b) { return {{b.v[0], b.v[1], b.v[2]}, {b.w[0], b.w[1], b.w[2]}}; }
   void to(SolverBody& b) const { std::copy_n(v, 3, b.v), std::copy_n(w, 3, b.w); }
 };
+struct Velocity {  // of bodies that do not turn
+  double v[3];
+  static Velocity of(const SolverBody& b) { return {{b.v[0], b.v[1], b.v[2]}}; }
+  void to(SolverBody& b) const { std::copy_n(v, 3, b.v); }
+};
 struct Count {
   std::int32_t value;
   static Count of(std::int32_t v) { return {v}; }
@@ -52,6 +57,7 @@ void Cut::share(const World& world, std::span<const Slot> ends, std::map<int, Tr
 
 void Cut::build(const World& world, const Contacts& contacts, std::span<const AttachedNode> attached) {
   neighbours_.clear(), ends_.clear(), all_.clear(), by_colour_.clear();
+  rotates_ = world.has_rotations;
   if (halo_.size() == 1) return;
   std::map<int, Neighbour> found;
   for (std::uint32_t m = 0; m < contacts.manifolds.size(); ++m) {
@@ -97,30 +103,37 @@ void Cut::run(std::span<const Traffic> traffic, std::span<T> values) const {
   if (traffic.empty()) return;
   const PhaseClock::Scope scope(clock_, Phase::halo);
   const std::size_t n = traffic.size();
-  std::vector<std::vector<Record>> out(n), in(n);
-  std::vector<MPI_Request> requests(2 * n);
+  const auto bytes = [](std::size_t records) { return records * sizeof(Record); };
+  std::size_t total = 0;
+  for (const Traffic& t : traffic) total += bytes(t.receive.size() + t.send.size());
+  buffer_.resize(std::max(buffer_.size(), total));
+  requests_.resize(2 * n);
+  auto* next = reinterpret_cast<Record*>(buffer_.data());
+  const Record* const received = next;
+  for (std::size_t i = 0; i < n; next += traffic[i++].receive.size())
+    MPI_Irecv(next, static_cast<int>(bytes(traffic[i].receive.size())), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
+              &requests_[i]);
   for (std::size_t i = 0; i < n; ++i) {
-    in[i].resize(traffic[i].receive.size());
-    MPI_Irecv(in[i].data(), static_cast<int>(in[i].size() * sizeof(Record)), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
-              &requests[i]);
+    Record* const out = next;
+    for (const Slot s : traffic[i].send) *next++ = Record::of(values[s]);
+    MPI_Isend(out, static_cast<int>(bytes(traffic[i].send.size())), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
+              &requests_[n + i]);
   }
-  for (std::size_t i = 0; i < n; ++i) {
-    out[i].reserve(traffic[i].send.size());
-    for (const Slot s : traffic[i].send) out[i].push_back(Record::of(values[s]));
-    MPI_Isend(out[i].data(), static_cast<int>(out[i].size() * sizeof(Record)), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
-              &requests[n + i]);
-  }
-  MPI_Waitall(static_cast<int>(2 * n), requests.data(), MPI_STATUSES_IGNORE);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < in[i].size(); ++k) in[i][k].to(values[traffic[i].receive[k]]);
+  MPI_Waitall(static_cast<int>(2 * n), requests_.data(), MPI_STATUSES_IGNORE);
+  const Record* in = received;
+  for (const Traffic& t : traffic)
+    for (const Slot s : t.receive) (in++)->to(values[s]);
 }
 
-void Cut::exchange(std::span<SolverBody> bodies) const { run<SolverBody, Twist>(all_, bodies); }
+void Cut::exchange(std::span<SolverBody> bodies) const {
+  rotates_ ? run<SolverBody, Twist>(all_, bodies) : run<SolverBody, Velocity>(all_, bodies);
+}
 
 void Cut::exchange(std::span<std::int32_t> values) const { run<std::int32_t, Count>(all_, values); }
 
 void Cut::exchange_colour(std::size_t colour, std::span<SolverBody> bodies) const {
-  if (colour < by_colour_.size()) run<SolverBody, Twist>(by_colour_[colour], bodies);
+  if (colour >= by_colour_.size()) return;
+  rotates_ ? run<SolverBody, Twist>(by_colour_[colour], bodies) : run<SolverBody, Velocity>(by_colour_[colour], bodies);
 }
 
 }  // namespace unibody

@@ -6,6 +6,7 @@
 
 #include <mpi.h>
 
+#include <cstddef>
 #include <map>
 #include <span>
 #include <vector>
@@ -73,6 +74,9 @@ class Cut {
   std::map<int, Traffic> constrained_;  // by rank: what constraints other than contacts share
   std::vector<Traffic> all_;
   std::vector<std::vector<Traffic>> by_colour_;
+  bool rotates_ = true;                    // else velocities are all that travels
+  mutable std::vector<std::byte> buffer_;  // of one exchange: what comes, then what goes
+  mutable std::vector<MPI_Request> requests_;
 };
 
 }  // namespace unibody

@@ -104,7 +104,7 @@ Halo::~Halo() { destroy_vecs(); }
 
 // Who has which body is asked of a directory: rank id % size knows of the wanted ones.
 void Halo::reset(const World& world, const std::vector<Id>& wanted) {
-  valid_ = false;
+  valid_ = placed_ = false;
   subscribed_.clear();
   std::int64_t any_wanted = static_cast<std::int64_t>(wanted.size());
   if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &any_wanted, 1, MPI_INT64_T, MPI_SUM, comm_);
@@ -156,6 +156,12 @@ void Halo::refresh_guests(World& world, const CollideSettings& settings, Surface
   valid_ = true;
 }
 
+void Halo::refresh_partners(World& world) {
+  if (valid_) return update_guests();
+  place_guests(world, subscribed_guests(world, first_global(world)));
+  valid_ = true;
+}
+
 void Halo::update_guests() {
   if (size_ == 1) return;
   for (Vec v : vec_)
@@ -192,6 +198,13 @@ bool Halo::still_valid(const World& world, const CollideSettings& settings, cons
   return true;
 }
 
+std::int64_t Halo::first_global(const World& world) const {
+  const auto homes = static_cast<std::int64_t>(world.homes);
+  std::int64_t first = 0;
+  MPI_Exscan(&homes, &first, 1, MPI_INT64_T, MPI_SUM, comm_);
+  return rank_ == 0 ? 0 : first;
+}
+
 std::vector<Halo::Guest> Halo::subscribed_guests(const World& world, std::int64_t first) const {
   std::vector<int> neighbours;
   std::vector<std::vector<Guest>> to;
@@ -205,34 +218,46 @@ std::vector<Halo::Guest> Halo::subscribed_guests(const World& world, std::int64_
   return guests;
 }
 
-// In place of the old ones; statics move along behind them.
+// In place of the old ones; statics move along behind them. Where they are the old ones, whose states are up to date, nothing
+// moves.
 void Halo::place_guests(World& world, std::vector<Guest> guests) {
   std::sort(guests.begin(), guests.end(), [](const Guest& a, const Guest& b) { return a.body.id < b.body.id; });
+  const auto is_old = [&](const Guest& guest) {
+    const auto g = static_cast<std::size_t>(&guest - guests.data());
+    return world.id[world.homes + g] == guest.body.id && guest_rank_[g] == guest.rank;
+  };
+  const bool stay = placed_ && guests.size() == world.guests && std::all_of(guests.begin(), guests.end(), is_old);
+  int all_stay = stay;
+  MPI_Allreduce(MPI_IN_PLACE, &all_stay, 1, MPI_INT, MPI_MIN, comm_);
+  if (all_stay) return;
+  if (!stay) put_guests(world, guests);
+  std::vector<PetscInt> global(guests.size());
+  for (std::size_t g = 0; g < guests.size(); ++g) global[g] = static_cast<PetscInt>(guests[g].global);
+  make_vecs(world, global);
+  placed_ = true;
+}
+
+void Halo::put_guests(World& world, std::span<const Guest> guests) {
+  ++version_;
   const std::size_t statics = world.size() - world.first_static();
   std::vector<Body> static_bodies(statics);
   for (std::size_t i = 0; i < statics; ++i) static_bodies[i] = world.body(world.first_static() + i);
   world.guests = guests.size();
   world.resize(world.homes + world.guests + statics);
   guest_rank_.resize(guests.size());
-  std::vector<PetscInt> global(guests.size());
   for (std::size_t g = 0; g < guests.size(); ++g) {
     world.set(world.homes + g, guests[g].body);
     guest_rank_[g] = guests[g].rank;
-    global[g] = static_cast<PetscInt>(guests[g].global);
   }
   for (std::size_t i = 0; i < statics; ++i) world.set(world.first_static() + i, static_bodies[i]);
-  make_vecs(world, global);
 }
 
 void Halo::find_guests(World& world, const CollideSettings& settings, Surfaces* surfaces) {
-  ++version_;
+  const std::int64_t old_version = version_;
   std::vector<Guest> guests;
   if (size_ > 1) {
-    std::int64_t first = 0;
-    const auto homes = static_cast<std::int64_t>(world.homes);
-    MPI_Exscan(&homes, &first, 1, MPI_INT64_T, MPI_SUM, comm_);
-    if (rank_ == 0) first = 0;
-    if (surfaces) {  // how far a face reaches is known once its nodes are here
+    const std::int64_t first = first_global(world);
+    if (surfaces && !placed_) {  // how far a face reaches is known once its nodes are here
       place_guests(world, subscribed_guests(world, first));
       surfaces->build(world);
     }
@@ -278,7 +303,7 @@ void Halo::find_guests(World& world, const CollideSettings& settings, Surfaces* 
       guests.insert(guests.end(), list.begin(), list.end());
   }
   place_guests(world, std::move(guests));
-  if (surfaces) surfaces->build(world);
+  if (surfaces && version_ != old_version) surfaces->build(world);
 }
 
 }  // namespace unibody

@@ -13,6 +13,7 @@
 #include <petscvec.h>
 
 #include <map>
+#include <span>
 #include <vector>
 
 #include "collide/collide.hpp"
@@ -33,6 +34,9 @@ class Halo {
   // list was made for, or after reset(). The World's slots of guests and statics may move; `surfaces`, where there are any to
   // touch, are made again then.
   void refresh_guests(World& world, const CollideSettings& settings, Surfaces* surfaces = nullptr);
+
+  // The same where no body touches another: guests are the wanted ones alone.
+  void refresh_partners(World& world);
 
   // Guests' velocities from their homes, in between. Collective.
   void update_velocities() const;
@@ -67,10 +71,13 @@ class Halo {
   void update_guests();
   std::vector<Guest> subscribed_guests(const World& world, std::int64_t first) const;
   void place_guests(World& world, std::vector<Guest> guests);
+  void put_guests(World& world, std::span<const Guest> guests);
+  std::int64_t first_global(const World& world) const;  // index of the first home body in the Vecs
 
   MPI_Comm comm_;
   int rank_ = 0, size_ = 1;
-  bool valid_ = false;
+  bool valid_ = false;   // the guest list is good for the present state
+  bool placed_ = false;  // there is a guest list, of the present home bodies
   std::int64_t version_ = 0;
   std::map<int, std::vector<Slot>> subscribed_;  // by rank: home bodies that it wants, ascending
   std::vector<Bounds> registered_;               // of each home body: the bounds that the guest list is good for

@@ -53,7 +53,10 @@ void Simulation::detect() {
     const PhaseClock::Scope scope(clock_, Phase::halo);
     hold_pinned(scene_, world, time(), step_);  // homes, so that their guests learn it
     collide_settings_.has_past = steps_done > 0;
-    halo_.refresh_guests(world, collide_settings_, needs_surfaces() ? &surfaces_ : nullptr);
+    if (is_alone() && !needs_surfaces())
+      halo_.refresh_partners(world);
+    else
+      halo_.refresh_guests(world, collide_settings_, needs_surfaces() ? &surfaces_ : nullptr);
     hold_pinned(scene_, world, time(), step_);  // guests: a refresh brings states only
   }
   build_constraints();
@@ -275,11 +278,19 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   return report;
 }
 
+namespace {
+
+// Of the old multipliers, where a position stage starts. What iterations leave undone is made up by the force of the step before;
+// that force lags by a h / (1 - a) behind the motion, which takes as much from the damping h of the implicit step: all of it at a
+// = 1/2.
+double position_share(const SolverSettings& settings) { return settings.warm_start >= 0 ? settings.warm_start : 1.0 / 3; }
+
+}  // namespace
+
 // Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
-  const double asked = scene_.solver.warm_start, by_itself = is_alone() ? 0.5 : 0;
-  const double share = constraints_of_all_ == 0 ? 0 : asked >= 0 ? asked : by_itself;
+  const double share = constraints_of_all_ == 0 ? 0 : position_share(scene_.solver);
   if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, share);
   if (jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts <= 0) {
@@ -308,7 +319,7 @@ Stages Simulation::stages() const {
 
 // Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
 // A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
-// old multipliers that must not pass 1/2: an unconverged position stage that starts from all of them gains energy.
+// old multipliers that must stay below 1/2: an unconverged position stage that starts from more gains energy.
 // Constraints other than contacts, attachments too, belong to the position stage; where there are no contacts, it is the only
 // one.
 StepReport Simulation::solve() {
@@ -317,8 +328,7 @@ StepReport Simulation::solve() {
   const bool two_stages = stages() != Stages::position &&
                           (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
   StepReport report;
-  const double position_share = settings.warm_start >= 0 ? settings.warm_start : 0.5;
-  warm_start(stages() != Stages::position ? 1 : position_share);
+  warm_start(stages() != Stages::position ? 1 : position_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;

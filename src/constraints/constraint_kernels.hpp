@@ -102,9 +102,7 @@ inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block&
   for (std::size_t e = 0; e < stencil; ++e) {
     const auto& s = block.slot[e];
     const auto velocity = [&](std::size_t l) { return *reinterpret_cast<const Vec4dView*>(&bodies[s[l]]); };  // and 1/m
-    const auto place = [&](std::size_t l) {
-      return moved ? start.moved_places[s[l]] : start.places[s[l]] + step * velocity(l);
-    };
+    const auto place = [&](std::size_t l) { return moved ? start.moved_places[s[l]] : start.places[s[l]] + step * velocity(l); };
     Vec4d x = place(0), y = place(1), z = place(2), w = place(3);
     transpose(x, y, z, w);
     ends.x[e] = {x, y, z}, ends.weight[e] = w;
@@ -121,7 +119,8 @@ template <ConstraintType C>
 template <bool soft>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_t b, const Ends& ends,
                                                                              const Rows<stencil, rows>& at,
-                                                                             const Solution& lambda, double step, Vec4d over_step) const {
+                                                                             const Solution& lambda, double step,
+                                                                             Vec4d over_step) const {
   // Of a stiff constraint both ways give the same bits: which is taken depends on what else this rank has.
   Solution r;
   for (std::size_t k = 0; k < rows; ++k) {
@@ -227,8 +226,8 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
 
 // y becomes new + beta (new - old), new = y + step. Returns the change of y.
 template <ConstraintType C>
-inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r, const Solution& step,
-                                                                             SweepTotals& totals) {
+inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r,
+                                                                             const Solution& step, SweepTotals& totals) {
   Solution moved;
   Vec4d uphill = broadcast(0), squared = broadcast(0);
   for (std::size_t k = 0; k < rows; ++k) {

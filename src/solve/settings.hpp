@@ -33,8 +33,7 @@ struct SolverSettings {
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
-  // contacts where it is the only stage. -1: 1/2, but 0 for constraints beside which there may be contacts: near convergence
-  // the two together would gain energy.
+  // contacts where it is the only stage. -1: 1/3, which leaves three quarters of a step's damping; 1/2 leaves none.
   double warm_start = -1;
   double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
   FrictionModel friction = FrictionModel::disc;

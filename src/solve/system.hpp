@@ -34,9 +34,9 @@ struct alignas(64) Wrench {
 // What a pass reads of the step: positions at its start with, as fourth component, n_b / m_b: the inverse mass times the
 // number of constraints that share it (Jacobi), and the step.
 struct StepStart {
-  std::span<const Vec4d> places;        // x_l, y_l, z_l (m), n_b / m_b (1/kg)
-  double step;                          // s
-  std::span<const Vec4d> moved_places;  // the same at x_l + h v of the last sweep's velocities; for Jacobi sweeps alone
+  std::span<const Vec4d> places;             // x_l, y_l, z_l (m), n_b / m_b (1/kg)
+  double step;                               // s
+  std::span<const Vec4d> moved_places = {};  // the same at x_l + h v of the last sweep's velocities; for Jacobi sweeps alone
 };
 
 // What one sweep tells the solver. Maxima and fixed-point sums: the same whatever the order or the number of ranks.

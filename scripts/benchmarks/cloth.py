@@ -1,0 +1,128 @@
+"""Cloths: time a frame beside stretch for every solver; error against size at fixed work; stages beside contacts."""
+import statistics
+
+from runs import column, folder, frame_ms, line, publish, say, table, unibody
+
+# RMS and max stretch of the PositionBasedDynamics library (float, coloured Gauss-Seidel, no bending) on the same cloths, h and frames:
+# (nodes a side, setting): figures of its own run on another machine, so that its errors can be compared and its times can't.
+LIBRARY = {(50, '50'): (.0117, .26), (50, '10 substeps of 1'): (.0074, .16), (100, '50'): (.045, 1.7),
+           (100, '10 substeps of 1'): (.0216, .81), (150, '50'): (.058, 3.2), (150, '10 substeps of 1'): (.048, 2.6)}
+PAPER = {50: 2.33, 100: 1.45}  # Frâncu & Moldoveanu, tables 1 and 2: accelerated Jacobi on two cores against Gauss-Seidel on one
+
+
+def hanging_cloth(nodes, diagonals, solver, iterations, more=()):
+    """The settings of scenes/cloth_50.yaml that make it this cloth, held at two corners."""
+    return [f'cloths[0].grid.nodes=[{nodes}, {nodes}]', f'cloths[0].pins=[{{node: [0, 0]}}, {{node: [{nodes - 1}, 0]}}]',
+            f'cloths[0].links.diagonals={diagonals}', f'cloths[0].mass={nodes * nodes}', f'solver.name={solver}', f'solver.iterations={iterations}', *more]
+
+
+def settings_of_cloth():
+    """(name, solver, iterations a step, steps a frame)."""
+    for solver, short in (('gauss_seidel', 'GS'), ('accelerated_jacobi', 'AJ'), ('jacobi', 'J')):
+        for total in (10, 20, 50) if solver != 'accelerated_jacobi' else (10, 20, 30, 40, 50):
+            yield f'{short} {total}', solver, total, 1
+        if solver != 'jacobi':
+            yield f'{short} 10x1', solver, 1, 10
+            yield f'{short} 10x5', solver, 5, 10
+
+
+def stretch_of(rows):
+    """RMS and max of the relative stretch: medians of the last 100 frames."""
+    names = [next(h for h in rows[0] if h.startswith(kind)) for kind in ('stretch_rms', 'stretch_max')]
+    return [statistics.median(float(row[name]) for row in rows[-100:]) for name in names]
+
+
+def link_count(nodes, diagonals):
+    return 2 * nodes * (nodes - 1) + (2 if diagonals == 'both' else 1) * (nodes - 1) ** 2
+
+
+def measure(nodes, diagonals, arguments):
+    """Each setting on 1 and 2 ranks, all of them in turn as often as asked; medians."""
+    entries = [(setting, ranks) for setting in settings_of_cloth() for ranks in ((1, 2) if setting[0][:2] != 'J ' else (1,))]
+    found = {}
+    for run in range(arguments.runs):
+        for (name, solver, iterations, substeps), ranks in entries:
+            say(f'cloth of {nodes} x {nodes}, {diagonals}, {name} on {ranks}, run {run + 1}/{arguments.runs}')
+            more = ['output.every=0', f'time.substeps={substeps}']
+            rows = unibody('cloth_50', hanging_cloth(nodes, diagonals, solver, iterations, more), folder('cloth'), ranks, arguments.core,
+                           arguments.frames)
+            solve = 1e9 * statistics.median(column(rows, 'wall_solve')) / (link_count(nodes, diagonals) * iterations * substeps)
+            found.setdefault((name, ranks), []).append((frame_ms(rows), solve, *stretch_of(rows)))
+    return {key: [statistics.median(values) for values in zip(*runs)] for key, runs in found.items()}
+
+
+def cloth(arguments):
+    lines = table(['cloth', 'links', 'program', 'ranks', 'ms a frame', 'ns a link and iteration', 'RMS stretch', 'max stretch', 'speed-up on 2 ranks'])
+    verdicts = table(['cloth', '', 'fastest of ours with no more stretch', 'its ms', 'against', 'its ms', 'ratio', 'asked for'])
+    for nodes in (50, 100) if arguments.quick else (50, 100, 150):
+        for diagonals in ('alternating', 'both'):
+            if diagonals == 'both' and (nodes > 100 or arguments.quick):
+                continue
+            found = measure(nodes, diagonals, arguments)
+            for (name, ranks), (ms, each, rms, most) in found.items():
+                gain = f'{found[name, 1][0] / ms:.2f}' if ranks == 2 else ''
+                lines.append(line(f'{nodes} x {nodes}', f'{link_count(nodes, diagonals)} ({diagonals})', name, ranks, f'{ms:.2f}', f'{each:.1f}',
+                                  f'{rms:.4f}', f'{most:.3f}', gain))
+            if diagonals == 'alternating':
+                verdicts += compare(nodes, found)
+            publish('cloth.md', lines + [''] + verdicts)
+
+
+def fastest(found, family, ranks, rms, most):
+    """The fastest setting of a family that stretches no more than that, or None."""
+    fit = [(ms, name) for (name, n), (ms, _, r, m) in found.items() if name.startswith(family) and n == ranks and r <= rms and m <= most]
+    return min(fit, default=None)
+
+
+def compare(nodes, found):
+    lines = []
+
+    def verdict(what, best, against, ms, asked):
+        lines.append(line(f'{nodes} x {nodes}', what, best[1] if best else 'none', f'{best[0]:.2f}' if best else '-', against, f'{ms:.2f}',
+                          f'{best[0] / ms:.2f}' if best else '-', asked))
+
+    for name in ('GS 10', 'GS 20', 'GS 50'):
+        ms, _, rms, most = found[name, 1]
+        asked = f'<= {1 / PAPER[nodes]:.2f} (the paper)' if nodes in PAPER else ''
+        verdict('AJ on 2 ranks against GS on 1', fastest(found, 'AJ', 2, rms, most), name, ms, asked)
+    ms = found['GS 50', 1][0]  # the common measure: the same sweeps over the same links as the library's 50 iterations
+    for setting, asked in (('50', '<= .6' if nodes == 150 else '<= .5'), ('10 substeps of 1', '')):
+        rms, most = LIBRARY[nodes, setting]
+        best = min((b for b in (fastest(found, f, 1, rms, most) for f in ('AJ', 'GS')) if b), default=None)
+        verdict(f'at the stretch of the library at {setting}: {rms}, {most}', best, 'GS 50', ms, asked)
+    return lines
+
+
+def sizes(arguments):
+    """Stretch against the number of nodes at the same work a link, 50 iterations a frame: what substeps and a warm start each do."""
+    variants = [('AJ 50 cold', 'accelerated_jacobi', 50, 1, '0'), ('AJ 50', 'accelerated_jacobi', 50, 1, 'auto'),
+                ('AJ 50, share .5', 'accelerated_jacobi', 50, 1, '0.5'), ('AJ 5x10', 'accelerated_jacobi', 10, 5, 'auto'),
+                ('AJ 10x5', 'accelerated_jacobi', 5, 10, 'auto'), ('GS 50 cold', 'gauss_seidel', 50, 1, '0'), ('GS 50', 'gauss_seidel', 50, 1, 'auto'),
+                ('GS 10x5', 'gauss_seidel', 5, 10, 'auto'), ('GS 50x1', 'gauss_seidel', 1, 50, 'auto'), ('J 50', 'jacobi', 50, 1, 'auto')]
+    sides = (25, 50, 100) if arguments.quick else (25, 50, 100, 200)
+    lines = table(['50 iterations a frame'] + [f'{n} x {n}: RMS / max' for n in sides])
+    for name, solver, iterations, substeps, warm in variants:
+        cells = []
+        for nodes in sides:
+            say(f'sizes: {name}, {nodes} x {nodes}')
+            more = ['output.every=0', f'time.substeps={substeps}', f'solver.warm_start={warm}']
+            rows = unibody('cloth_50', hanging_cloth(nodes, 'alternating', solver, iterations, more), folder('sizes'), 1, arguments.core, arguments.frames)
+            cells.append('{:.4f} / {:.3f}'.format(*stretch_of(rows)))
+        lines.append(line(name, *cells))
+    publish('sizes.md', lines)
+
+
+def stages(arguments):
+    """What a velocity stage beside contacts does to cloths: medians of the last 20 frames."""
+    lines = table(['scene, solver', 'stages', 'penetration RMS / max (mm)', 'stretch RMS / max'])
+    for scene in ('boxes_on_cloth', 'cloth_stack'):
+        for solver in ('accelerated_jacobi', 'gauss_seidel'):
+            for kind in ('two', 'joint', 'position'):
+                say(f'stages: {scene} {solver} {kind}')
+                more = ['output.every=0', f'solver.name={solver}', 'solver.iterations=50', f'solver.stages={kind}']
+                rows = unibody(scene, more, folder('stages'), 1, arguments.core, arguments.frames)[-20:]
+                depth = [1e3 * statistics.median(column(rows, f'penetration_{k}')) for k in ('rms', 'max')]
+                names = [next(h for h in rows[0] if h.startswith(kind)) for kind in ('stretch_rms', 'stretch_max')]
+                stretch = [statistics.median(float(row[name]) for row in rows) for name in names]
+                lines.append(line(f'{scene}, {solver}', kind, '{:.2g} / {:.2g}'.format(*depth), '{:.3f} / {:.2f}'.format(*stretch)))
+    publish('stages.md', lines)

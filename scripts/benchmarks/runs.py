@@ -1,0 +1,77 @@
+"""Runs programs, reads what they report, and writes tables: what the benchmarks have in common."""
+import csv
+import os
+import statistics
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+OUT = os.path.join(ROOT, 'results', 'bench')
+BUILD = os.path.join(ROOT, 'build', 'release')
+
+# The tolerance is 0: every setting does all of its iterations, as the others do. The bodies start apart, so penetration may be taken
+# out faster than the default, which is for starts that nobody has looked at.
+COMMON = ['solver.tolerance=0', 'solver.recovery_speed=1', 'output.checkpoint_every=-1']
+
+
+def command(words, ranks=0, core=None):
+    """Runs `words`, on `ranks` ranks if not 0, pinned to `core` if given; returns what it printed."""
+    if ranks:
+        spread = os.cpu_count() >= ranks > 1
+        words = ['mpirun', '-n', str(ranks)] + (['--use-hwthread-cpus', '--bind-to', 'hwthread'] if spread else ['--bind-to', 'none']) + words
+    if core is not None and ranks < 2:
+        words = ['taskset', '-c', str(core)] + words
+    shell = 'source "$0/scripts/common.sh"; mpi_environment "$1"; shift; exec "$@"'
+    done = subprocess.run(['bash', '-c', shell, ROOT, str(max(ranks, 1))] + words, text=True, capture_output=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f'bench: failed: {" ".join(words)}\n{done.stdout[-2000:]}{done.stderr[-2000:]}')
+    return done.stdout
+
+
+def unibody(scene, settings, output, ranks, core, frames):
+    words = [os.path.join(BUILD, 'unibody'), os.path.join(ROOT, 'scenes', scene + '.yaml'), '-output', output, '-overwrite']
+    for value in COMMON + settings + ([f'time.frames={frames}'] if frames else []):
+        words += ['-set', value]
+    command(words, ranks, core)
+    with open(os.path.join(output, 'report.csv'), encoding='utf-8') as file:
+        return [row for row in csv.DictReader(line for line in file if not line.startswith('#'))]
+
+
+def column(rows, name):
+    """The column called `name`, whose header may add a unit: name (s)."""
+    header = next((h for h in rows[0] if h.split('(')[0].strip() == name), None)
+    if header is None:
+        sys.exit(f'bench: report.csv has no column {name}; it has {", ".join(rows[0])}')
+    return [float(row[header]) for row in rows]
+
+
+def frame_ms(rows):
+    parts = [column(rows, name) for name in ('wall_collide', 'wall_solve', 'wall_halo')]
+    return 1e3 * statistics.median(sum(values) for values in zip(*parts))
+
+
+def folder(name):
+    """A folder for a run's results, its parents made."""
+    path = os.path.join(OUT, 'runs', name)
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    return path
+
+
+def say(text):
+    print(f'bench: {text}', file=sys.stderr, flush=True)
+
+
+def table(headings):
+    return ['| ' + ' | '.join(headings) + ' |', '|' + '---|' * len(headings)]
+
+
+def line(*cells):
+    return '| ' + ' | '.join(str(c) for c in cells) + ' |'
+
+
+def publish(name, lines, show=True):
+    text = '\n'.join(lines) + '\n'
+    with open(os.path.join(OUT, name), 'w', encoding='utf-8') as file:
+        file.write(text)
+    if show:
+        print(text, flush=True)
