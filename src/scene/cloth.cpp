@@ -1,4 +1,6 @@
 // The section `cloths`: what grids and meshes read alike.
+#include <cmath>
+
 #include "scene/cloth_shape.hpp"
 
 namespace unibody {
@@ -32,6 +34,17 @@ void read_membrane(const Value& value, double thickness, ClothLaw& law) {
   law.membrane = fabric;
 }
 
+// Refused where something else says already what a triangle's area is.
+void read_area(const Value& value, bool grid, ClothLaw& law) {
+  value.map({"stiffness", "damping"});
+  if (law.membrane) value.fail("area beside a membrane", "no such key: a membrane resists changes of area itself");
+  const bool all_sides = !grid || law.diagonals != Diagonals::none;
+  if (all_sides && law.links->stiffness == 0)
+    value.fail("area beside stiff links on all sides of the triangles",
+               grid ? "links with a stiffness (N/m) or with diagonals: none" : "links with a stiffness (N/m)");
+  law.area = read_spring(value, "N/m");
+}
+
 void read_bending(const Value& value, ClothLaw& law) {
   value.map({"model", "stiffness", "damping"});
   Bending bending;
@@ -48,6 +61,7 @@ ClothLaw read_law(const Value& entry, double thickness) {
   if (links) read_links(*links, entry.find("grid") != nullptr, law);
   if (membrane) read_membrane(*membrane, thickness, law);
   if (!links && !membrane) law.links = Spring{};
+  if (const Value* area = entry.find("area")) read_area(*area, entry.find("grid") != nullptr, law);
   if (bending) read_bending(*bending, law);
   return law;
 }
@@ -87,8 +101,8 @@ void add_surface(const Value& entry, Scene& scene, const std::string& name, Id f
 
 void read_cloth(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
-  for (const char* key :
-       {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "bending", "self_collision", "drag"})
+  for (const char* key : {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "area", "bending",
+                          "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
@@ -111,6 +125,15 @@ Constraint<Membrane> membrane_at_rest(const Fabric& fabric, const Vec3& a, const
   result.compliance =
       Membrane::compliance(fabric.youngs_modulus, fabric.poissons_ratio, area, fabric.thickness, result.parameters[3]);
   result.damping = fabric.damping;
+  return result;
+}
+
+// The length is the root of the rest area: then the energy c^2 / 2E is that of a tension k (A - A0) / A0 with E = 1 / k.
+Constraint<Area> area_at_rest(const Spring& spring, const Vec3& a, const Vec3& b, const Vec3& c) {
+  Constraint<Area> result;
+  const double area = 0.5 * (b - a).cross(c - a).norm();
+  result.parameters = {area, std::sqrt(area)};
+  result.compliance = {spring.compliance()}, result.damping = spring.damping;
   return result;
 }
 

@@ -25,6 +25,7 @@ struct ClothLaw {
   Diagonals diagonals = Diagonals::both;
   std::optional<Spring> links;
   std::optional<Fabric> membrane;
+  std::optional<Spring> area;  // of each triangle: its tension per relative change of area (N/m)
   std::optional<Bending> bending;
 };
 
@@ -53,6 +54,7 @@ Constraint<Link> link_at_rest(const Spring& spring, const Vec3& a, const Vec3& b
   return c;
 }
 Constraint<Membrane> membrane_at_rest(const Fabric& fabric, const Vec3& a, const Vec3& b, const Vec3& c);
+Constraint<Area> area_at_rest(const Spring& spring, const Vec3& a, const Vec3& b, const Vec3& c);
 Constraint<Dihedral> angle_at_rest(const Spring& spring, double angle, double length);
 
 }  // namespace unibody

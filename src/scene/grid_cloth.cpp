@@ -44,7 +44,9 @@ class GridConstraints {
 
   void add() {
     if (cloth_.law.links) add_links();
-    if (cloth_.law.membrane) add_membranes();
+    if (cloth_.law.membrane)
+      add_on_triangles<Membrane>([&](const auto&... at) { return membrane_at_rest(*cloth_.law.membrane, at...); });
+    if (cloth_.law.area) add_on_triangles<Area>([&](const auto&... at) { return area_at_rest(*cloth_.law.area, at...); });
     if (cloth_.law.bending && cloth_.law.bending->dihedral) add_angles();
     if (cloth_.law.bending && !cloth_.law.bending->dihedral) {
       link_both_ways<BendingLink>(2, 0, cloth_.law.bending->spring, [](Id i, Id) { return i / 2 % 2; });
@@ -83,17 +85,18 @@ class GridConstraints {
   Vec3 place(Id node) const { return cloth_.place(node % cloth_.nx, node / cloth_.nx); }
   bool cell_inside(Id i, Id j) const { return i >= 0 && j >= 0 && i < cloth_.nx - 1 && j < cloth_.ny - 1; }
 
-  void add_membranes() {
-    const Fabric& fabric = *cloth_.law.membrane;
+  // One constraint on each triangle at this node. Two cells of a colour have no node in common.
+  template <class C, typename AtRest>
+  void add_on_triangles(AtRest&& at_rest) {
     for (Id j = j_ - 1; j <= j_; ++j)
       for (Id i = i_ - 1; i <= i_; ++i)
         for (int t = 0; t < 2 && cell_inside(i, j); ++t) {
           const auto at = cloth_.corners(i, j, t);
           if (std::find(at.begin(), at.end(), node_) == at.end()) continue;
-          auto c = membrane_at_rest(fabric, place(at[0]), place(at[1]), place(at[2]));
+          Constraint<C> c = at_rest(place(at[0]), place(at[1]), place(at[2]));
           c.ids = {first_ + at[0], first_ + at[1], first_ + at[2]};
           c.colour = static_cast<std::int32_t>(4 * t + 2 * (j % 2) + i % 2);
-          std::get<ConstraintList<Membrane>>(out_).push_back(c);
+          std::get<ConstraintList<C>>(out_).push_back(c);
         }
   }
 

@@ -60,7 +60,8 @@ class MeshConstraints {
   MeshConstraints(const TriangleMesh& mesh, const MeshTopology& topology, const ClothLaw& law) : mesh_(mesh) {
     if (law.links)
       for (const MeshEdge& edge : topology.edges) add_link<Distance>(*law.links, edge.nodes[0], edge.nodes[1]);
-    if (law.membrane) add_membranes(*law.membrane);
+    if (law.membrane) add_on_triangles<Membrane>([&](const auto&... at) { return membrane_at_rest(*law.membrane, at...); });
+    if (law.area) add_on_triangles<Area>([&](const auto&... at) { return area_at_rest(*law.area, at...); });
     if (law.bending && law.bending->dihedral) add_angles(topology, law.bending->spring);
     if (law.bending && !law.bending->dihedral) add_links_across(topology, law.bending->spring);
   }
@@ -76,11 +77,12 @@ class MeshConstraints {
     std::get<ConstraintList<Link>>(set).push_back(c);
   }
 
-  void add_membranes(const Fabric& fabric) {
+  template <class C, typename AtRest>
+  void add_on_triangles(AtRest&& at_rest) {
     for (const auto& n : mesh_.triangles) {
-      auto c = membrane_at_rest(fabric, place(n[0]), place(n[1]), place(n[2]));
+      Constraint<C> c = at_rest(place(n[0]), place(n[1]), place(n[2]));
       c.ids = {n[0], n[1], n[2]};
-      std::get<ConstraintList<Membrane>>(set).push_back(c);
+      std::get<ConstraintList<C>>(set).push_back(c);
     }
   }
 

@@ -140,7 +140,9 @@ SurfaceGuard::Candidate SurfaceGuard::candidate(const IndexPair& pair) const {
 
 void SurfaceGuard::test(const Candidate& pair) {
   const auto& s = pair.ends;
+  const auto is_dynamic = [&](Slot end) { return world_.properties[static_cast<std::size_t>(end)].is_dynamic(); };
   if (std::none_of(s.begin(), s.end(), [&](Slot end) { return world_.is_home(end); })) return;
+  if (std::none_of(s.begin(), s.end(), is_dynamic)) return;  // nothing here can be changed
   const std::size_t sides = pair.edges ? 2 : 1;
   for (std::size_t i = 0; i < sides; ++i)
     if (std::find(s.begin() + static_cast<std::ptrdiff_t>(sides), s.end(), s[i]) != s.end()) return;
@@ -160,9 +162,33 @@ void SurfaceGuard::test(const Candidate& pair) {
   const ContinuousHit hit = pair.edges ? edge_meets_edge(way(0), way(1), way(2), way(3), settings)
                                        : point_meets_triangle(way(0), way(1), way(2), way(3), settings);
   if (!hit.hit) return;
-  Hit& found = hits_.emplace_back(Hit{{}, s, 0.9 * hit.time});
+  Hit& found = hits_.emplace_back(Hit{{}, s, hit.weights, 0.9 * hit.time});
   for (std::size_t k = 0; k < 4; ++k) found.key[k] = world_.id[static_cast<std::size_t>(s[k])];
   found.key[4] = pair.edges;
+}
+
+// m/s, towards which the ends of a pair are drawn: their mean; that of the held ones where there are any, and of a side that is
+// held all over the velocity of its point that is met, as it may turn.
+Vec3 SurfaceGuard::common_velocity(const Hit& hit) const {
+  Vec3 momentum = Vec3::Zero(), held = Vec3::Zero();
+  double mass = 0;
+  int immobile = 0;
+  const std::size_t second = hit.key[4] ? 2 : 1;  // where the second side begins
+  for (const auto& [begin, end] : {std::pair(std::size_t{0}, second), std::pair(second, std::size_t{4})}) {
+    Vec3 met = Vec3::Zero();
+    std::size_t held_here = 0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto i = static_cast<std::size_t>(hit.ends[k]);
+      const BodyProperties& body = world_.properties[i];
+      met += hit.weights[k] * world_.velocity[i];
+      if (body.is_dynamic())
+        momentum += body.mass * world_.velocity[i], mass += body.mass;
+      else
+        held += world_.velocity[i], ++immobile, ++held_here;
+    }
+    if (held_here == end - begin) return met;
+  }
+  return immobile > 0 ? Vec3(held / immobile) : Vec3(momentum / mass);
 }
 
 // Each home end goes to the mean of what its pairs ask of it. In the order of keys, so that sums are the same on all ranks.
@@ -174,18 +200,7 @@ void SurfaceGuard::draw_together(bool stop) {
   };
   std::map<Slot, Target> targets;
   for (const Hit& hit : hits_) {
-    Vec3 momentum = Vec3::Zero(), held = Vec3::Zero();
-    double mass = 0;
-    int immobile = 0;
-    for (const Slot s : hit.ends) {
-      const auto i = static_cast<std::size_t>(s);
-      const BodyProperties& body = world_.properties[i];
-      if (body.is_dynamic())
-        momentum += body.mass * world_.velocity[i], mass += body.mass;
-      else
-        held += world_.velocity[i], ++immobile;
-    }
-    const Vec3 mean = immobile > 0 ? Vec3(held / immobile) : Vec3(momentum / mass);
+    const Vec3 mean = common_velocity(hit);
     for (const Slot s : hit.ends) {
       const auto i = static_cast<std::size_t>(s);
       if (!world_.properties[i].is_dynamic() || !world_.is_home(s)) continue;

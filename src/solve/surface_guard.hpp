@@ -5,6 +5,9 @@
 // towards their common mean, just as far as keeps them apart. Momentum is kept where one pair acts on a body; energy is lost. A
 // solve that converges leaves nothing to hold.
 //
+// Nodes that are held keep their velocities. Where some nodes of a face are held, at different ones, and others free, the pair is
+// drawn to the mean of the held ones and may pass still if they turn the face by much.
+//
 // Round bodies count by their centres, boxes not at all. Pairs that were far apart for their velocities at the start of the step,
 // and thrown at each other within it, are not looked for: a rank may not know of them.
 #pragma once
@@ -39,7 +42,8 @@ class SurfaceGuard {
   struct Hit {
     std::array<Id, 5> key;  // ids of the ends; 1 for two edges
     std::array<Slot, 4> ends;
-    double share;  // of the motion against each other that they may keep
+    std::array<double, 4> weights;  // of the points that meet: those of a side sum to 1
+    double share;                   // of the motion against each other that they may keep
   };
   void list_features();
   void find_pairs();
@@ -47,6 +51,7 @@ class SurfaceGuard {
   double kept(Slot s) const;
   Candidate candidate(const IndexPair& pair) const;
   void test(const Candidate& pair);
+  Vec3 common_velocity(const Hit& hit) const;
   void draw_together(bool stop);
   Bounds path(std::span<const Slot> nodes, std::span<const Vec3> velocity, double more) const;
   double slack(std::span<const Slot> nodes) const;

@@ -85,6 +85,7 @@ cloths:
     mass_per_area: 0.4
     thickness: 0.02
     links: {diagonals: alternating, stiffness: 5000, damping: 0.01}
+    area: {stiffness: 3000, damping: 0.005}
     bending: {stiffness: 5}
     position: [0, 0, 0.4]
     pins: [{node: [0, 0]}, {node: [15, 0]}, {node: [0, 14], release: 0.3}]

@@ -11,7 +11,7 @@ namespace unibody::small_worlds {
 namespace {
 
 constexpr int cells = 6;
-constexpr double k = 200, thickness = 0.01, youngs_modulus = 3e4, poissons_ratio = 0.25;  // N/m; m, Pa
+constexpr double k = 200, k_area = 100, thickness = 0.01, youngs_modulus = 3e4, poissons_ratio = 0.25;  // N/m, N/m; m, Pa
 
 struct Model {
   std::string text;
@@ -24,13 +24,22 @@ Model links(const std::string& diagonals, double d) {
   return {"links: {diagonals: " + diagonals + ", stiffness: 200}", k * (1 + d), k * d, k * d};
 }
 
+// Areas add k_A/2 (e11 + e22)^2 to the energy per area.
+Model links_and_area() {
+  Model model = links("alternating", 0.5);
+  model.text += "\n    area: {stiffness: 100}";
+  model.c11 += k_area, model.c12 += k_area;
+  return model;
+}
+
 std::vector<Model> models() {
   const double plane = youngs_modulus * thickness / (1 - poissons_ratio * poissons_ratio);
   return {links("both", 1),
           links("alternating", 0.5),
           links("none", 0),
           {"membrane: {youngs_modulus: 3.0e4, poissons_ratio: 0.25}", plane, plane * poissons_ratio,
-           plane * (1 - poissons_ratio) / 2}};
+           plane * (1 - poissons_ratio) / 2},
+          links_and_area()};
 }
 
 bool at_rim(double x) { return std::abs(x) > 0.5 - 0.25 / cells; }
@@ -137,6 +146,10 @@ TEST(Moduli, DependOnTheDirectionWithBothDiagonalsOnly) {
     EXPECT_NEAR(moduli(membrane, degrees).second, E / (2 * (1 + poissons_ratio)), tolerance * E) << degrees;
   }
   EXPECT_NEAR(alternating.c12 / alternating.c11, 1.0 / 3, tolerance);
+  const Measured area = measure(links_and_area());
+  for (const double degrees : {0.0, 15.0, 30.0, 45.0})
+    EXPECT_NEAR(moduli(area, degrees).second, 0.5 * k, tolerance * k) << degrees;
+  EXPECT_NEAR(area.c12 / area.c11, (k + 2 * k_area) / (3 * k + 2 * k_area), tolerance);
 }
 
 }  // namespace unibody::small_worlds

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """A run that goes on from a checkpoint ends in the bits of the run that never stopped, on any number of ranks."""
+import csv
 import os
 import shutil
 import signal
@@ -8,7 +9,7 @@ import unittest
 
 import h5py
 
-from unibody_runs import ProgramTest, command, comparable, contents, end, start, tree, unibody
+from unibody_runs import SCENES, ProgramTest, command, comparable, contents, end, start, tree, unibody
 
 PILE = """
     time: {step: 0.016, frames: 60}
@@ -78,16 +79,20 @@ def frame_of(checkpoint):
 
 
 class Restart(ProgramTest):
-    def first_half(self, scene, *options, ranks=2):
-        self.good(scene, "half", "-set", "time.frames=30", *options, ranks=ranks)
+    def first_half(self, scene, *options, ranks=2, frames=30):
+        self.good(scene, "half", *options, "-set", f"time.frames={frames}", ranks=ranks)
         checkpoint = self.folder / "half" / "checkpoint.h5"
-        self.assertEqual(frame_of(checkpoint), 30)
+        self.assertEqual(frame_of(checkpoint), frames)
         return checkpoint
 
     def check(self, *options, ranks=(1, 3), text=PILE, change="bodies[2].velocity=[0, 0, -2]"):
         scene = self.scene(text)
+        whole = self.check_runs(scene, *options, ranks=ranks, half=30, written=["000040", "000060"])
+        self.assertNotEqual(self.good(scene, "changed", *options, "-set", change).state, whole.state)
+
+    def check_runs(self, scene, *options, ranks, half, written):
         whole = self.good(scene, "whole", *options, ranks=2)
-        checkpoint = self.first_half(scene, *options)
+        checkpoint = self.first_half(scene, *options, frames=half)
         rows = comparable(self.folder / "whole/report.csv")
         for n in ranks:
             with self.subTest(ranks=n):
@@ -95,13 +100,13 @@ class Restart(ProgramTest):
                 rest = self.good(scene, name, "-restart", checkpoint, *options, ranks=n)
                 self.assertEqual(rest.state, whole.state)
                 self.assertEqual(contents(self.folder / name / "checkpoint.h5"), contents(self.folder / "whole/checkpoint.h5"))
-                self.assertEqual(comparable(self.folder / name / "report.csv"), [rows[0], *rows[31:]])
+                self.assertEqual(comparable(self.folder / name / "report.csv"), [rows[0], *rows[half + 1:]])
                 with h5py.File(self.folder / name / "frames.h5") as a, h5py.File(self.folder / "whole/frames.h5") as b:
-                    self.assertEqual(list(a["frames"]), ["000040", "000060"])
+                    self.assertEqual(list(a["frames"]), written)
                     for frame in a["frames"]:
                         for field in a["frames"][frame]:
                             self.assertTrue((a["frames"][frame][field][:] == b["frames"][frame][field][:]).all(), field)
-        self.assertNotEqual(self.good(scene, "changed", *options, "-set", change).state, whole.state)
+        return whole
 
     def test_accelerated_jacobi(self):
         self.check()
@@ -117,6 +122,15 @@ class Restart(ProgramTest):
 
     def test_tied_bodies_in_the_wind(self):
         self.check(text=TIED, change="wind=[1, 0, 2.1]")
+
+    # From the middle of the impact: sheets lie on each other and on themselves, and the guard holds pairs before and after.
+    def test_sheets_on_sheets_and_on_themselves(self):
+        self.check_runs(SCENES / "cloth_stack.yaml", "-set", "time.frames=27", "-set", "output.every=1", ranks=(1, 3), half=25,
+                        written=["000025", "000026", "000027"])
+        with open(self.folder / "whole/report.csv", newline="") as file:
+            held = [int(row["held_pairs (1)"]) for row in csv.DictReader(file)]
+        self.assertGreater(sum(held[:25]), 0)
+        self.assertGreater(sum(held[25:]), 0)
 
     def test_another_cloth_is_refused(self):
         self.check_refused(CLOTH, ("cloths[0].links.stiffness=3001", "cloths[0].bending.damping=0.1", "cloths[0].pins[1].release=0.8"))

@@ -266,6 +266,24 @@ const std::vector<BadInput> bad_flexibles{
      "segments, radius, mass, stretch, bending or self_collision"},
     {"links_beside_membrane", with_cloth("links: {}\n    membrane: {youngs_modulus: 1, poissons_ratio: 0}"),
      "FILE:6: key 'cloths[0].membrane': found a membrane beside links, expected only one of links and membrane"},
+    {"area_beside_membrane", with_cloth("membrane: {youngs_modulus: 1, poissons_ratio: 0}\n    area: {stiffness: 1}"),
+     "FILE:6: key 'cloths[0].area': found area beside a membrane, expected no such key: a membrane resists changes of area "
+     "itself"},
+    {"area_beside_stiff_links", with_cloth("area: {stiffness: 1}"),
+     "FILE:5: key 'cloths[0].area': found area beside stiff links on all sides of the triangles, expected links with a stiffness "
+     "(N/m) or with diagonals: none"},
+    {"area_beside_stiff_links_of_a_mesh", "cloths:\n  - mesh: flag.obj\n    mass: 1\n    thickness: 0.01\n    area: {}\n",
+     "FILE:5: key 'cloths[0].area': found area beside stiff links on all sides of the triangles, expected links with a stiffness "
+     "(N/m)"},
+    {"area_a_number", with_cloth("links: {stiffness: 1}\n    area: 3"),
+     "FILE:6: key 'cloths[0].area': found 3, expected a map with the keys stiffness or damping"},
+    {"negative_area_stiffness", with_cloth("links: {stiffness: 1}\n    area: {stiffness: -1}"),
+     "FILE:6: key 'cloths[0].area.stiffness': found -1, expected a number > 0 (N/m)"},
+    {"negative_area_damping", with_cloth("links: {diagonals: none}\n    area: {damping: -1}"),
+     "FILE:6: key 'cloths[0].area.damping': found -1, expected a number >= 0 (s)"},
+    {"area_of_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    area: {stiffness: 1}"),
+     "FILE:6: key 'threads[0].area': found an unknown key, expected name, position, orientation, velocity, material, pins, "
+     "points, segments, radius, mass, stretch, bending or self_collision"},
     {"negative_stiffness", with_cloth("links: {stiffness: -1}"),
      "FILE:5: key 'cloths[0].links.stiffness': found -1, expected a number > 0 (N/m)"},
     {"negative_damping", with_cloth("links: {damping: -1}"),

@@ -80,11 +80,12 @@ void expect_proper_colours(const Scene& scene) {
 
 const std::string laws[] = {
     "links: {diagonals: alternating}", "links: {stiffness: 100}\n    bending: {stiffness: 2}",
-    "membrane: {youngs_modulus: 1.0e4, poissons_ratio: 0.3}\n    bending: {model: dihedral, stiffness: 0.01}"};
+    "membrane: {youngs_modulus: 1.0e4, poissons_ratio: 0.3}\n    bending: {model: dihedral, stiffness: 0.01}",
+    "links: {stiffness: 100, diagonals: alternating}\n    area: {stiffness: 50, damping: 0.02}"};
 
 TEST(MeshCloth, IsTheGridThatItWasWrittenFrom) {
   const TextFile file(grid_as_obj());
-  for (const std::string& law : {laws[0], laws[2]}) {
+  for (const std::string& law : {laws[0], laws[2], laws[3]}) {
     const Scene a = scene_from(cloth(grid, law));
     std::string of_mesh = law;
     if (const auto at = of_mesh.find("diagonals: alternating"); at != std::string::npos) of_mesh.erase(at, 22);
@@ -99,6 +100,7 @@ TEST(MeshCloth, IsTheGridThatItWasWrittenFrom) {
     expect_same<Distance>(x, y, true);
     expect_same<Membrane>(x, y, false);  // its axes depend on the corner that comes first
     expect_same<Dihedral>(x, y, true);
+    expect_same<Area>(x, y, true);
     EXPECT_GT(constraint_count(x), 100u);
   }
 }
@@ -125,14 +127,51 @@ TEST(MeshCloth, ColoursAreProper) {
   const TextFile file(grid_as_obj());
   const TextFile fan(
       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 1 3 4\nf 1 4 5\nf 2 6 3\nf 3 6 4\nf 4 6 5\n");
-  const std::string more[] = {"links: {diagonals: both}\n    bending: {}", "links: {}\n    bending: {model: dihedral}"};
-  for (const std::string& law : {laws[0], laws[1], laws[2], more[0], more[1]}) {
+  const std::string more[] = {"links: {diagonals: both}\n    bending: {}", "links: {}\n    bending: {model: dihedral}",
+                              "links: {stiffness: 100}\n    area: {}"};
+  for (const std::string& law : {laws[0], laws[1], laws[2], laws[3], more[0], more[1], more[2]}) {
     expect_proper_colours(scene_from(cloth(grid, law)));
     if (law.find("diagonals") == std::string::npos) {
       expect_proper_colours(scene_from(cloth(mesh(file), law)));
       expect_proper_colours(scene_from(cloth(mesh(fan), law)));
     }
   }
+}
+
+// One on each triangle that is drawn, at rest as it lies there, with any diagonals: k (A - A0)^2 / (2 A0) is c^2 / (2 E).
+TEST(MeshCloth, AreasAreThoseOfTheTriangles) {
+  const TextFile file(grid_as_obj()), roof("v 0 0 0\nv 0 1 0\nv -1 0.5 -0.3\nv 1 0.5 -0.4\nf 2 3 1\nf 2 1 4\n");
+  const double k = 50;
+  const std::string area = "\n    area: {stiffness: 50, damping: 0.02}", soft = "links: {stiffness: 100}" + area;
+  for (const auto& [text, count, total] :
+       {std::tuple(cloth(grid, soft), 60, 0.3), std::tuple(cloth(grid, "links: {diagonals: none}" + area), 60, 0.3),
+        std::tuple(cloth(mesh(file), soft), 60, 0.3), std::tuple(cloth(mesh(file) + "\n    scale: 2", soft), 60, 1.2),
+        std::tuple(cloth(mesh(roof), soft), 2, 0.5 * std::hypot(1, 0.3) + 0.5 * std::hypot(1, 0.4))}) {
+    const Scene scene = scene_from(text);
+    const ConstraintSet constraints = build_constraints(scene, build_world(MPI_COMM_SELF, scene));
+    const auto& list = std::get<ConstraintList<Area>>(constraints);
+    ASSERT_EQ(list.size(), static_cast<std::size_t>(count)) << text;
+    std::set<std::set<Id>> of_triangles, of_constraints;
+    for (Id t = 0; t < scene.surfaces[0].count; ++t) {
+      const auto ids = scene.surfaces[0].cell(t);
+      of_triangles.emplace(ids.begin(), ids.end());
+    }
+    double sum = 0;
+    for (const auto& c : list) {
+      of_constraints.emplace(c.ids.begin(), c.ids.end());
+      const auto at = [&](std::size_t i) { return scene.body(c.ids[i]).state.position; };
+      const double a = (at(1) - at(0)).norm(), b = (at(2) - at(1)).norm(), d = (at(0) - at(2)).norm(), s = (a + b + d) / 2;
+      EXPECT_NEAR(c.parameters[0], std::sqrt(s * (s - a) * (s - b) * (s - d)), 1e-13) << "Heron's formula";
+      EXPECT_NEAR(c.compliance[0] * c.parameters[1] * c.parameters[1], c.parameters[0] / k, 1e-14);
+      EXPECT_EQ(c.damping, 0.02);
+      sum += c.parameters[0];
+    }
+    EXPECT_EQ(of_constraints, of_triangles) << text;
+    EXPECT_NEAR(sum, total, 1e-13) << text;
+  }
+  const Scene stiff = scene_from(cloth(grid, "links: {diagonals: none}\n    area: {}"));
+  const ConstraintSet constraints = constraints_of(stiff);
+  EXPECT_EQ(std::get<ConstraintList<Area>>(constraints)[0].compliance[0], 0);
 }
 
 TEST(MeshCloth, MassesSumToTheTotal) {
