@@ -35,10 +35,29 @@ void sort_unique(std::vector<Slot>& v) {
 }  // namespace
 
 void Cut::set_constraints(const World& world, const ConstraintBatches& constraints) {
-  constrained_.clear();
+  constrained_.clear(), by_group_.clear();
   if (halo_.size() == 1) return;
-  constraints.for_each_stencil([&](std::span<const Slot> ends) { share(world, ends, constrained_); });
+  for (std::size_t g = 0; g < constraints.group_count(); ++g) {
+    std::map<int, Traffic> of_group;
+    constraints.for_each_stencil(g, [&](std::span<const Slot> ends) { share(world, ends, of_group); });
+    for (const auto& [rank, traffic] : of_group) {
+      Traffic& all = constrained_.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
+      all.send.insert(all.send.end(), traffic.send.begin(), traffic.send.end());
+      all.receive.insert(all.receive.end(), traffic.receive.begin(), traffic.receive.end());
+    }
+    by_group_.push_back(sorted(std::move(of_group)));
+  }
   for (auto& [rank, traffic] : constrained_) sort_unique(traffic.send), sort_unique(traffic.receive);
+}
+
+// Slots of a range ascend with ids: the same order on both sides.
+std::vector<Cut::Traffic> Cut::sorted(std::map<int, Traffic> traffic) {
+  std::vector<Traffic> list;
+  for (auto& [rank, shared] : traffic) {
+    sort_unique(shared.send), sort_unique(shared.receive);
+    list.push_back(std::move(shared));
+  }
+  return list;
 }
 
 void Cut::share(const World& world, std::span<const Slot> ends, std::map<int, Traffic>& traffic) const {
@@ -81,10 +100,7 @@ void Cut::build(const World& world, const Contacts& contacts, std::span<const At
     }
     neighbours_.push_back(std::move(neighbour));
   }
-  for (auto& [rank, shared] : traffic) {
-    sort_unique(shared.send), sort_unique(shared.receive);  // slots of a range ascend with ids: the same order on both sides
-    all_.push_back(std::move(shared));
-  }
+  all_ = sorted(std::move(traffic));
 }
 
 void Cut::set_colours(std::span<const std::int32_t> colour, std::size_t colours) {
@@ -125,15 +141,20 @@ void Cut::run(std::span<const Traffic> traffic, std::span<T> values) const {
     for (const Slot s : t.receive) (in++)->to(values[s]);
 }
 
-void Cut::exchange(std::span<SolverBody> bodies) const {
-  rotates_ ? run<SolverBody, Twist>(all_, bodies) : run<SolverBody, Velocity>(all_, bodies);
+void Cut::run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) const {
+  rotates_ ? run<SolverBody, Twist>(traffic, bodies) : run<SolverBody, Velocity>(traffic, bodies);
 }
+
+void Cut::exchange(std::span<SolverBody> bodies) const { run(all_, bodies); }
 
 void Cut::exchange(std::span<std::int32_t> values) const { run<std::int32_t, Count>(all_, values); }
 
 void Cut::exchange_colour(std::size_t colour, std::span<SolverBody> bodies) const {
-  if (colour >= by_colour_.size()) return;
-  rotates_ ? run<SolverBody, Twist>(by_colour_[colour], bodies) : run<SolverBody, Velocity>(by_colour_[colour], bodies);
+  if (colour < by_colour_.size()) run(by_colour_[colour], bodies);
+}
+
+void Cut::exchange_group(std::size_t group, std::span<SolverBody> bodies) const {
+  if (group < by_group_.size()) run(by_group_[group], bodies);
 }
 
 }  // namespace unibody

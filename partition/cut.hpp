@@ -26,7 +26,7 @@ class Cut {
  public:
   Cut(const Halo& halo, PhaseClock& clock) : halo_(halo), clock_(clock) {}
 
-  // Finds the bodies shared by the constraints other than contacts: once, until slots move. Local.
+  // Finds the bodies shared by the constraints other than contacts, and by each of their groups: once, until slots move. Local.
   void set_constraints(const World& world, const ConstraintBatches& constraints);
 
   // Finds the shared bodies of this step's contacts and attachments, and adds those of the other constraints. Local.
@@ -35,6 +35,9 @@ class Cut {
   // Refreshes every shared guest from its home: one message to and from each neighbour.
   void exchange(std::span<SolverBody> bodies) const;
   void exchange(std::span<std::int32_t> values) const;
+
+  // The same for the bodies that one group of the other constraints ties.
+  void exchange_group(std::size_t group, std::span<SolverBody> bodies) const;
 
   // The same for the bodies that the manifolds of one colour touch; colour[m] of every manifold, set before by set_colours.
   void set_colours(std::span<const std::int32_t> colour, std::size_t colours);
@@ -64,6 +67,8 @@ class Cut {
   };
   // Adds what the ranks of a constraint's bodies have to tell each other.
   void share(const World& world, std::span<const Slot> ends, std::map<int, Traffic>& traffic) const;
+  static std::vector<Traffic> sorted(std::map<int, Traffic> traffic);
+  void run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) const;
   template <typename T, typename Record>
   void run(std::span<const Traffic> traffic, std::span<T> values) const;
 
@@ -73,7 +78,7 @@ class Cut {
   std::map<std::uint32_t, Ends> ends_;
   std::map<int, Traffic> constrained_;  // by rank: what constraints other than contacts share
   std::vector<Traffic> all_;
-  std::vector<std::vector<Traffic>> by_colour_;
+  std::vector<std::vector<Traffic>> by_colour_, by_group_;
   bool rotates_ = true;                    // else velocities are all that travels
   mutable std::vector<std::byte> buffer_;  // of one exchange: what comes, then what goes
   mutable std::vector<MPI_Request> requests_;

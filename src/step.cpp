@@ -292,7 +292,8 @@ void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
   const double share = constraints_of_all_ == 0 ? 0 : position_share(scene_.solver);
   if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, share);
-  if (jacobi) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (jacobi && (!is_alone() || has_attachments())) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (constraints_of_all_ > 0 && (jacobi || share > 0)) system_.impulses.assign(world.size() + 1, Vec4d{});
   if (share_of_contacts <= 0) {
     system_.contacts.set_impulses({});
     if (share <= 0) return;
@@ -303,12 +304,13 @@ void Simulation::warm_start(double share_of_contacts) {
     system_.contacts.set_impulses(start);
   }
   const Scratch::Frame frame(scratch_);
-  const bool borrowed = !jacobi && system_.wrenches.empty();
+  const bool borrowed = !jacobi && share_of_contacts > 0 && system_.wrenches.empty();
   if (borrowed) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
-  if (share > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.wrenches);
+  if (share > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.impulses);
   system_.apply_wrenches();
   if (borrowed) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
+  if (!jacobi) system_.impulses.clear();
   cut_.exchange(system_.bodies);
 }
 

@@ -1,5 +1,5 @@
-// The memory's bandwidth: a[i] = b[i] + s c[i] over arrays that fit no cache, on all ranks at once. Prints GB/s of the best of ten
-// passes, 24 bytes an element counted.
+// The memory's bandwidth: a[i] = b[i] + s c[i] over arrays that fit no cache, on all ranks at once. Prints GB/s of the best of
+// ten passes, 24 bytes an element counted.
 #include <mpi.h>
 
 #include <algorithm>

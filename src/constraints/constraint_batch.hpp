@@ -57,11 +57,11 @@ class ConstraintBatch {
   void set_multipliers(std::span<const Multipliers> multipliers);  // empty: all zero
   void get_multipliers(std::span<Multipliers> multipliers) const;
 
-  // Adds D lambda of all multipliers to the wrenches of their bodies: applies a warm start.
-  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
+  // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies: a warm start.
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) const;
 
-  // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate with `beta`, add the impulses to `wrenches`.
-  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
+  // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate with `beta`, add to `impulses`.
+  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
                     SweepSums& sums);
 
   // One Gauss-Seidel pass over a group, whose constraints share no moving body. Returns the largest change (m).
@@ -71,13 +71,18 @@ class ConstraintBatch {
   double residual(const StepStart& start, std::span<const SolverBody> bodies) const;
 
   template <typename F>
-  void for_each_stencil(F&& f) const {
+  void for_each_stencil(std::size_t group, F&& f) const {
     std::array<Slot, stencil> ends;
-    for (std::size_t i = 0; i < order_.size(); ++i) {
+    for (std::size_t i = lanes * begin_of(group); i < lanes * group_end_[group]; ++i) {
       if (order_[i] < 0) continue;
       for (std::size_t e = 0; e < stencil; ++e) ends[e] = blocks_[i / lanes].slot[e][i % lanes];
       f(std::span<const Slot>(ends));
     }
+  }
+
+  template <typename F>
+  void for_each_stencil(F&& f) const {
+    for (std::size_t g = 0; g < group_count(); ++g) for_each_stencil(g, f);
   }
 
   std::size_t size() const { return order_.size(); }
@@ -92,7 +97,8 @@ class ConstraintBatch {
     std::array<Vec4d, stencil> weight;
   };
   using Solution = std::array<Vec4d, rows>;
-  static constexpr std::size_t ahead = rows == 1 ? 8 : 2;  // blocks under way at a time
+  std::size_t begin_of(std::size_t group) const { return group == 0 ? 0 : group_end_[group - 1]; }  // in blocks
+  static constexpr std::size_t ahead = rows == 1 ? 8 : 2;                                           // blocks under way at a time
 
   // The pieces of a pass: inlined by force, since passing their results through memory costs half as much as the work. Stiff
   // constraints need no velocities beside the positions.
@@ -107,15 +113,14 @@ class ConstraintBatch {
                                                      const Solution& r, double step) const;
   [[gnu::always_inline]] static inline std::array<std::array<Vec4d, lanes>, stencil> impulses_of(const Rows<stencil, rows>& at,
                                                                                                  const Solution& change);
-  [[gnu::always_inline]] static inline void add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
-                                                       std::span<Wrench> wrenches);
+  [[gnu::always_inline]] static inline void add_changes(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
+                                                        std::span<Vec4d> impulses);
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, const Solution& step, SweepTotals& totals);
   [[gnu::always_inline]] static inline void add_velocities(const Block& block, const Rows<stencil, rows>& at,
                                                            const Solution& change, const std::array<Vec4d, stencil>& weight,
                                                            std::span<SolverBody> bodies);
   template <bool soft>
-  void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
-             SweepSums& sums);
+  void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta, SweepSums& sums);
   template <bool soft>
   double relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 

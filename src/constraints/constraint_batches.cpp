@@ -75,13 +75,13 @@ void ConstraintBatches::get_multipliers(ConstraintMultipliers& multipliers, cons
 }
 
 void ConstraintBatches::add_impulses(const StepStart& start, std::span<const SolverBody> bodies,
-                                     std::span<Wrench> wrenches) const {
-  for_each_type(batches_, [&](auto, const auto& batch) { batch.add_impulses(start, bodies, wrenches); });
+                                     std::span<Vec4d> impulses) const {
+  for_each_type(batches_, [&](auto, const auto& batch) { batch.add_impulses(start, bodies, impulses); });
 }
 
-void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                      double beta, SweepSums& sums) {
-  for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, wrenches, beta, sums); });
+  for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, impulses, beta, sums); });
 }
 
 std::size_t ConstraintBatches::group_count() const {

@@ -29,11 +29,21 @@ class ConstraintBatches {
     for_each_type(batches_, [&](auto, const auto& batch) { batch.for_each_stencil(f); });
   }
 
+  // The same of one group.
+  template <typename F>
+  void for_each_stencil(std::size_t group, F&& f) const {
+    std::size_t first = 0;
+    for_each_type(batches_, [&](auto, const auto& batch) {
+      if (group >= first && group < first + batch.group_count()) batch.for_each_stencil(group - first, f);
+      first += batch.group_count();
+    });
+  }
+
   bool empty() const;
   void set_multipliers(const ConstraintMultipliers& multipliers, double share);
   void get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const;
-  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
-  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) const;
+  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
                     SweepSums& sums);
 
   // Groups of all types, one after the other: between two of them the shared bodies are exchanged.

@@ -178,21 +178,21 @@ inline std::array<std::array<Vec4d, lanes>, ConstraintBatch<C>::stencil> Constra
 
 // Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
 template <ConstraintType C>
-inline void ConstraintBatch<C>::add_forces(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
-                                           std::span<Wrench> wrenches) {
+inline void ConstraintBatch<C>::add_changes(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
+                                            std::span<Vec4d> impulses) {
   const auto impulse = impulses_of(at, change);
   for (std::size_t l = 0; l < lanes; ++l)
-    for (std::size_t e = 0; e < stencil; ++e) wrenches[block.slot[e][l]].force += impulse[e][l];
+    for (std::size_t e = 0; e < stencil; ++e) impulses[block.slot[e][l]] += impulse[e][l];
 }
 
 template <ConstraintType C>
 void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies,
-                                      std::span<Wrench> wrenches) const {
+                                      std::span<Vec4d> impulses) const {
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Ends ends = gather<false, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    add_forces(blocks_[b], at, lambda_[b], wrenches);
+    add_changes(blocks_[b], at, lambda_[b], impulses);
   }
 }
 
@@ -200,8 +200,8 @@ void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const So
 // divisions of one block are under way while the next is read.
 template <ConstraintType C>
 template <bool soft>
-void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
-                               double beta, SweepSums& sums) {
+void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
+                               SweepSums& sums) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> r, step;
   const double h = start.step;  // a copy: no store of the loop can change it
@@ -218,7 +218,7 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution moved = extrapolate(first + i, r[i], step[i], totals);
-      add_forces(blocks_[first + i], at[i], moved, wrenches);
+      add_changes(blocks_[first + i], at[i], moved, impulses);
     }
   }
   totals.add_to(sums, h);
@@ -246,10 +246,10 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
 }
 
 template <ConstraintType C>
-void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                       double beta, SweepSums& sums) {
   if (y_.empty()) y_ = lambda_;
-  softness_.empty() ? sweep<false>(start, bodies, wrenches, beta, sums) : sweep<true>(start, bodies, wrenches, beta, sums);
+  softness_.empty() ? sweep<false>(start, bodies, impulses, beta, sums) : sweep<true>(start, bodies, impulses, beta, sums);
 }
 
 // In two passes, as in sweep(): the blocks of a group have no moving body in common.
@@ -262,7 +262,7 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
   const double h = start.step;  // a copy: no store of the loop can change it
   const Vec4d over_step = broadcast(1 / h);
   Vec4d change = broadcast(0);
-  for (std::size_t first = group == 0 ? 0 : group_end_[group - 1]; first < group_end_[group]; first += ahead) {
+  for (std::size_t first = begin_of(group); first < group_end_[group]; first += ahead) {
     const std::size_t count = std::min<std::size_t>(ahead, group_end_[group] - first);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t b = first + i;

@@ -47,7 +47,7 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
           change = std::max(change, sums.change);
         }
       } else {
-        cut.exchange(system.bodies);
+        cut.exchange_group(group - constraints, system.bodies);
         change = std::max(change, system.constraints->relax(group - constraints, system.start(), system.bodies));
       }
     }

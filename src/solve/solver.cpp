@@ -40,18 +40,25 @@ void System::apply_wrenches() { rotates ? apply<true>() : apply<false>(); }
 template <bool rotates>
 void System::apply() {
   const Vec4d h{step, step, step, 0};
-  const bool moves_places = !moved_places.empty();
+  const bool touched = !wrenches.empty(), tied = !impulses.empty(), moves_places = !moved_places.empty();
   for (std::size_t i = 0; i < homes; ++i) {
     SolverBody& b = bodies[i];
-    Wrench& wrench = wrenches[i];
-    auto& velocity = *reinterpret_cast<Vec4dView*>(b.v);  // and 1/m, whose force is 0
-    const Vec4d v = velocity + broadcast(b.inverse_mass) * wrench.force;
+    Vec4d impulse = tied ? impulses[i] : Vec4d{};
+    if (touched) {
+      Wrench& wrench = wrenches[i];
+      impulse += wrench.force;
+      if constexpr (rotates) turn(i, wrench.torque);
+      wrench = Wrench{};
+    }
+    auto& velocity = *reinterpret_cast<Vec4dView*>(b.v);  // and 1/m, whose impulse is 0
+    const Vec4d v = velocity + broadcast(b.inverse_mass) * impulse;
     velocity = v;
+    if (tied) impulses[i] = Vec4d{};
     if (moves_places) moved_places[i] = places[i] + h * v;
-    if constexpr (rotates) turn(i, wrench.torque);
-    wrench = Wrench{};
   }
-  std::fill(wrenches.begin() + static_cast<std::ptrdiff_t>(homes), wrenches.end(), Wrench{});
+  const auto guests = static_cast<std::ptrdiff_t>(homes);
+  if (touched) std::fill(wrenches.begin() + guests, wrenches.end(), Wrench{});
+  if (tied) std::fill(impulses.begin() + guests, impulses.end(), Vec4d{});
 }
 
 void System::turn(std::size_t i, Vec4d t) {

@@ -26,6 +26,7 @@ struct System {
         isotropic(memory),
         gyroscopic(memory),
         wrenches(memory),
+        impulses(memory),
         contacts(memory),
         surface(memory),
         attachment_rows(memory),
@@ -38,7 +39,8 @@ struct System {
   std::pmr::vector<InverseInertia> inertia;  // of each body that is not isotropic; empty where all are
   std::pmr::vector<std::uint8_t> isotropic;  // of each body: SolverBody::inverse_inertia says it all
   std::pmr::vector<Vec3> gyroscopic;         // kg m^2/s, like `inertia`: momentum that the predicted spin leaves out
-  std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps
+  std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps; empty where nothing touches
+  std::pmr::vector<Vec4d> impulses;          // N s; the same of constraints beside contacts, which turn nothing; may be empty
   ContactBatch contacts;
   SurfaceBatch surface;
   bool any_surface = false;  // some rank has contacts of surfaces
@@ -54,7 +56,7 @@ struct System {
 
   StepStart start() const { return {places, step, moved_places}; }
 
-  // Home bodies: u += W wrench, and their moved_places follow. Clears the wrenches. Guests follow by the next exchange.
+  // Home bodies: u += W (wrench, impulse), and their moved_places follow. Clears both. Guests follow by the next exchange.
   void apply_wrenches();
 
   // Brings moved_places up to date with the velocities, of bodies from `first` on.

@@ -76,6 +76,7 @@ struct IterativeStep {
       const double sharers = solver.sweeps_by_colour ? 1 : counts[i];
       bench.system.places[i] = Vec4d{x.x(), x.y(), x.z(), sharers * bench.system.bodies[i].inverse_mass};
     }
+    bench.system.impulses.assign(world.size() + 1, Vec4d{});
     predicted.assign(bench.system.bodies.begin(), bench.system.bodies.end());
   }
 
@@ -86,10 +87,10 @@ struct IterativeStep {
   void reapply(const std::vector<double>& share = {}) {
     System& s = bench.system;
     const ConstraintMultipliers lambda = multipliers();
-    batches.add_impulses(s.start(), s.bodies, s.wrenches);
+    batches.add_impulses(s.start(), s.bodies, s.impulses);
     for (std::size_t i = 0; i < s.homes; ++i) {
-      const Vec4d impulse = s.wrenches[i].force;
-      s.wrenches[i] = Wrench{};
+      const Vec4d impulse = s.impulses[i];
+      s.impulses[i] = Vec4d{};
       for (int k = 0; k < 3; ++k) {
         const double change = predicted[i].v[k] + predicted[i].inverse_mass * impulse[k] - s.bodies[i].v[k];
         s.bodies[i].v[k] += (share.empty() ? 1 : share[i]) * change;
