@@ -170,10 +170,10 @@ void Halo::update_guests() {
     if (v) VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD);
 }
 
-void Halo::update_velocities() const {
+void Halo::update(Field field) const {
   if (size_ == 1) return;
-  VecGhostUpdateBegin(vec_[velocity], INSERT_VALUES, SCATTER_FORWARD);
-  VecGhostUpdateEnd(vec_[velocity], INSERT_VALUES, SCATTER_FORWARD);
+  VecGhostUpdateBegin(vec_[field], INSERT_VALUES, SCATTER_FORWARD);
+  VecGhostUpdateEnd(vec_[field], INSERT_VALUES, SCATTER_FORWARD);
 }
 
 // What the home bodies may touch in a step; with a skin, so that it holds for some steps.

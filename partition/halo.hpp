@@ -38,9 +38,6 @@ class Halo {
   // The same where no body touches another: guests are the wanted ones alone.
   void refresh_partners(World& world);
 
-  // Guests' velocities from their homes, in between. Collective.
-  void update_velocities() const;
-
   // The home bodies have changed: the next refresh finds the guests anew. Bodies `wanted` (ascending ids, none home or static)
   // become guests wherever they are: constraints tie home bodies to them. Wanting must be mutual: where a rank wants a body of
   // another, that one wants one of its own. Collective.
@@ -60,6 +57,9 @@ class Halo {
   // null where nothing rotates.
   enum Field { position, orientation, velocity, angular_velocity, field_count };
   Vec vec(Field field) const { return vec_[field]; }
+
+  // One field of the guests from their homes, in between. Collective.
+  void update(Field field) const;
 
  private:
   struct Guest;

@@ -67,14 +67,18 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
   return motion;
 }
 
+Quat turned_by(const Quat& orientation, const Vec3& spin, double step) {
+  const Vec3 half = 0.5 * step * spin;
+  return (Quat(1, half.x(), half.y(), half.z()) * orientation).normalized();
+}
+
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& solved, const Vec3& gyroscopic,
                         double step, bool planar) {
   BodyState next = state;
   next.velocity = Eigen::Map<const Vec3>(solved.v);
   next.angular_velocity = Eigen::Map<const Vec3>(solved.w);
   next.position += step * next.velocity;
-  const Vec3 half = 0.5 * step * next.angular_velocity;
-  next.orientation = (Quat(1, half.x(), half.y(), half.z()) * state.orientation).normalized();
+  next.orientation = turned_by(state.orientation, next.angular_velocity, step);
   if (body.is_dynamic() && !planar &&
       !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
     const Mat3 before = state.orientation.toRotationMatrix(), after = next.orientation.toRotationMatrix();

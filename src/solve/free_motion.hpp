@@ -19,6 +19,9 @@ struct FreeMotion {
 
 FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, const Vec3& gravity, double step, bool planar);
 
+// An orientation after a step of rotation at `spin` (rad/s, world axes).
+Quat turned_by(const Quat& orientation, const Vec3& spin, double step);
+
 // The state after the step, from the velocities that the solver left.
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& solved, const Vec3& gyroscopic,
                         double step, bool planar);

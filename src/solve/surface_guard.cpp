@@ -9,6 +9,7 @@
 
 #include "collide/continuous.hpp"
 #include "collide/triangle_distance.hpp"
+#include "solve/free_motion.hpp"
 
 namespace unibody {
 
@@ -49,29 +50,58 @@ Bounds SurfaceGuard::path(std::span<const Slot> nodes, std::span<const Vec3> vel
   return b;
 }
 
-// m, by how much a solve may take a feature off its way for it to be looked for still; no more than Halo knows of.
-double SurfaceGuard::slack(std::span<const Slot> nodes) const {
-  if (nodes.size() == 1) return 0;
-  return surface_slack(world_, nodes);
+Bounds SurfaceGuard::path(const Point& point, std::span<const Vec3> velocity, const Vec3& turned, double more) const {
+  const auto i = static_cast<std::size_t>(point.slot);
+  const Vec3 from = world_.position[i] + point.arm, to = from + settings_.step * velocity[i] + turned;
+  return {from.cwiseMin(to).array() - more, from.cwiseMax(to).array() + more};
 }
+
+// m, by how much a solve may take a feature off its way for it to be looked for still; no more than Halo knows of.
+double SurfaceGuard::slack(std::span<const Slot> nodes) const { return surface_slack(world_, nodes); }
 
 // m, a side's part of how far apart pairs are kept.
 double SurfaceGuard::kept(Slot s) const {
   return surfaces_.is_node(s) ? kept_share * world_.properties[static_cast<std::size_t>(s)].shape.size.x() : 0;
 }
 
-void SurfaceGuard::list_features() {
+// rad/s, with which bodies will turn in the step; of guests from their homes.
+std::vector<Vec3> SurfaceGuard::spins(std::span<const SolverBody> bodies, const Halo& halo) {
+  if (!world_.has_rotations) return std::vector<Vec3>(world_.size(), Vec3::Zero());
+  const std::vector<Vec3> before = world_.angular_velocity;
+  for (std::size_t i = 0; i < world_.homes; ++i) world_.angular_velocity[i] = Eigen::Map<const Vec3>(bodies[i].w);
+  halo.update(Halo::angular_velocity);
+  std::vector<Vec3> now = world_.angular_velocity;
+  std::copy(before.begin(), before.end(), world_.angular_velocity.begin());  // in place: the Vec lies over it
+  return now;
+}
+
+void SurfaceGuard::list_points(std::span<const Vec3> spins) {
+  points_.clear();
+  for (Slot s = 0; static_cast<std::size_t>(s) < world_.size(); ++s) {
+    const auto i = static_cast<std::size_t>(s);
+    const Shape& shape = world_.properties[i].shape;
+    if (is_round(shape)) points_.push_back({s});
+    if (shape.kind != ShapeKind::box) continue;
+    const Quat q = world_.orientation_of(i);
+    const Quat next = turned_by(q, spins[i], settings_.step);
+    for (int corner = 0; corner < 8; ++corner) {
+      Vec3 arm = shape.size;
+      for (int k = 0; k < 3; ++k)
+        if ((corner >> k & 1) == 0) arm[k] = -arm[k];
+      points_.push_back({s, corner, q * arm, next * arm - q * arm});
+    }
+  }
+}
+
+void SurfaceGuard::list_features(std::span<const SolverBody> bodies, const Halo& halo) {
   constexpr std::uint8_t point = 1, face = 2, edge = 4;
-  points_.clear(), filters_.clear();
+  filters_.clear();
   const auto add = [&](std::int32_t group, std::uint8_t kind, std::uint8_t accepts) {
     filters_.push_back({group, kind, accepts});
   };
   const auto group_of = [&](Slot s) { return surfaces_.contact_group(world_, s); };
-  for (Slot s = 0; static_cast<std::size_t>(s) < world_.size(); ++s) {
-    if (!is_round(world_.properties[static_cast<std::size_t>(s)].shape)) continue;
-    points_.push_back(s);
-    add(surfaces_.is_node(s) ? group_of(s) : -1, point, face);
-  }
+  list_points(spins(bodies, halo));
+  for (const Point& p : points_) add(surfaces_.is_node(p.slot) ? group_of(p.slot) : -1, point, face);
   double sizes = 0;
   for (const SurfaceFace& f : surfaces_.faces) {
     add(group_of(f.nodes[0]), face, point);
@@ -91,7 +121,10 @@ void SurfaceGuard::find_pairs() {
     bounds_.push_back(path(nodes, world_.velocity, more));
     roles_.push_back(std::any_of(nodes.begin(), nodes.end(), has_moved) ? Role::home : Role::other);
   };
-  for (const Slot s : points_) add(std::span(&s, 1), face_size_ / 2);
+  for (const Point& p : points_) {
+    bounds_.push_back(path(p, world_.velocity, p.turned, face_size_ / 2));
+    roles_.push_back(has_moved(p.slot) ? Role::home : Role::other);
+  }
   for (const SurfaceFace& f : surfaces_.faces) add(f.nodes, kept(f.nodes[0]));
   if (surfaces_.edges_may_meet())
     for (const SurfaceEdge& e : surfaces_.edges) add(e.nodes, kept(e.nodes[0]));
@@ -132,10 +165,10 @@ SurfaceGuard::Candidate SurfaceGuard::candidate(const IndexPair& pair) const {
     const auto *e = &surfaces_.edges[first - faces].nodes, *f = &surfaces_.edges[second - faces].nodes;
     const auto id = [&](Slot s) { return world_.id[static_cast<std::size_t>(s)]; };
     if (std::pair(id((*f)[0]), id((*f)[1])) < std::pair(id((*e)[0]), id((*e)[1]))) std::swap(e, f);
-    return {{(*e)[0], (*e)[1], (*f)[0], (*f)[1]}, true};
+    return {{(*e)[0], (*e)[1], (*f)[0], (*f)[1]}, nullptr};
   }
   const auto& nodes = surfaces_.faces[second - points].nodes;
-  return {{points_[first], nodes[0], nodes[1], nodes[2]}, false};
+  return {{points_[first].slot, nodes[0], nodes[1], nodes[2]}, &points_[first]};
 }
 
 void SurfaceGuard::test(const Candidate& pair) {
@@ -143,28 +176,43 @@ void SurfaceGuard::test(const Candidate& pair) {
   const auto is_dynamic = [&](Slot end) { return world_.properties[static_cast<std::size_t>(end)].is_dynamic(); };
   if (std::none_of(s.begin(), s.end(), [&](Slot end) { return world_.is_home(end); })) return;
   if (std::none_of(s.begin(), s.end(), is_dynamic)) return;  // nothing here can be changed
-  const std::size_t sides = pair.edges ? 2 : 1;
+  const bool edges = pair.point == nullptr;
+  const std::size_t sides = edges ? 2 : 1;
   for (std::size_t i = 0; i < sides; ++i)
     if (std::find(s.begin() + static_cast<std::ptrdiff_t>(sides), s.end(), s[i]) != s.end()) return;
   const std::span<const Slot> one(s.data(), sides), other(s.data() + sides, 4 - sides);
-  if (!overlap(path(one, world_.velocity, kept(s[0])), path(other, world_.velocity, kept(s[3])))) return;
-  if (!overlap(path(one, start_, slack(one)), path(other, start_, slack(other)))) return;
+  const Vec3 turned = edges ? Vec3(Vec3::Zero()) : pair.point->turned;
+  const auto first_path = [&](std::span<const Vec3> velocity, const Vec3& turn, double more) {
+    return edges ? path(one, velocity, more) : path(*pair.point, velocity, turn, more);
+  };
+  if (!overlap(first_path(world_.velocity, turned, kept(s[0])), path(other, world_.velocity, kept(s[3])))) return;
+  if (!overlap(first_path(start_, Vec3::Zero(), edges ? slack(one) : 0), path(other, start_, slack(other)))) return;
 
-  const auto place = [&](std::size_t k) -> const Vec3& { return world_.position[static_cast<std::size_t>(s[k])]; };
-  const double distance = pair.edges ? closest_of_segments(place(0), place(1), place(2), place(3)).distance
-                                     : closest_on_triangle(place(0), place(1), place(2), place(3)).distance;
+  const auto place = [&](std::size_t k) -> Vec3 {
+    const Vec3& centre = world_.position[static_cast<std::size_t>(s[k])];
+    return k == 0 && !edges ? Vec3(centre + pair.point->arm) : centre;
+  };
+  const double distance = edges ? closest_of_segments(place(0), place(1), place(2), place(3)).distance
+                                : closest_on_triangle(place(0), place(1), place(2), place(3)).distance;
   const double apart = std::min(2 * kept(s[3]), 0.5 * distance);
   if (!(apart > 1e-12)) return;  // on each other already: contacts alone can part them
   const auto way = [&](std::size_t k) {
-    return MovingPoint{place(k), place(k) + settings_.step * world_.velocity[static_cast<std::size_t>(s[k])]};
+    Vec3 to = place(k) + settings_.step * world_.velocity[static_cast<std::size_t>(s[k])];
+    if (k == 0) to += turned;
+    return MovingPoint{place(k), to};
   };
   const ContinuousSettings settings{apart, 0.1 * apart, 200};
-  const ContinuousHit hit = pair.edges ? edge_meets_edge(way(0), way(1), way(2), way(3), settings)
-                                       : point_meets_triangle(way(0), way(1), way(2), way(3), settings);
+  const ContinuousHit hit = edges ? edge_meets_edge(way(0), way(1), way(2), way(3), settings)
+                                  : point_meets_triangle(way(0), way(1), way(2), way(3), settings);
   if (!hit.hit) return;
-  Hit& found = hits_.emplace_back(Hit{{}, s, hit.weights, 0.9 * hit.time});
+  Hit& found = hits_.emplace_back(Hit{{}, turned / settings_.step, s, hit.weights, 0.9 * hit.time});
   for (std::size_t k = 0; k < 4; ++k) found.key[k] = world_.id[static_cast<std::size_t>(s[k])];
-  found.key[4] = pair.edges;
+  found.key[4] = edges ? 1 : pair.point->corner < 0 ? 0 : 2 + pair.point->corner;
+}
+
+Vec3 SurfaceGuard::velocity_of(const Hit& hit, std::size_t end) const {
+  const Vec3& centre = world_.velocity[static_cast<std::size_t>(hit.ends[end])];
+  return end == 0 ? Vec3(centre + hit.turning) : centre;
 }
 
 // m/s, towards which the ends of a pair are drawn: their mean; that of the held ones where there are any, and of a side that is
@@ -173,18 +221,18 @@ Vec3 SurfaceGuard::common_velocity(const Hit& hit) const {
   Vec3 momentum = Vec3::Zero(), held = Vec3::Zero();
   double mass = 0;
   int immobile = 0;
-  const std::size_t second = hit.key[4] ? 2 : 1;  // where the second side begins
+  const std::size_t second = hit.key[4] == 1 ? 2 : 1;  // where the second side begins
   for (const auto& [begin, end] : {std::pair(std::size_t{0}, second), std::pair(second, std::size_t{4})}) {
     Vec3 met = Vec3::Zero();
     std::size_t held_here = 0;
     for (std::size_t k = begin; k < end; ++k) {
-      const auto i = static_cast<std::size_t>(hit.ends[k]);
-      const BodyProperties& body = world_.properties[i];
-      met += hit.weights[k] * world_.velocity[i];
+      const BodyProperties& body = world_.properties[static_cast<std::size_t>(hit.ends[k])];
+      const Vec3 v = velocity_of(hit, k);
+      met += hit.weights[k] * v;
       if (body.is_dynamic())
-        momentum += body.mass * world_.velocity[i], mass += body.mass;
+        momentum += body.mass * v, mass += body.mass;
       else
-        held += world_.velocity[i], ++immobile, ++held_here;
+        held += v, ++immobile, ++held_here;
     }
     if (held_here == end - begin) return met;
   }
@@ -201,11 +249,13 @@ void SurfaceGuard::draw_together(bool stop) {
   std::map<Slot, Target> targets;
   for (const Hit& hit : hits_) {
     const Vec3 mean = common_velocity(hit);
-    for (const Slot s : hit.ends) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Slot s = hit.ends[k];
       const auto i = static_cast<std::size_t>(s);
       if (!world_.properties[i].is_dynamic() || !world_.is_home(s)) continue;
       Target& t = targets[s];
-      t.sum += mean + (stop ? 0 : hit.share) * (world_.velocity[i] - mean), ++t.count;
+      const Vec3 v = velocity_of(hit, k);
+      t.sum += world_.velocity[i] - (stop ? 1 : 1 - hit.share) * (v - mean), ++t.count;
     }
   }
   for (const auto& [slot, target] : targets) world_.velocity[static_cast<std::size_t>(slot)] = target.sum / target.count;
@@ -214,8 +264,8 @@ void SurfaceGuard::draw_together(bool stop) {
 std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) {
   start_ = world_.velocity;
   for (std::size_t i = 0; i < world_.homes; ++i) world_.velocity[i] = Eigen::Map<const Vec3>(bodies[i].v);
-  halo.update_velocities();
-  list_features();
+  halo.update(Halo::velocity);
+  list_features(bodies, halo);
   moved_.assign(world_.size(), 1);  // the pairs of the first round: all
   std::int64_t held = 0;
   for (int round = 0; round < most_rounds; ++round) {
@@ -229,7 +279,7 @@ std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) 
     held += counted;
     const std::vector<Vec3> before = world_.velocity;
     draw_together(round >= gentle_rounds);
-    halo.update_velocities();
+    halo.update(Halo::velocity);
     for (std::size_t i = 0; i < before.size(); ++i) moved_[i] = before[i] != world_.velocity[i];
   }
   for (std::size_t i = 0; i < world_.homes && held > 0; ++i) std::copy_n(world_.velocity[i].data(), 3, bodies[i].v);

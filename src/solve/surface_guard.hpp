@@ -8,8 +8,9 @@
 // Nodes that are held keep their velocities. Where some nodes of a face are held, at different ones, and others free, the pair is
 // drawn to the mean of the held ones and may pass still if they turn the face by much.
 //
-// Round bodies count by their centres, boxes not at all. Pairs that were far apart for their velocities at the start of the step,
-// and thrown at each other within it, are not looked for: a rank may not know of them.
+// Round bodies count by their centres, boxes by their corners, on the straight way that they go while the box turns; what holds a
+// corner back acts on the box's centre, and does not turn it. Pairs that were far apart for their velocities at the start of the
+// step, and thrown at each other within it, are not looked for: a rank may not know of them.
 #pragma once
 
 #include <memory_resource>
@@ -34,26 +35,38 @@ class SurfaceGuard {
   std::int64_t hold(std::span<SolverBody> bodies, const Halo& halo);
 
  private:
+  // The centre of a round body, or the corner of a box.
+  struct Point {
+    Slot slot;
+    int corner = -1;             // bit k: on the positive side of axis k
+    Vec3 arm = Vec3::Zero();     // m, from the centre
+    Vec3 turned = Vec3::Zero();  // m, by which turning moves it in the step
+  };
   // A point and a face, or two edges: ends of the two sides one after the other.
   struct Candidate {
     std::array<Slot, 4> ends;
-    bool edges;
+    const Point* point;  // null: edges
   };
   struct Hit {
-    std::array<Id, 5> key;  // ids of the ends; 1 for two edges
+    std::array<Id, 5> key;  // ids of the ends; 1: two edges, 2 and more: a corner
+    Vec3 turning;           // m/s, velocity of the first end by turning
     std::array<Slot, 4> ends;
     std::array<double, 4> weights;  // of the points that meet: those of a side sum to 1
     double share;                   // of the motion against each other that they may keep
   };
-  void list_features();
+  void list_features(std::span<const SolverBody> bodies, const Halo& halo);
+  void list_points(std::span<const Vec3> spins);
+  std::vector<Vec3> spins(std::span<const SolverBody> bodies, const Halo& halo);
   void find_pairs();
   void leave_out_distant();
   double kept(Slot s) const;
   Candidate candidate(const IndexPair& pair) const;
   void test(const Candidate& pair);
+  Vec3 velocity_of(const Hit& hit, std::size_t end) const;
   Vec3 common_velocity(const Hit& hit) const;
   void draw_together(bool stop);
   Bounds path(std::span<const Slot> nodes, std::span<const Vec3> velocity, double more) const;
+  Bounds path(const Point& point, std::span<const Vec3> velocity, const Vec3& turned, double more) const;
   double slack(std::span<const Slot> nodes) const;
 
   World& world_;
@@ -63,7 +76,7 @@ class SurfaceGuard {
   std::vector<std::uint8_t> moved_;  // by slot: in the last round
   double face_size_ = 1;             // m, mean extent
   std::vector<Hit> hits_;
-  std::vector<Slot> points_;
+  std::vector<Point> points_;
   std::pmr::vector<Bounds> bounds_;  // of points, then of faces, then of edges
   std::pmr::vector<Role> roles_;
   std::pmr::vector<Filter> filters_;

@@ -39,7 +39,10 @@ struct GuardedWorld : SurfaceWorld {
     halo.refresh_guests(world, settings, known.get());
     std::vector<SolverBody> of_solver(world.size() + 1, SolverBody{});
     for (std::size_t i = 0; i < world.size(); ++i)
-      for (int k = 0; k < 3; ++k) of_solver[i].v[k] = world.velocity[i][k];
+      for (int k = 0; k < 3; ++k) {
+        of_solver[i].v[k] = world.velocity[i][k];
+        if (world.has_rotations) of_solver[i].w[k] = world.angular_velocity[i][k];
+      }
     for (std::size_t i = 0; i < before_solve.size(); ++i)
       world.velocity[static_cast<std::size_t>(world.find(static_cast<Id>(i)))] = before_solve[i];
     count = SurfaceGuard(world, *known, settings, std::pmr::get_default_resource()).hold(of_solver, halo);
