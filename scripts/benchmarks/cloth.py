@@ -14,7 +14,8 @@ PAPER = {50: 2.33, 100: 1.45}  # Frâncu & Moldoveanu, tables 1 and 2: accelerat
 def hanging_cloth(nodes, diagonals, solver, iterations, more=()):
     """The settings of scenes/cloth_50.yaml that make it this cloth, held at two corners."""
     return [f'cloths[0].grid.nodes=[{nodes}, {nodes}]', f'cloths[0].pins=[{{node: [0, 0]}}, {{node: [{nodes - 1}, 0]}}]',
-            f'cloths[0].links.diagonals={diagonals}', f'cloths[0].mass={nodes * nodes}', f'solver.name={solver}', f'solver.iterations={iterations}', *more]
+            f'cloths[0].links.diagonals={diagonals}', f'cloths[0].mass={nodes * nodes}', 'solver.stages=position', f'solver.name={solver}',
+            f'solver.iterations={iterations}', *more]
 
 
 def settings_of_cloth():

@@ -78,6 +78,7 @@ BodyState finish_motion(const BodyProperties& body, const BodyState& state, cons
   next.velocity = Eigen::Map<const Vec3>(solved.v);
   next.angular_velocity = Eigen::Map<const Vec3>(solved.w);
   next.position += step * next.velocity;
+  if (body.shape.kind == ShapeKind::particle) return next;  // it does not turn
   next.orientation = turned_by(state.orientation, next.angular_velocity, step);
   if (body.is_dynamic() && !planar &&
       !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
