@@ -81,7 +81,7 @@ void SurfaceGuard::list_points(std::span<const Vec3> spins) {
     const auto i = static_cast<std::size_t>(s);
     const Shape& shape = world_.properties[i].shape;
     if (is_round(shape)) points_.push_back({s});
-    if (shape.kind != ShapeKind::box) continue;
+    if (shape.kind != ShapeKind::box || !world_.properties[i].is_dynamic()) continue;
     const Quat q = world_.orientation_of(i);
     const Quat next = turned_by(q, spins[i], settings_.step);
     for (int corner = 0; corner < 8; ++corner) {

@@ -94,17 +94,6 @@ TEST(SurfaceGuardBox, TurningCountsAsWell) {
   EXPECT_GT(w.count, 0);
 }
 
-// A box that is held stays, and the face gives way.
-TEST(SurfaceGuardBox, AHeldBoxStopsTheFace) {
-  BoxOverFace w(on_its_corner, 0.25);
-  w.pinned = {w.box};
-  w.move(0, 3, Vec3(0, 0, 20));
-  w.guard();
-  ASSERT_GT(w.corners_through(w.solved), 0);
-  EXPECT_EQ(w.corners_through(w.held), 0);
-  EXPECT_EQ(w.held[static_cast<std::size_t>(w.box)], w.solved[static_cast<std::size_t>(w.box)]);
-}
-
 TEST(SurfaceGuardBox, WhatStaysApartIsLeftAlone) {
   BoxOverFace w(on_its_corner, 0.4);
   w.velocity(w.box) = Vec3(0.3, 0, -5);
