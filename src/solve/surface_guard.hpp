@@ -8,10 +8,10 @@
 // Nodes that are held keep their velocities. Where some nodes of a face are held, at different ones, and others free, the pair is
 // drawn to the mean of the held ones and may pass still if they turn the face by much.
 //
-// Round bodies count by their centres, dynamic boxes by their corners (sheets drawn over the corners of a fixed one would be torn
-// between it and each other), on the straight way that they go while the box turns; what holds a
-// corner back acts on the box's centre, and does not turn it. Pairs that were far apart for their velocities at the start of the
-// step, and thrown at each other within it, are not looked for: a rank may not know of them.
+// Round bodies count by their centres, dynamic boxes by their corners, on the straight way that they go while the box turns; what
+// holds a corner back acts on the box's centre, and does not turn it. Corners of boxes that are held are left to contacts: sheets
+// drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the start of the step,
+// and thrown at each other within it, are not looked for: a rank may not know of them.
 #pragma once
 
 #include <memory_resource>
