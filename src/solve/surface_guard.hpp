@@ -10,8 +10,8 @@
 //
 // Round bodies count by their centres, dynamic boxes by their corners, on the straight way that they go while the box turns; what
 // holds a corner back acts on the box's centre, and does not turn it. Corners of boxes that are held are left to contacts: sheets
-// drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the start of the step,
-// and thrown at each other within it, are not looked for: a rank may not know of them.
+// drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the start of the
+// step, and thrown at each other within it, are not looked for: a rank may not know of them.
 #pragma once
 
 #include <memory_resource>
