@@ -126,7 +126,7 @@ void Simulation::make_constraints() {
 void Simulation::build_constraints() {
   if (built_version_ == halo_.version()) return;
   built_version_ = halo_.version();
-  constraint_batches_->build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver.order,
+  constraint_batches_->build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver,
                              colours_);
   cut_.set_constraints(world, *constraint_batches_);
   if (drag_.any()) drag_.build(world, surfaces_);

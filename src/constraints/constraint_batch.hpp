@@ -4,6 +4,10 @@
 // in every pass; unknowns are impulses lambda = h gamma (N s). That is the residual of implicit Euler with compliance E and
 // damping rho, divided by h + rho: so scaled its derivative by lambda is symmetric, also where the damping differs from row to
 // row.
+//
+// The incremental form applies each change of lambda along the D of its pass and leaves it there, so its fixed point is implicit
+// Euler up to the turning of D within the step. The total form keeps each body's impulse p equal to D lambda with the D of the
+// last pass: r grows by D^T W (D lambda - p), and D (lambda + change) - p is what is applied.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +17,7 @@
 #include <vector>
 
 #include "constraints/constraint_type.hpp"
+#include "solve/settings.hpp"
 #include "solve/system.hpp"
 
 namespace unibody {
@@ -50,7 +55,7 @@ class ConstraintBatch {
   // counts it in sums over all.
   template <typename SlotsOf, typename CountedOf>
   void build(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
-             std::span<const std::uint32_t> groups, Slot nobody, SlotsOf&& slots, CountedOf&& counted);
+             std::span<const std::uint32_t> groups, Slot nobody, Form form, SlotsOf&& slots, CountedOf&& counted);
 
   // Index = that of the constraint in build()'s list.
   using Multipliers = std::array<double, rows>;
@@ -58,7 +63,7 @@ class ConstraintBatch {
   void get_multipliers(std::span<Multipliers> multipliers) const;
 
   // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies: a warm start.
-  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) const;
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
 
   // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate with `beta`, add to `impulses`.
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
@@ -97,6 +102,7 @@ class ConstraintBatch {
     std::array<Vec4d, stencil> weight;
   };
   using Solution = std::array<Vec4d, rows>;
+  using Impulses = std::array<Vec3x4, stencil>;                                                     // N s, on each end
   std::size_t begin_of(std::size_t group) const { return group == 0 ? 0 : group_end_[group - 1]; }  // in blocks
   static constexpr std::size_t ahead = rows == 1 ? 8 : 2;                                           // blocks under way at a time
 
@@ -111,22 +117,26 @@ class ConstraintBatch {
   template <bool soft>
   [[gnu::always_inline]] inline Solution solve_block(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
                                                      const Solution& r, double step) const;
-  [[gnu::always_inline]] static inline std::array<std::array<Vec4d, lanes>, stencil> impulses_of(const Rows<stencil, rows>& at,
-                                                                                                 const Solution& change);
-  [[gnu::always_inline]] static inline void add_changes(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
-                                                        std::span<Vec4d> impulses);
-  [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, const Solution& step, SweepTotals& totals);
-  [[gnu::always_inline]] static inline void add_velocities(const Block& block, const Rows<stencil, rows>& at,
-                                                           const Solution& change, const std::array<Vec4d, stencil>& weight,
-                                                           std::span<SolverBody> bodies);
-  template <bool soft>
+  [[gnu::always_inline]] static inline Impulses times(const Rows<stencil, rows>& at, const Solution& lambda);
+  [[gnu::always_inline]] inline void add_misfit(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
+                                                const Solution& lambda, Solution& r) const;
+  [[gnu::always_inline]] static inline Vec4d part_taken(const Solution& lambda, Solution& step);
+  template <bool total>
+  [[gnu::always_inline]] inline std::array<std::array<Vec4d, lanes>, stencil> take_impulses(std::size_t b,
+                                                                                            const Rows<stencil, rows>& at,
+                                                                                            const Solution& change,
+                                                                                            const Solution& lambda);
+  [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
+  template <bool soft, bool total>
   void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta, SweepSums& sums);
-  template <bool soft>
+  template <bool soft, bool total>
   double relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 
   std::vector<Block> blocks_;
   std::vector<Softness> softness_;  // of each block; empty where all is stiff and undamped
   std::vector<Solution> lambda_, y_;
+  std::vector<Impulses> applied_;  // in the total form: on the bodies of each block so far
+  Form form_ = Form::incremental;
   std::vector<Mask4> counted_;
   std::vector<std::uint32_t> group_end_;  // in blocks
   std::vector<std::int32_t> order_;       // constraint of each lane of each block, -1: empty

@@ -8,10 +8,10 @@ namespace unibody {
 
 template <class C>
 void ConstraintBatches::build_type(ConstraintBatch<C>& batch, const ConstraintList<C>& list, const World& world, Slot nobody,
-                                   bool by_colour, Order order, std::int32_t colours) {
+                                   bool by_colour, const SolverSettings& settings, std::int32_t colours) {
   std::vector<std::uint32_t> numbers(list.size()), groups;
   std::iota(numbers.begin(), numbers.end(), 0);
-  if (by_colour && order == Order::sequential) {
+  if (by_colour && settings.order == Order::sequential) {
     groups.resize(list.size());
     std::iota(groups.begin(), groups.end(), 1);
   } else if (by_colour) {
@@ -35,13 +35,13 @@ void ConstraintBatches::build_type(ConstraintBatch<C>& batch, const ConstraintLi
     }
     return false;
   };
-  batch.build(list, numbers, groups, nobody, slots, counted);
+  batch.build(list, numbers, groups, nobody, settings.form, slots, counted);
 }
 
-void ConstraintBatches::build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, Order order,
-                              const ConstraintColours& colours) {
+void ConstraintBatches::build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour,
+                              const SolverSettings& settings, const ConstraintColours& colours) {
   for_each_type(set, [&](auto type, const auto& list) {
-    build_type(std::get<type.value>(batches_), list, world, nobody, by_colour, order, colours[type.value]);
+    build_type(std::get<type.value>(batches_), list, world, nobody, by_colour, settings, colours[type.value]);
   });
 }
 
@@ -74,9 +74,8 @@ void ConstraintBatches::get_multipliers(ConstraintMultipliers& multipliers, cons
   });
 }
 
-void ConstraintBatches::add_impulses(const StepStart& start, std::span<const SolverBody> bodies,
-                                     std::span<Vec4d> impulses) const {
-  for_each_type(batches_, [&](auto, const auto& batch) { batch.add_impulses(start, bodies, impulses); });
+void ConstraintBatches::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) {
+  for_each_type(batches_, [&](auto, auto& batch) { batch.add_impulses(start, bodies, impulses); });
 }
 
 void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,

@@ -17,7 +17,7 @@ class ConstraintBatches {
   // Finds the bodies' slots and lays out the constraints: by colour for Gauss-Seidel (one by one where the order is sequential),
   // in the order of the set for the Jacobi solvers. `nobody`: slot of the body that is nobody. `colours`: of each type, over
   // all ranks.
-  void build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, Order order,
+  void build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, const SolverSettings& settings,
              const ConstraintColours& colours);
 
   // Adds one for each constraint to the counts of its bodies.
@@ -42,7 +42,7 @@ class ConstraintBatches {
   bool empty() const;
   void set_multipliers(const ConstraintMultipliers& multipliers, double share);
   void get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const;
-  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) const;
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
                     SweepSums& sums);
 
@@ -58,7 +58,7 @@ class ConstraintBatches {
  private:
   template <class C>
   void build_type(ConstraintBatch<C>& batch, const ConstraintList<C>& list, const World& world, Slot nobody, bool by_colour,
-                  Order order, std::int32_t colours);
+                  const SolverSettings& settings, std::int32_t colours);
 
   ConstraintTypes::Tuple<ConstraintBatch> batches_;
 };

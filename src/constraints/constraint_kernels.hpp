@@ -42,8 +42,10 @@ template <std::size_t n>
 template <ConstraintType C>
 template <typename SlotsOf, typename CountedOf>
 void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
-                               std::span<const std::uint32_t> groups, Slot nobody, SlotsOf&& slots, CountedOf&& counted) {
+                               std::span<const std::uint32_t> groups, Slot nobody, Form form, SlotsOf&& slots,
+                               CountedOf&& counted) {
   blocks_.clear(), softness_.clear(), lambda_.clear(), y_.clear(), counted_.clear(), group_end_.clear(), order_.clear();
+  form_ = form;
   bool soft = false;
   for (const Constraint<C>& c : constraints)
     soft |= c.damping != 0 || std::any_of(c.compliance.begin(), c.compliance.end(), [](double e) { return e != 0; });
@@ -72,6 +74,7 @@ void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::
     group_end_.push_back(static_cast<std::uint32_t>(blocks_.size()));
   }
   lambda_.assign(blocks_.size(), Solution{});
+  applied_.assign(form == Form::total ? blocks_.size() : 0, Impulses{});
 }
 
 template <ConstraintType C>
@@ -81,6 +84,7 @@ void ConstraintBatch<C>::set_multipliers(std::span<const Multipliers> multiplier
       lambda_[i / lanes][k][i % lanes] =
           multipliers.empty() || order_[i] < 0 ? 0 : multipliers[static_cast<std::size_t>(order_[i])][k];
   y_.clear();
+  applied_.assign(form_ == Form::total ? blocks_.size() : 0, Impulses{});
 }
 
 template <ConstraintType C>
@@ -161,45 +165,88 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std
   return constraint_kernels::solve_symmetric<rows>(P, right);
 }
 
-// D change of each end and lane, as rows of four whose last component is 0.
+// D lambda.
 template <ConstraintType C>
-inline std::array<std::array<Vec4d, lanes>, ConstraintBatch<C>::stencil> ConstraintBatch<C>::impulses_of(
-    const Rows<stencil, rows>& at, const Solution& change) {
-  std::array<std::array<Vec4d, lanes>, stencil> impulse;
+inline typename ConstraintBatch<C>::Impulses ConstraintBatch<C>::times(const Rows<stencil, rows>& at, const Solution& lambda) {
+  Impulses impulse;
   for (std::size_t e = 0; e < stencil; ++e) {
-    Vec3x4 f = at.gradient[0][e] * change[0];
-    for (std::size_t k = 1; k < rows; ++k) f = f + at.gradient[k][e] * change[k];
-    Vec4d none = broadcast(0);
-    transpose(f.x, f.y, f.z, none);
-    impulse[e] = {f.x, f.y, f.z, none};
+    impulse[e] = at.gradient[0][e] * lambda[0];
+    for (std::size_t k = 1; k < rows; ++k) impulse[e] = impulse[e] + at.gradient[k][e] * lambda[k];
   }
   return impulse;
 }
 
-// Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
+// r += D^T W (D lambda - p): what the rows will see of the impulses that have not been turned yet.
 template <ConstraintType C>
-inline void ConstraintBatch<C>::add_changes(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
-                                            std::span<Vec4d> impulses) {
-  const auto impulse = impulses_of(at, change);
-  for (std::size_t l = 0; l < lanes; ++l)
-    for (std::size_t e = 0; e < stencil; ++e) impulses[block.slot[e][l]] += impulse[e][l];
+inline void ConstraintBatch<C>::add_misfit(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends, const Solution& lambda,
+                                           Solution& r) const {
+  const Impulses all = times(at, lambda);
+  for (std::size_t e = 0; e < stencil; ++e) {
+    const Vec3x4 missing = (all[e] - applied_[b][e]) * ends.weight[e];
+    for (std::size_t k = 0; k < rows; ++k) r[k] += dot(at.gradient[k][e], missing);
+  }
 }
 
+// Shortens the step of a unilateral row so that its multiplier does not become negative; returns which part of it is left.
 template <ConstraintType C>
-void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies,
-                                      std::span<Vec4d> impulses) const {
+inline Vec4d ConstraintBatch<C>::part_taken(const Solution& lambda, Solution& step) {
+  if constexpr (!is_unilateral<C>) return broadcast(1);
+  const Vec4d wanted = step[0], zero = broadcast(0);
+  step[0] = max(step[0], zero - lambda[0]);
+  return select(wanted != zero, step[0] / select(wanted != zero, wanted, broadcast(1)), zero);
+}
+
+// What a change of the multipliers to lambda adds to each end and lane, as rows of four whose last component is 0.
+template <ConstraintType C>
+template <bool total>
+inline std::array<std::array<Vec4d, lanes>, ConstraintBatch<C>::stencil> ConstraintBatch<C>::take_impulses(
+    std::size_t b, const Rows<stencil, rows>& at, const Solution& change, const Solution& lambda) {
+  Impulses added;
+  if constexpr (total) {
+    const Impulses all = times(at, lambda);
+    for (std::size_t e = 0; e < stencil; ++e) added[e] = all[e] - applied_[b][e];
+    applied_[b] = all;
+  } else {
+    added = times(at, change);
+  }
+  std::array<std::array<Vec4d, lanes>, stencil> impulse;
+  for (std::size_t e = 0; e < stencil; ++e) {
+    Vec4d none = broadcast(0);
+    transpose(added[e].x, added[e].y, added[e].z, none);
+    impulse[e] = {added[e].x, added[e].y, added[e].z, none};
+  }
+  return impulse;
+}
+
+namespace constraint_kernels {
+
+// Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
+template <std::size_t stencil>
+[[gnu::always_inline]] inline void add(const std::array<std::array<Slot, lanes>, stencil>& slot,
+                                       const std::array<std::array<Vec4d, lanes>, stencil>& impulse, std::span<Vec4d> impulses) {
+  for (std::size_t l = 0; l < lanes; ++l)
+    for (std::size_t e = 0; e < stencil; ++e) impulses[slot[e][l]] += impulse[e][l];
+}
+
+}  // namespace constraint_kernels
+
+template <ConstraintType C>
+void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) {
+  const bool total = form_ == Form::total;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Ends ends = gather<false, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    add_changes(blocks_[b], at, lambda_[b], impulses);
+    const auto added =
+        total ? take_impulses<true>(b, at, lambda_[b], lambda_[b]) : take_impulses<false>(b, at, lambda_[b], lambda_[b]);
+    constraint_kernels::add(blocks_[b].slot, added, impulses);
   }
 }
 
 // In two passes over a few blocks at a time: what a block asks of the bodies first, what it does to them after. So the roots and
 // divisions of one block are under way while the next is read.
 template <ConstraintType C>
-template <bool soft>
+template <bool soft, bool total>
 void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
                                SweepSums& sums) {
   std::array<Rows<stencil, rows>, ahead> at;
@@ -214,11 +261,12 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
       const Ends ends = gather<soft, true>(blocks_[b], start, bodies);
       C::evaluate(blocks_[b].parameters, ends.x, at[i]);
       r[i] = residual_of<soft>(b, ends, at[i], y_[b], h, over_step);
+      if constexpr (total) add_misfit(b, at[i], ends, y_[b], r[i]);
       step[i] = solve_block<soft>(b, at[i], ends, r[i], h);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution moved = extrapolate(first + i, r[i], step[i], totals);
-      add_changes(blocks_[first + i], at[i], moved, impulses);
+      constraint_kernels::add(blocks_[first + i].slot, take_impulses<total>(first + i, at[i], moved, y_[first + i]), impulses);
     }
   }
   totals.add_to(sums, h);
@@ -226,14 +274,21 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
 
 // y becomes new + beta (new - old), new = y + step. Returns the change of y.
 template <ConstraintType C>
-inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r,
-                                                                             const Solution& step, SweepTotals& totals) {
+inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r, Solution step,
+                                                                             SweepTotals& totals) {
   Solution moved;
+  const Vec4d part = part_taken(y_[b], step);  // of |r|, what the step takes away
   Vec4d uphill = broadcast(0), squared = broadcast(0);
   for (std::size_t k = 0; k < rows; ++k) {
     const Vec4d next = y_[b][k] + step[k], forward = next - lambda_[b][k];
-    uphill += r[k] * forward, squared -= r[k] * step[k];
-    totals.change = max(totals.change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
+    uphill += r[k] * forward;
+    if constexpr (is_unilateral<C>) {
+      squared -= r[k] * part * step[k];
+      totals.change = max(totals.change, abs(r[k] * part));
+    } else {
+      squared -= r[k] * step[k];
+      totals.change = max(totals.change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
+    }
     lambda_[b][k] = next;
     const Vec4d y = next + totals.momentum * forward;
     moved[k] = y - y_[b][k];
@@ -249,12 +304,16 @@ template <ConstraintType C>
 void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                       double beta, SweepSums& sums) {
   if (y_.empty()) y_ = lambda_;
-  softness_.empty() ? sweep<false>(start, bodies, impulses, beta, sums) : sweep<true>(start, bodies, impulses, beta, sums);
+  const bool soft = !softness_.empty(), total = form_ == Form::total;
+  if (total)
+    soft ? sweep<true, true>(start, bodies, impulses, beta, sums) : sweep<false, true>(start, bodies, impulses, beta, sums);
+  else
+    soft ? sweep<true, false>(start, bodies, impulses, beta, sums) : sweep<false, false>(start, bodies, impulses, beta, sums);
 }
 
 // In two passes, as in sweep(): the blocks of a group have no moving body in common.
 template <ConstraintType C>
-template <bool soft>
+template <bool soft, bool total>
 double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> step;
@@ -268,34 +327,37 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
       const std::size_t b = first + i;
       const Ends ends = gather<soft, false>(blocks_[b], start, bodies);
       C::evaluate(blocks_[b].parameters, ends.x, at[i]);
-      const Solution r = residual_of<soft>(b, ends, at[i], lambda_[b], h, over_step);
+      Solution r = residual_of<soft>(b, ends, at[i], lambda_[b], h, over_step);
+      if constexpr (total) add_misfit(b, at[i], ends, lambda_[b], r);
       step[i] = solve_block<soft>(b, at[i], ends, r, h);
+      const Vec4d part = part_taken(lambda_[b], step[i]);
       weight[i] = ends.weight;
       for (std::size_t k = 0; k < rows; ++k) {
         lambda_[b][k] += step[i][k];
-        change = max(change, abs(select(step[i][k] != broadcast(0), r[k], broadcast(0))));
+        const Vec4d taken = is_unilateral<C> ? r[k] * part : select(step[i][k] != broadcast(0), r[k], broadcast(0));
+        change = max(change, abs(taken));
       }
     }
-    for (std::size_t i = 0; i < count; ++i) add_velocities(blocks_[first + i], at[i], step[i], weight[i], bodies);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t b = first + i;
+      const auto impulse = take_impulses<total>(b, at[i], step[i], lambda_[b]);
+      for (std::size_t e = 0; e < stencil; ++e)
+        for (std::size_t l = 0; l < lanes; ++l) {
+          auto& row = *reinterpret_cast<Vec4dView*>(&bodies[blocks_[b].slot[e][l]]);
+          row += impulse[e][l] * broadcast(weight[i][e][l]);
+        }
+    }
   }
   return h * horizontal_max(change);
 }
 
 template <ConstraintType C>
-inline void ConstraintBatch<C>::add_velocities(const Block& block, const Rows<stencil, rows>& at, const Solution& change,
-                                               const std::array<Vec4d, stencil>& weight, std::span<SolverBody> bodies) {
-  const auto impulse = impulses_of(at, change);
-  for (std::size_t e = 0; e < stencil; ++e)
-    for (std::size_t l = 0; l < lanes; ++l) {
-      auto& row = *reinterpret_cast<Vec4dView*>(&bodies[block.slot[e][l]]);
-      row += impulse[e][l] * broadcast(weight[e][l]);
-    }
-}
-
-template <ConstraintType C>
 double ConstraintBatch<C>::relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   if (group >= group_end_.size()) return 0;
-  return softness_.empty() ? relax_group<false>(group, start, bodies) : relax_group<true>(group, start, bodies);
+  const bool soft = !softness_.empty();
+  if (form_ == Form::total)
+    return soft ? relax_group<true, true>(group, start, bodies) : relax_group<false, true>(group, start, bodies);
+  return soft ? relax_group<true, false>(group, start, bodies) : relax_group<false, false>(group, start, bodies);
 }
 
 template <ConstraintType C>
@@ -307,11 +369,17 @@ double ConstraintBatch<C>::residual(const StepStart& start, std::span<const Solv
     const Ends ends = gather<true, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    const Solution r = softness_.empty() ? residual_of<false>(b, ends, at, lambda_[b], h, over_step)
-                                         : residual_of<true>(b, ends, at, lambda_[b], h, over_step);
+    Solution r = softness_.empty() ? residual_of<false>(b, ends, at, lambda_[b], h, over_step)
+                                   : residual_of<true>(b, ends, at, lambda_[b], h, over_step);
+    Vec4d part = broadcast(1);
+    if (form_ == Form::total) add_misfit(b, at, ends, lambda_[b], r);
+    if constexpr (is_unilateral<C>) {
+      Solution step = solve_block<false>(b, at, ends, r, h);
+      part = part_taken(lambda_[b], step);
+    }
     Vec4d moves = broadcast(0);  // two that cannot move leave a residual that nobody can solve
     for (const Vec4d m : ends.weight) moves += m;
-    for (const Vec4d rk : r) worst = max(worst, select(moves > broadcast(0), abs(rk), broadcast(0)));
+    for (const Vec4d rk : r) worst = max(worst, select(moves > broadcast(0), abs(rk * part), broadcast(0)));
   }
   return start.step * horizontal_max(worst);
 }
@@ -319,7 +387,7 @@ double ConstraintBatch<C>::residual(const StepStart& start, std::span<const Solv
 template <ConstraintType C>
 std::size_t ConstraintBatch<C>::bytes() const {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return of(blocks_) + of(softness_) + of(lambda_) + of(y_) + of(counted_) + of(group_end_) + of(order_);
+  return of(blocks_) + of(softness_) + of(lambda_) + of(y_) + of(counted_) + of(group_end_) + of(order_) + of(applied_);
 }
 
 }  // namespace unibody

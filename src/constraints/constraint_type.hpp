@@ -4,7 +4,8 @@
 // A type says how many bodies it ties together (stencil), how many equations c_k(x) = 0 it has (rows) and which numbers describe
 // it at rest (parameters), and it evaluates values and gradients of four constraints at once. Rows are scaled so that a value is
 // a length in metres and a multiplier a force in newtons; a row's compliance, in m/N, is then diagonal for every type: rows
-// are chosen along the eigenvectors of the material law.
+// are chosen along the eigenvectors of the material law. A type of one row may say that it is `unilateral`: c >= 0, complementary
+// to a multiplier >= 0, and stiff.
 #pragma once
 
 #include <array>
@@ -29,6 +30,11 @@ concept ConstraintType = requires(const std::array<Vec4d, C::parameter_names.siz
   { C::name } -> std::convertible_to<std::string_view>;
   { C::parameter_names[0] } -> std::convertible_to<std::string_view>;
   {C::evaluate(parameters, x, rows)};
+};
+
+template <class C>
+inline constexpr bool is_unilateral = requires {
+  requires C::unilateral && C::rows == 1;
 };
 
 // One constraint as the scene makes it: between bodies given by their ids.

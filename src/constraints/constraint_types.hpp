@@ -8,7 +8,9 @@
 #include "constraints/area.hpp"
 #include "constraints/dihedral.hpp"
 #include "constraints/distance.hpp"
+#include "constraints/inversion_guard.hpp"
 #include "constraints/membrane.hpp"
+#include "constraints/tetrahedron.hpp"
 
 namespace unibody {
 
@@ -19,7 +21,7 @@ struct TypeList {
   using Tuple = std::tuple<Of<C>...>;
 };
 
-using ConstraintTypes = TypeList<Distance, BendingLink, Membrane, Dihedral, Area>;
+using ConstraintTypes = TypeList<Distance, BendingLink, Membrane, Dihedral, Area, Tetrahedron, InversionGuard>;
 
 // Calls f(type index, element) for each element of a tuple made by ConstraintTypes::Tuple.
 template <typename Set, typename F>

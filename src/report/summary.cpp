@@ -63,7 +63,10 @@ Json settings_json(const Scene& scene) {
   solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
   solver.set("stages", name(stages_names, s.stages)).set("warm_start", s.warm_start).set("leak", s.leak);
   solver.set("friction", name(friction_model_names, s.friction)).set("gap", name(gap_names, s.gap));
-  solver.set("order", name(order_names, s.order)).set("scaling", s.scaling).set("recovery_time (s)", s.recovery_time);
+  solver.set("form", name(form_names, s.form))
+      .set("order", name(order_names, s.order))
+      .set("scaling", s.scaling)
+      .set("recovery_time (s)", s.recovery_time);
   solver.set("recovery_speed (m/s)", s.recovery_speed).set("margin (m)", s.margin);
   Json time = Json::object();
   time.set("step (s)", scene.time.step).set("frames", scene.time.frames).set("substeps", scene.time.substeps);

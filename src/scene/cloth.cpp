@@ -66,7 +66,7 @@ ClothLaw read_law(const Value& entry, double thickness) {
   return law;
 }
 
-ClothShape read_shape_of(const Value& entry, const ClothLaw& law, const Scene& scene) {
+MeshShape read_shape_of(const Value& entry, const ClothLaw& law, const Scene& scene) {
   const Value *grid = entry.find("grid"), *mesh = entry.find("mesh"), *scale = entry.find("scale");
   if (grid && mesh) mesh->fail("a mesh beside a grid", "only one of grid and mesh");
   if (!grid && !mesh) entry.fail_missing("grid", "a map with size and nodes, or mesh: an OBJ file");
@@ -74,29 +74,10 @@ ClothShape read_shape_of(const Value& entry, const ClothLaw& law, const Scene& s
   return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, scale ? scale->number(positive, "") : 1, law, scene);
 }
 
-void check_node_mass(const Value& entry, const ClothShape& shape) {
+void check_node_mass(const Value& entry, const MeshShape& shape) {
   for (const char* key : {"mass", "mass_per_area"})
     if (const Value* amount = entry.find(key))
       if (!(shape.mass(0) > 0)) amount->fail_expected("a mass > 0 of each node");
-}
-
-void add_surface(const Value& entry, Scene& scene, const std::string& name, Id first, const ClothShape& shape) {
-  Surface& surface = scene.surfaces.emplace_back();
-  surface.name = name, surface.count = shape.triangle_count;
-  surface.cell = [first, triangle = shape.triangle](Id t) {
-    auto ids = triangle(t);
-    for (Id& id : ids) id += first;
-    return ids;
-  };
-  surface.first_node = first, surface.node_count = shape.count;
-  surface.cells_of = [first, triangles_of = shape.triangles_of](Id node, std::vector<std::array<Id, 3>>& out) {
-    const std::size_t begin = out.size();
-    triangles_of(node - first, out);
-    for (std::size_t k = begin; k < out.size(); ++k)
-      for (Id& id : out[k]) id += first;
-  };
-  if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
-  if (const Value* drag = entry.find("drag")) surface.drag = drag->number(not_negative, "");
 }
 
 void read_cloth(const Value& entry, Scene& scene) {
@@ -106,7 +87,7 @@ void read_cloth(const Value& entry, Scene& scene) {
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
-  const ClothShape shape = read_shape_of(entry, read_law(entry, thickness), scene);
+  const MeshShape shape = read_shape_of(entry, read_law(entry, thickness), scene);
   check_node_mass(entry, shape);
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   const Id first = add_flexible(

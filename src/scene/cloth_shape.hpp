@@ -2,7 +2,7 @@
 // where nodes are and what ties them together.
 #pragma once
 
-#include "scene/cloth.hpp"
+#include "scene/flexible.hpp"
 #include "scene/triangle_mesh.hpp"
 
 namespace unibody {
@@ -29,21 +29,8 @@ struct ClothLaw {
   std::optional<Bending> bending;
 };
 
-// Nodes are numbered from 0; places (m) are in the entry's frame.
-struct ClothShape {
-  Id count = 0;
-  std::function<Vec3(Id node)> place;
-  std::function<double(Id node)> mass;                                    // kg
-  std::function<void(Id first, Id node, ConstraintSet& out)> touching;    // ids from `first` on
-  std::function<Id(Id node)> patch = [](Id node) { return node / 256; };  // what a partition moves as one
-  std::function<Id(const Value&)> number;                                 // of a node as pins name it
-  Id triangle_count = 0;                                                  // to be drawn
-  std::function<std::array<Id, 3>(Id triangle)> triangle;
-  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> triangles_of;  // those at a node
-};
-
-ClothShape grid_cloth(const Value& grid, const ClothLaw& law);
-ClothShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene);
+MeshShape grid_cloth(const Value& grid, const ClothLaw& law);
+MeshShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene);
 
 // Constraints at rest between nodes at these places; ids and colours are the caller's.
 template <class Link>

@@ -159,11 +159,11 @@ void read_grid(const Value& grid, GridCloth& cloth) {
 
 }  // namespace
 
-ClothShape grid_cloth(const Value& grid, const ClothLaw& law) {
+MeshShape grid_cloth(const Value& grid, const ClothLaw& law) {
   GridCloth cloth;
   read_grid(grid, cloth);
   cloth.law = law;
-  ClothShape shape;
+  MeshShape shape;
   shape.count = cloth.count();
   shape.place = [cloth](Id k) { return cloth.place(k % cloth.nx, k / cloth.nx); };
   shape.mass = [cloth](Id k) { return cloth.mass_of(k % cloth.nx, k / cloth.nx); };

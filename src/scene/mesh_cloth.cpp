@@ -1,12 +1,11 @@
-// Mesh cloths: nodes and triangles of an OBJ file. All constraints are made when the file is read, since their colours depend on
-// the whole mesh; every rank has the same, and finds those of a node in a list.
+// Mesh cloths: nodes and triangles of an OBJ file.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <set>
-#include <span>
 
 #include "scene/cloth_shape.hpp"
+#include "scene/mesh_constraints.hpp"
 #include "scene/mesh_topology.hpp"
 #include "scene/obj.hpp"
 
@@ -14,50 +13,10 @@ namespace unibody {
 
 namespace {
 
-// Of each node, the places of the constraints that touch it: those of node k stand at [start[k], start[k + 1]).
-struct Incidence {
-  std::vector<std::size_t> start, places;
-
-  Incidence() = default;
-
-  // `nodes_of(element)` are those of an element of the list.
-  template <class List, typename NodesOf>
-  Incidence(const List& list, Id nodes, NodesOf&& nodes_of) : start(static_cast<std::size_t>(nodes) + 1, 0) {
-    for (const auto& element : list)
-      for (const auto node : nodes_of(element)) ++start[static_cast<std::size_t>(node) + 1];
-    for (std::size_t k = 1; k < start.size(); ++k) start[k] += start[k - 1];
-    places.resize(start.back());
-    std::vector<std::size_t> end(start.begin(), start.end() - 1);
-    for (std::size_t i = 0; i < list.size(); ++i)
-      for (const auto node : nodes_of(list[i])) places[end[static_cast<std::size_t>(node)]++] = i;
-  }
-  std::span<const std::size_t> at(Id node) const {
-    const auto k = static_cast<std::size_t>(node);
-    return {places.data() + start[k], start[k + 1] - start[k]};
-  }
-};
-
-// Each constraint in turn takes the lowest colour that no earlier one at its nodes has.
-template <class C>
-void colour_greedily(ConstraintList<C>& list, const Incidence& incidence) {
-  std::vector<std::size_t> taken_by;  // of each colour, the last constraint (from 1) that found it taken
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    for (const Id id : list[i].ids)
-      for (const std::size_t other : incidence.at(id)) {
-        if (other >= i) break;
-        const auto colour = static_cast<std::size_t>(list[other].colour);
-        if (taken_by.size() <= colour) taken_by.resize(colour + 1, 0);
-        taken_by[colour] = i + 1;
-      }
-    const auto free = std::find_if(taken_by.begin(), taken_by.end(), [&](std::size_t by) { return by != i + 1; });
-    list[i].colour = static_cast<std::int32_t>(free - taken_by.begin());
-  }
-}
-
 // Constraints with nodes in place of ids.
-class MeshConstraints {
+class ClothConstraints {
  public:
-  MeshConstraints(const TriangleMesh& mesh, const MeshTopology& topology, const ClothLaw& law) : mesh_(mesh) {
+  ClothConstraints(const TriangleMesh& mesh, const MeshTopology& topology, const ClothLaw& law) : mesh_(mesh) {
     if (law.links)
       for (const MeshEdge& edge : topology.edges) add_link<Distance>(*law.links, edge.nodes[0], edge.nodes[1]);
     if (law.membrane) add_on_triangles<Membrane>([&](const auto&... at) { return membrane_at_rest(*law.membrane, at...); });
@@ -126,31 +85,16 @@ class MeshConstraints {
 struct MeshCloth {
   TriangleMesh mesh;
   std::vector<double> mass;  // kg, of each node
-  ConstraintSet constraints;
-  std::vector<Incidence> incidence;  // of each type
+  MeshConstraints constraints;
   Incidence triangles_of;
 
   MeshCloth(TriangleMesh given, const std::string& origin, const ClothLaw& law) : mesh(std::move(given)) {
     const MeshTopology topology = mesh_topology(mesh, origin);
     orient_triangles(mesh, topology, origin);
     check_mesh(mesh, origin);
-    constraints = MeshConstraints(mesh, topology, law).set;
-    for_each_type(constraints, [&](auto, auto& list) {
-      incidence.emplace_back(list, static_cast<Id>(mesh.nodes.size()), [](const auto& c) { return c.ids; });
-      colour_greedily(list, incidence.back());
-    });
+    constraints = MeshConstraints(ClothConstraints(mesh, topology, law).set, static_cast<Id>(mesh.nodes.size()));
     triangles_of = Incidence(mesh.triangles, static_cast<Id>(mesh.nodes.size()), [](const auto& nodes) { return nodes; });
     set_masses(law);
-  }
-
-  void touching(Id first, Id node, ConstraintSet& out) const {
-    for_each_type(constraints, [&](auto type, const auto& list) {
-      for (const std::size_t i : incidence[type.value].at(node)) {
-        auto c = list[i];
-        for (Id& id : c.ids) id += first;
-        std::get<type.value>(out).push_back(c);
-      }
-    });
   }
 
  private:
@@ -176,16 +120,16 @@ TriangleMesh read_mesh(const Value& file, const Scene& scene, std::string& path)
 
 }  // namespace
 
-ClothShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene) {
+MeshShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene) {
   std::string path;
   TriangleMesh mesh = read_mesh(file, scene, path);
   for (Vec3& node : mesh.nodes) node *= scale;
   const auto cloth = std::make_shared<const MeshCloth>(std::move(mesh), path, law);
-  ClothShape shape;
+  MeshShape shape;
   shape.count = static_cast<Id>(cloth->mesh.nodes.size());
   shape.place = [cloth](Id k) { return cloth->mesh.nodes[static_cast<std::size_t>(k)]; };
   shape.mass = [cloth](Id k) { return cloth->mass[static_cast<std::size_t>(k)]; };
-  shape.touching = [cloth](Id first, Id node, ConstraintSet& out) { cloth->touching(first, node, out); };
+  shape.touching = [cloth](Id first, Id node, ConstraintSet& out) { cloth->constraints.touching(first, node, out); };
   shape.number = [count = shape.count](const Value& node) { return node.integer(0, count - 1); };
   shape.triangle_count = static_cast<Id>(cloth->mesh.triangles.size());
   shape.triangle = [cloth](Id t) -> std::array<Id, 3> {

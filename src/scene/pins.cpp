@@ -1,7 +1,7 @@
 // Pins of cloths and threads: which node is held, by what, and until when.
 #include <algorithm>
 
-#include "scene/cloth.hpp"
+#include "scene/flexible.hpp"
 
 namespace unibody {
 
@@ -50,29 +50,53 @@ bool is_pinned(const Scene& scene, Id node) {
          std::ranges::binary_search(scene.attachments, node, {}, &Attachment::node);
 }
 
-void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number) {
-  value.map({"node", "near", "to", "release"});
-  const Value *node = value.find("node"), *near = value.find("near"), *to = value.find("to"), *release = value.find("release");
-  if (node && near) near->fail(near->found() + " beside node " + node->found(), "only one of node and near");
-  if (!node && !near) value.fail_missing("node", "a node, or near: a point (m)");
-  Pin pin;
-  pin.id = node ? first + number(*node) : nearest_node(scene, first, count, read_vector(*near, scene, "m"));
-  if (release) pin.release = release->number(not_negative, "s");
-  const Value& named = node ? *node : *near;
-  if (is_pinned(scene, pin.id)) named.fail(named.found() + ", a node pinned before", "each node pinned once");
+std::vector<Id> nodes_within(const Value& value, const Scene& scene, Id first, Id count) {
+  const Part part = read_part(value, scene);
+  std::vector<Id> found;
+  for (Id id = first; id < first + count; ++id)
+    if (part.holds(scene.groups.back().make(id - first).state.position)) found.push_back(id);
+  if (found.empty()) value.fail("a part without a node", "a box (m, world axes) with some in it");
+  return found;
+}
+
+// Holds a node, or ties it to a dynamic body.
+void add_pin(Pin pin, const Body* body, Scene& scene, Id first) {
   bool tied = false;
-  if (to) {
-    const Body body = read_target(*to, scene);
-    tied = body.properties.is_dynamic();
-    pin.body = body.id;
+  if (body) {
+    tied = body->properties.is_dynamic();
+    pin.body = body->id;
     pin.place =
-        body.state.orientation.conjugate() * (scene.groups.back().make(pin.id - first).state.position - body.state.position);
+        body->state.orientation.conjugate() * (scene.groups.back().make(pin.id - first).state.position - body->state.position);
   }
   if (tied)
     scene.attachments.insert(std::ranges::upper_bound(scene.attachments, pin.id, {}, &Attachment::node),
                              {pin.id, pin.body, pin.place, pin.release});
   else
     scene.pins.insert(std::ranges::upper_bound(scene.pins, pin.id, {}, &Pin::id), pin);
+}
+
+void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number) {
+  value.map({"node", "near", "within", "to", "release"});
+  const Value *node = value.find("node"), *near = value.find("near"), *within = value.find("within");
+  const Value *to = value.find("to"), *release = value.find("release");
+  const Value* named = node ? node : near ? near : within;
+  for (const Value* other : {near, within})
+    if (other && other != named)
+      other->fail(other->found() + " beside " + (node ? "node " : "near ") + named->found(), "only one of node, near and within");
+  if (!named) value.fail_missing("node", "a node, or near: a point (m), or within: a box (m)");
+  Pin pin;
+  if (release) pin.release = release->number(not_negative, "s");
+  const Body body = to ? read_target(*to, scene) : Body{};
+  std::vector<Id> ids;
+  if (within)
+    ids = nodes_within(*within, scene, first, count);
+  else
+    ids = {node ? first + number(*node) : nearest_node(scene, first, count, read_vector(*near, scene, "m"))};
+  for (const Id id : ids) {
+    if (is_pinned(scene, id)) named->fail(named->found() + ", a node pinned before", "each node pinned once");
+    pin.id = id;
+    add_pin(pin, to ? &body : nullptr, scene, first);
+  }
 }
 
 }  // namespace

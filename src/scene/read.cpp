@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "scene/body_entry.hpp"
-#include "scene/cloth.hpp"
+#include "scene/flexible.hpp"
 
 namespace unibody {
 
@@ -62,6 +62,7 @@ const Field<SolverSettings> solver_fields[] = {
     {"iterations", [](const Value& v, SolverSettings& s) { s.iterations = static_cast<int>(v.integer(1, 1'000'000'000)); }},
     {"tolerance", [](const Value& v, SolverSettings& s) { s.tolerance = number_or_auto(v, not_negative, "m"); }},
     {"stages", [](const Value& v, SolverSettings& s) { s.stages = static_cast<Stages>(v.choice(names_of(stages_names))); }},
+    {"form", [](const Value& v, SolverSettings& s) { s.form = static_cast<Form>(v.choice(names_of(form_names))); }},
     {"warm_start", [](const Value& v, SolverSettings& s) { s.warm_start = read_warm_start(v); }},
     {"leak",
      [](const Value& v, SolverSettings& s) {
@@ -145,6 +146,7 @@ const Field<Scene> sections[] = {
     {"bodies", read_bodies},
     {"cloths", read_cloths},
     {"threads", read_threads},
+    {"solids", read_solids},
 };
 
 const BodyGroup& group_of(const Scene& scene, Id id) {

@@ -1,8 +1,8 @@
-// Threads: nodes along a polyline, linked one to the next; and what threads have in common with cloths (pins: pins.cpp).
+// The section `threads`: nodes along a polyline, linked one to the next.
 #include <algorithm>
 #include <cmath>
 
-#include "scene/cloth.hpp"
+#include "scene/flexible.hpp"
 
 namespace unibody {
 
@@ -97,55 +97,6 @@ void read_thread(const Value& entry, Scene& scene) {
 
 void read_threads(const Value& list, Scene& scene) {
   for (const Value& entry : list.list("threads")) read_thread(entry, scene);
-}
-
-Body Nodes::at(const Vec3& place, double mass) const {
-  BodyTemplate own = particle;
-  own.mass = mass;
-  return make_body(own, particle.properties.shape, position + orientation * place);
-}
-
-Spring read_spring(const Value& map, const std::string& unit) {
-  Spring spring;
-  if (const Value* stiffness = map.find("stiffness")) spring.stiffness = stiffness->number(positive, unit);
-  if (const Value* damping = map.find("damping")) spring.damping = damping->number(not_negative, "s");
-  return spring;
-}
-
-Nodes read_nodes(const Value& entry, double radius, const Scene& scene) {
-  Nodes nodes;
-  nodes.particle.properties.shape = {ShapeKind::particle, Vec3(radius, 0, 0)};
-  nodes.particle.properties.group = static_cast<std::int32_t>(scene.constraint_groups.size());
-  if (const Value* name = entry.find("name")) nodes.name = name->string("a name");
-  if (const Value* value = entry.find("position")) nodes.position = read_vector(*value, scene, "m");
-  if (const Value* value = entry.find("orientation")) nodes.orientation = read_orientation(*value, scene);
-  if (const Value* value = entry.find("velocity")) nodes.particle.velocity = read_vector(*value, scene, "m/s");
-  if (const Value* value = entry.find("material"))
-    nodes.particle.properties.material = static_cast<std::int32_t>(value->choice(scene.materials));
-  return nodes;
-}
-
-Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
-                std::function<void(Id first, Id node, ConstraintSet& out)> touching, std::function<Id(Id)> patch) {
-  const Id first = scene.body_count();
-  BodyGroup group;
-  group.first = first, group.count = count, group.rotates = false, group.name = nodes.name;
-  group.make = [first, make = std::move(make)](Id k) {
-    Body body = make(k);
-    body.id = first + k;
-    return body;
-  };
-  scene.groups.push_back(std::move(group));
-  scene.constraint_groups.push_back(
-      {first, count, [first, touching = std::move(touching)](Id id, ConstraintSet& out) { touching(first, id - first, out); },
-       [first, patch = std::move(patch)](Id id) { return patch(id - first); }});
-  return first;
-}
-
-const Value& need(const Value& map, const char* key, const std::string& expected) {
-  const Value* value = map.find(key);
-  if (!value) map.fail_missing(key, expected);
-  return *value;
 }
 
 }  // namespace unibody

@@ -20,6 +20,11 @@ inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "jo
 enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
 
+// How constraints beside contacts are solved: incremental, robust, off implicit Euler by the turning of the gradients within a
+// step; total, implicit Euler exactly where it converges.
+enum class Form { incremental, total };
+inline constexpr std::array<std::string_view, 2> form_names{"incremental", "total"};
+
 // The solvers there are, the default first; solver.cpp has the table.
 std::vector<std::string> solver_names();
 
@@ -35,6 +40,7 @@ struct SolverSettings {
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
   // contacts where it is the only stage. -1: 1/3, which leaves three quarters of a step's damping; 1/2 leaves none.
   double warm_start = -1;
+  Form form = Form::incremental;
   double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
   FrictionModel friction = FrictionModel::disc;
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration

@@ -30,7 +30,7 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   ConstraintBatch<Distance> batch;
   const std::vector<std::uint32_t> order{0}, groups{1};
   batch.build(
-      std::span(&link, 1), order, groups, 2,
+      std::span(&link, 1), order, groups, 2, Form::incremental,
       [](std::uint32_t) {
         return std::array<Slot, 2>{0, 1};
       },
@@ -66,7 +66,7 @@ TEST(ConstraintBatch, AStiffConstraintIsTheSameBesideASoftOne) {
     const std::vector<std::uint32_t> groups{static_cast<std::uint32_t>(count)};
     ConstraintBatch<Distance> batch;
     batch.build(
-        std::span(links).first(count), order, groups, 4,
+        std::span(links).first(count), order, groups, 4, Form::incremental,
         [](std::uint32_t i) {
           return std::array<Slot, 2>{static_cast<Slot>(2 * i), static_cast<Slot>(2 * i + 1)};
         },

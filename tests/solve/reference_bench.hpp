@@ -58,7 +58,8 @@ struct IterativeStep {
   const ConstraintSet& constraints;
   const Solver& solver;
 
-  IterativeStep(const World& world, const ConstraintSet& set, const Vec3& gravity, double h, const char* name)
+  IterativeStep(const World& world, const ConstraintSet& set, const Vec3& gravity, double h, const char* name,
+                const SolverSettings& settings = {})
       : constraints(set), solver(find_solver(name)) {
     bench.world = world, bench.gravity = gravity, bench.step = h;
     bench.build_for_jacobi();
@@ -66,7 +67,7 @@ struct IterativeStep {
     for_each_type(set, [&](auto type, const auto& list) {
       for (const auto& c : list) colours[type.value] = std::max(colours[type.value], c.colour + 1);
     });
-    batches.build(set, world, static_cast<Slot>(world.size()), solver.sweeps_by_colour, Order::coloured, colours);
+    batches.build(set, world, static_cast<Slot>(world.size()), solver.sweeps_by_colour, settings, colours);
     std::vector<std::int32_t> counts(world.size() + 1, 0);
     batches.count(counts);
     bench.system.homes = world.homes, bench.system.step = h, bench.system.constraints = &batches;

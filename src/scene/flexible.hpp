@@ -1,4 +1,4 @@
-// The sections `cloths` and `threads`: flexible bodies of particles and the constraints between them.
+// The sections `cloths`, `threads` and `solids`: flexible bodies of particles and the constraints between them.
 #pragma once
 
 #include "constraints/constraint_types.hpp"
@@ -8,8 +8,9 @@ namespace unibody {
 
 void read_cloths(const Value& list, Scene& scene);
 void read_threads(const Value& list, Scene& scene);
+void read_solids(const Value& list, Scene& scene);
 
-// What cloths and threads have in common: the particles, where they are and how they start.
+// What they have in common: the particles, where they are and how they start.
 struct Nodes {
   BodyTemplate particle;  // of the contact radius; its mass is set by node
   std::string name;
@@ -40,6 +41,30 @@ Id add_flexible(
 // Reads `pins` of a flexible body whose nodes are bodies first .. first + count - 1, the last ones so far, where the entry has
 // it: a list of {node: ..., to: body, release: s} or {near: [x, y, z], ...}. `number(value)` reads a node as the entry names it.
 void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number);
+
+// What lies between the nodes of a cloth or solid, whatever it was made from: pure functions, nodes numbered from 0, places (m)
+// in the entry's frame.
+struct MeshShape {
+  Id count = 0;
+  std::function<Vec3(Id node)> place;
+  std::function<double(Id node)> mass;                                    // kg
+  std::function<void(Id first, Id node, ConstraintSet& out)> touching;    // ids from `first` on
+  std::function<Id(Id node)> patch = [](Id node) { return node / 256; };  // what a partition moves as one
+  std::function<Id(const Value&)> number;                                 // of a node as pins name it
+  Id triangle_count = 0;                                                  // to be touched and drawn
+  std::function<std::array<Id, 3>(Id triangle)> triangle;
+  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> triangles_of;  // those at a node
+};
+
+// A box (m, world axes) that says which nodes are meant, by where they are at the start.
+struct Part {
+  Vec3 lower, upper;
+  bool holds(const Vec3& x) const;
+};
+Part read_part(const Value& value, const Scene& scene);
+
+// Adds the surface of a shape whose nodes are bodies from `first` on, with the entry's self_collision and drag.
+void add_surface(const Value& entry, Scene& scene, const std::string& name, Id first, const MeshShape& shape);
 
 // The child of a map that must be there.
 const Value& need(const Value& map, const char* key, const std::string& expected);

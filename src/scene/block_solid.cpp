@@ -1,0 +1,179 @@
+// Blocks of tetrahedra: each cell of a lattice split in six around its diagonal (Kuhn), all cells alike, so that the faces of
+// neighbours match. Everything is a pure function of a node's number.
+#include <algorithm>
+
+#include "scene/solid_shape.hpp"
+
+namespace unibody {
+
+namespace {
+
+using Cell = std::array<Id, 3>;
+
+// The orders in which a path along the edges of a cell goes from its lowest corner to its highest: a tetrahedron each.
+constexpr std::array<std::array<int, 3>, 6> paths{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}};
+constexpr bool is_even(std::size_t path) { return path < 3; }
+
+struct Block {
+  Vec3 size = Vec3::Ones();  // m
+  Cell cells{1, 1, 1};
+  SolidLaw law;
+
+  Id nodes(std::size_t axis) const { return cells[axis] + 1; }
+  Id count() const { return nodes(0) * nodes(1) * nodes(2); }
+  Id node(const Cell& c) const { return c[0] + nodes(0) * (c[1] + nodes(1) * c[2]); }
+  Cell cell_of(Id node) const { return {node % nodes(0), node / nodes(0) % nodes(1), node / (nodes(0) * nodes(1))}; }
+  Vec3 place(const Cell& c) const {
+    Vec3 x;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<Eigen::Index>(k);
+      x[axis] = size[axis] * (static_cast<double>(c[k]) / static_cast<double>(cells[k]) - 0.5);
+    }
+    return x;
+  }
+  bool has_cell(const Cell& c) const {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (c[k] < 0 || c[k] >= cells[k]) return false;
+    return true;
+  }
+
+  // Corners of a cell's tetrahedron, positively oriented.
+  static std::array<Cell, 4> corners(const Cell& cell, std::size_t path) {
+    std::array<Cell, 4> at{cell, cell, cell, cell};
+    for (std::size_t step = 0; step < 3; ++step)
+      for (std::size_t later = step + 1; later < 4; ++later) ++at[later][static_cast<std::size_t>(paths[path][step])];
+    if (!is_even(path)) std::swap(at[2], at[3]);
+    return at;
+  }
+
+  // Calls f(cell, corner) for each cell that has this node, corner: where in the cell it is, 0 or 1 along each axis.
+  template <typename F>
+  void for_each_cell_at(const Cell& node, F&& f) const {
+    for (Id k = 1; k >= 0; --k)
+      for (Id j = 1; j >= 0; --j)
+        for (Id i = 1; i >= 0; --i)
+          if (const Cell cell{node[0] - i, node[1] - j, node[2] - k}; has_cell(cell)) f(cell, Cell{i, j, k});
+  }
+
+  // A quarter of each tetrahedron's at each of its corners: all six of a cell have its lowest and its highest, two any other.
+  double mass_of(const Cell& node) const {
+    Id shares = 0;
+    for_each_cell_at(node, [&](const Cell&, const Cell& corner) {
+      const Id ones = corner[0] + corner[1] + corner[2];
+      shares += ones == 0 || ones == 3 ? 6 : 2;
+    });
+    return law.density * size.prod() / static_cast<double>(24 * cells[0] * cells[1] * cells[2]) * static_cast<double>(shares);
+  }
+};
+
+void add_constraints(const Block& block, Id first, Id node, ConstraintSet& out) {
+  block.for_each_cell_at(block.cell_of(node), [&](const Cell& cell, const Cell&) {
+    const Id parity = cell[0] % 2 + 2 * (cell[1] % 2) + 4 * (cell[2] % 2);
+    for (std::size_t path = 0; path < paths.size(); ++path) {
+      const auto at = Block::corners(cell, path);
+      std::array<Id, 4> ids;
+      for (std::size_t e = 0; e < 4; ++e) ids[e] = block.node(at[e]);
+      if (std::find(ids.begin(), ids.end(), node) == ids.end()) continue;
+      std::array<Vec3, 4> places;
+      for (std::size_t e = 0; e < 4; ++e) places[e] = block.place(at[e]), ids[e] += first;
+      add_tetrahedron(block.law, places, ids, static_cast<std::int32_t>(8 * static_cast<Id>(path) + parity), out);
+    }
+  });
+}
+
+// The triangles of the surface: those of side 0 (low) of axis 0, then of side 1, then of axis 1 ... Two a cell's face, split
+// along the diagonal that the tetrahedra have there.
+class BlockSurface {
+ public:
+  explicit BlockSurface(const Block& block) : block_(block) {}
+
+  Id triangle_count() const {
+    Id n = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) n += 4 * faces(axis);
+    return n;
+  }
+
+  std::array<Id, 3> triangle(Id t) const {
+    std::size_t axis = 0;
+    for (; t >= 4 * faces(axis); ++axis) t -= 4 * faces(axis);
+    const Id side = t / (2 * faces(axis)), face = t / 2 % faces(axis);
+    const Id along = block_.cells[(axis + 1) % 3];
+    return corners(axis, side, face % along, face / along, t % 2);
+  }
+
+  void at(Id node, std::vector<std::array<Id, 3>>& out) const {
+    const Cell at = block_.cell_of(node);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (Id side = 0; side < 2; ++side) {
+        if (at[axis] != side * block_.cells[axis]) continue;
+        const Id i0 = at[(axis + 1) % 3], j0 = at[(axis + 2) % 3];
+        for (Id j = std::max<Id>(0, j0 - 1); j <= std::min(j0, block_.cells[(axis + 2) % 3] - 1); ++j)
+          for (Id i = std::max<Id>(0, i0 - 1); i <= std::min(i0, block_.cells[(axis + 1) % 3] - 1); ++i)
+            for (Id t = 0; t < 2; ++t)
+              if (const auto n = corners(axis, side, i, j, t); std::find(n.begin(), n.end(), node) != n.end()) out.push_back(n);
+      }
+  }
+
+ private:
+  Id faces(std::size_t axis) const { return block_.cells[(axis + 1) % 3] * block_.cells[(axis + 2) % 3]; }  // of one side
+
+  // Triangle t (0, 1) of a cell's face, counterclockwise from outside.
+  std::array<Id, 3> corners(std::size_t axis, Id side, Id i, Id j, Id t) const {
+    const auto node = [&](Id di, Id dj) {
+      Cell c{};
+      c[axis] = side * block_.cells[axis], c[(axis + 1) % 3] = i + di, c[(axis + 2) % 3] = j + dj;
+      return block_.node(c);
+    };
+    std::array<Id, 3> n =
+        t == 0 ? std::array{node(0, 0), node(1, 0), node(1, 1)} : std::array{node(0, 0), node(1, 1), node(0, 1)};
+    if (side == 0) std::swap(n[1], n[2]);
+    return n;
+  }
+
+  const Block& block_;
+};
+
+void read_block(const Value& value, Block& block) {
+  value.map({"size", "cells"});
+  const auto size = need(value, "size", "a list of 3 numbers > 0 (m)").numbers(3, positive, "m");
+  const Value& cells = need(value, "cells", "a list of 3 integers >= 1");
+  if (cells.kind != Value::Kind::list || cells.entries.size() != 3) cells.fail_expected("a list of 3 integers >= 1");
+  for (std::size_t k = 0; k < 3; ++k) {
+    block.size[static_cast<Eigen::Index>(k)] = size[k];
+    block.cells[k] = cells.entries[k].integer(1, 100'000);
+  }
+}
+
+Id read_node(const Block& block, const Value& value) {
+  if (value.kind != Value::Kind::list || value.entries.size() != 3) value.fail_expected("a node [i, j, k] of the block");
+  Cell at;
+  for (std::size_t k = 0; k < 3; ++k) at[k] = value.entries[k].integer(0, block.cells[k]);
+  return block.node(at);
+}
+
+// 8 x 8 x 8 nodes.
+Id patch_of(const Block& block, Id node) {
+  const Cell at = block.cell_of(node);
+  return at[0] / 8 + (block.cells[0] / 8 + 1) * (at[1] / 8 + (block.cells[1] / 8 + 1) * (at[2] / 8));
+}
+
+}  // namespace
+
+MeshShape block_solid(const Value& value, const SolidLaw& law) {
+  Block block;
+  read_block(value, block);
+  block.law = law;
+  MeshShape shape;
+  shape.count = block.count();
+  shape.place = [block](Id k) { return block.place(block.cell_of(k)); };
+  shape.mass = [block](Id k) { return block.mass_of(block.cell_of(k)); };
+  shape.touching = [block](Id first, Id node, ConstraintSet& out) { add_constraints(block, first, node, out); };
+  shape.patch = [block](Id node) { return patch_of(block, node); };
+  shape.number = [block](const Value& node) { return read_node(block, node); };
+  shape.triangle_count = BlockSurface(block).triangle_count();
+  shape.triangle = [block](Id t) { return BlockSurface(block).triangle(t); };
+  shape.triangles_of = [block](Id node, std::vector<std::array<Id, 3>>& out) { BlockSurface(block).at(node, out); };
+  return shape;
+}
+
+}  // namespace unibody

@@ -1,0 +1,77 @@
+// The section `solids`: what blocks and meshes read alike.
+#include <cmath>
+
+#include "scene/solid_shape.hpp"
+
+namespace unibody {
+
+namespace {
+
+SolidLaw read_law(const Value& entry) {
+  SolidLaw law;
+  law.density = need(entry, "density", "a number > 0 (kg/m^3)").number(positive, "kg/m^3");
+  law.youngs_modulus = need(entry, "youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
+  law.poissons_ratio = need(entry, "poissons_ratio", "a number in (-1, 0.5)").number({-1, 0.5, true, true}, "");
+  if (const Value* damping = entry.find("damping")) law.damping = damping->number(not_negative, "s");
+  if (const Value* least = entry.find("least_volume")) law.least_volume = least->number({0, 1, true, true}, "");
+  return law;
+}
+
+MeshShape read_shape_of(const Value& entry, const SolidLaw& law, const Scene& scene) {
+  const Value *block = entry.find("block"), *mesh = entry.find("mesh"), *scale = entry.find("scale");
+  if (block && mesh) mesh->fail("a mesh beside a block", "only one of block and mesh");
+  if (!block && !mesh) entry.fail_missing("block", "a map with size and cells, or mesh: a .msh or .vtu file");
+  if (block && scale) scale->fail_expected("no such key beside a block");
+  return block ? block_solid(*block, law) : mesh_solid(*mesh, scale ? scale->number(positive, "") : 1, law, scene);
+}
+
+void read_solid(const Value& entry, Scene& scene) {
+  std::vector<std::string> keys = node_keys;
+  for (const char* key : {"block", "mesh", "scale", "density", "youngs_modulus", "poissons_ratio", "damping", "least_volume",
+                          "thickness", "angular_velocity", "loads", "self_collision", "drag"})
+    keys.emplace_back(key);
+  entry.map(keys);
+  const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
+  const MeshShape shape = read_shape_of(entry, read_law(entry), scene);
+  if (!(shape.mass(0) > 0)) need(entry, "density", "").fail_expected("a mass > 0 of each node");
+  const Nodes nodes = read_nodes(entry, thickness / 2, scene);
+  Vec3 spin = Vec3::Zero();
+  if (const Value* value = entry.find("angular_velocity")) spin = read_vector(*value, scene, "rad/s");
+  const auto loads = read_loads(entry, shape, nodes, scene);
+  const Id first = add_flexible(
+      scene, nodes, shape.count,
+      [shape, nodes, spin, loads](Id k) {
+        Body body = nodes.at(shape.place(k), shape.mass(k));
+        body.state.velocity += spin.cross(body.state.position - nodes.position);
+        if (const auto load = loads.find(k); load != loads.end()) body.properties.force = load->second;
+        return body;
+      },
+      shape.touching, shape.patch);
+  add_surface(entry, scene, nodes.name, first, shape);
+  read_pins(entry, scene, first, shape.count, shape.number);
+}
+
+}  // namespace
+
+void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const std::array<Id, 4>& ids, std::int32_t colour,
+                     ConstraintSet& out) {
+  Constraint<Tetrahedron> c;
+  c.ids = ids, c.colour = colour;
+  c.parameters = Tetrahedron::at_rest(at[0], at[1], at[2], at[3]);
+  const double length = c.parameters[9], volume = length * length * length / 6;
+  c.compliance = Tetrahedron::compliance(law.youngs_modulus, law.poissons_ratio, volume, length);
+  c.damping = law.damping;
+  std::get<ConstraintList<Tetrahedron>>(out).push_back(c);
+  if (!law.least_volume) return;
+  Constraint<InversionGuard> guard;
+  guard.ids = ids, guard.colour = colour;
+  guard.parameters = {6 * volume, *law.least_volume, length};
+  std::get<ConstraintList<InversionGuard>>(out).push_back(guard);
+}
+
+void read_solids(const Value& list, Scene& scene) {
+  if (scene.planar) list.fail("solids in a planar scene", "planar: false: a solid needs all three directions");
+  for (const Value& entry : list.list("solids")) read_solid(entry, scene);
+}
+
+}  // namespace unibody

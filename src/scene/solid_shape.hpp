@@ -1,0 +1,28 @@
+// What blocks and tetrahedral meshes have in common as soft solids: the law that their tetrahedra follow.
+#pragma once
+
+#include <span>
+
+#include "scene/flexible.hpp"
+
+namespace unibody {
+
+struct SolidLaw {
+  double density = 0;                             // kg/m^3
+  double youngs_modulus = 0, poissons_ratio = 0;  // Pa, 1
+  double damping = 0;                             // s
+  std::optional<double> least_volume;             // of rest, that a tetrahedron is kept from falling below
+};
+
+MeshShape block_solid(const Value& block, const SolidLaw& law);
+MeshShape mesh_solid(const Value& file, double scale, const SolidLaw& law, const Scene& scene);
+
+// Of each node that has one: the force (N) of the entry's `loads`, a list of {within: {min, max}, force}, each spread over the
+// triangles of the surface that lie within.
+std::map<Id, Vec3> read_loads(const Value& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene);
+
+// Adds the constraints of a tetrahedron at rest with these corners, positively oriented.
+void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const std::array<Id, 4>& ids, std::int32_t colour,
+                     ConstraintSet& out);
+
+}  // namespace unibody
