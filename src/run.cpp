@@ -17,6 +17,7 @@
 #include "report/progress.hpp"
 #include "report/report.hpp"
 #include "report/state_hash.hpp"
+#include "report/strain.hpp"
 #include "report/summary.hpp"
 #include "report/surface_report.hpp"
 #include "step.hpp"
@@ -53,7 +54,8 @@ std::string physics_of(const Scene& scene) {
   const SolverSettings& s = scene.solver;
   text << scene.time.step << ' ' << scene.time.substeps << ' ' << scene.gravity.transpose() << ' ' << scene.planar << ' '
        << s.name << ' ' << s.iterations << ' ' << s.tolerance << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start << ' '
-       << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.order)
+       << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' '
+       << static_cast<int>(s.order)
        << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
@@ -176,6 +178,8 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   simulation.detect();  // guests are there
   const auto further_columns = [&](const StepReport& step, std::int64_t held) {
     auto columns = constraint_columns(comm, scene, simulation.world, simulation.constraints, step.constraint_residuals);
+    for (NamedValue& column : strain_columns(comm, scene, simulation.world, simulation.constraints))
+      columns.push_back(std::move(column));
     if (simulation.has_attachments()) columns.push_back({"residual_attachment (m)", step.attachment_residual});
     if (!simulation.has_surfaces()) return columns;
     columns.push_back({"held_pairs (1)", static_cast<double>(held)});

@@ -45,6 +45,9 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   contacts.clear();
   pairs_.clear();
   gather(world, settings);
+  if (surfaces)
+    for (std::size_t i = 0; i < proxies_.size(); ++i)
+      if (surfaces->is_interior(proxies_[i].slot)) roles_[i] = Role::absent;
   pair_with_planes(settings);
   if (surfaces) add_surfaces(world, *surfaces, settings);
   broad_phase_.find(bounds_, roles_, pairs_, filters_);
@@ -146,7 +149,7 @@ void Collider::pair_with_planes(const CollideSettings& settings) {
     const Vec3 up = b.rotation.col(2);
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(proxies_.size()); ++i) {
       const Proxy& a = proxies_[i];
-      if (!a.home || a.kind == ShapeKind::plane) continue;
+      if (!a.home || roles_[i] == Role::absent) continue;
       if (up.dot(a.position - b.position) - a.radius > pair_margin(a, b, settings)) continue;
       pairs_.push_back({std::min(i, plane), std::max(i, plane)});
     }

@@ -74,7 +74,7 @@ bool is_sharp(const World& world, const SurfaceEdge& edge) {
 }
 
 void Surfaces::clear() {
-  faces.clear(), edges.clear(), surface_of_.clear();
+  faces.clear(), edges.clear(), surface_of_.clear(), interior_.clear();
   rings_ = {};
 }
 
@@ -86,7 +86,7 @@ void Surfaces::build(const World& world) {
 
 // Each face once: with its node of lowest id.
 void Surfaces::find_faces(const World& world) {
-  surface_of_.assign(world.size(), -1);
+  surface_of_.assign(world.size(), -1), interior_.assign(world.size(), 0);
   std::vector<std::array<Id, 3>> cells;
   for (std::size_t k = 0; k < surfaces_.size(); ++k) {
     const Surface& surface = surfaces_[k];
@@ -94,9 +94,11 @@ void Surfaces::find_faces(const World& world) {
       const auto end = world.id.begin() + static_cast<std::ptrdiff_t>(begin == 0 ? world.homes : world.first_static());
       auto node = std::lower_bound(world.id.begin() + static_cast<std::ptrdiff_t>(begin), end, surface.first_node);
       for (; node != end && *node < surface.first_node + surface.node_count; ++node) {
-        surface_of_[static_cast<std::size_t>(node - world.id.begin())] = static_cast<std::int32_t>(k);
+        const auto slot = static_cast<std::size_t>(node - world.id.begin());
+        surface_of_[slot] = static_cast<std::int32_t>(k);
         cells.clear();
         surface.cells_of(*node, cells);
+        interior_[slot] = cells.empty();
         for (const auto& ids : cells) {
           if (*node != std::min({ids[0], ids[1], ids[2]})) continue;
           const SurfaceFace face{
@@ -202,7 +204,8 @@ bool Surfaces::edges_may_meet() const {
 }
 
 std::size_t Surfaces::bytes() const {
-  return bytes_of(faces) + bytes_of(edges) + bytes_of(surface_of_) + bytes_of(rings_.start) + bytes_of(rings_.entries);
+  return bytes_of(faces) + bytes_of(edges) + bytes_of(surface_of_) + bytes_of(interior_) + bytes_of(rings_.start) +
+         bytes_of(rings_.entries);
 }
 
 }  // namespace unibody

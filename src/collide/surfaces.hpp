@@ -47,6 +47,9 @@ class Surfaces {
 
   bool empty() const { return faces.empty(); }
   bool is_node(Slot s) const { return static_cast<std::size_t>(s) < surface_of_.size() && surface_of_[s] >= 0; }
+  bool is_interior(Slot s) const {  // a node of no face, inside a solid: nothing can touch it
+    return static_cast<std::size_t>(s) < interior_.size() && interior_[static_cast<std::size_t>(s)] != 0;
+  }
   bool edges_may_meet() const;  // of two surfaces, or of one that collides with itself
   std::int32_t surface_of(Slot node) const { return surface_of_[static_cast<std::size_t>(node)]; }
   // The group within which a surface's features do not touch; -1 where it collides with itself.
@@ -69,6 +72,7 @@ class Surfaces {
 
   const std::vector<Surface>& surfaces_;
   std::vector<std::int32_t> surface_of_;  // by slot; -1: no node of a surface
+  std::vector<std::uint8_t> interior_;    // by slot
   struct {
     std::vector<std::uint32_t> start;  // by slot
     std::vector<Slot> entries;

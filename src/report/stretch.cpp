@@ -12,14 +12,6 @@ namespace {
 
 Vec3 position_of(const World& world, Id id) { return world.position[static_cast<std::size_t>(world.find(id))]; }
 
-// The rank that counts a constraint: the home of its first body that moves.
-template <class C>
-bool counts_here(const World& world, const Constraint<C>& c) {
-  for (const Id id : c.ids)
-    if (const Slot slot = world.find(id); slot < 0 || !world.is_static(slot)) return slot >= 0 && world.is_home(slot);
-  return false;
-}
-
 void stretches_of(const World& world, const Constraint<Distance>& c, std::vector<double>& out) {
   const double length = (position_of(world, c.ids[0]) - position_of(world, c.ids[1])).norm();
   out.push_back(length / c.parameters[0] - 1);

@@ -20,10 +20,11 @@ struct Case {
   std::array<std::array<Vec3, C::stencil>, lanes> x;
 
   Rows<C::stencil, C::rows> evaluate() const {
-    std::array<Vec3x4, C::stencil> packed{};
-    for (std::size_t e = 0; e < C::stencil; ++e)
-      for (std::size_t l = 0; l < lanes; ++l)
-        packed[e].x[l] = x[l][e].x(), packed[e].y[l] = x[l][e].y(), packed[e].z[l] = x[l][e].z();
+    std::array<Vec3x4, C::stencil> packed;
+    for (std::size_t e = 0; e < C::stencil; ++e) {
+      const auto along = [&](int axis) { return Vec4d{x[0][e][axis], x[1][e][axis], x[2][e][axis], x[3][e][axis]}; };
+      packed[e] = {along(0), along(1), along(2)};
+    }
     Rows<C::stencil, C::rows> rows{};
     C::evaluate(parameters, packed, rows);
     return rows;

@@ -49,6 +49,37 @@ cloths:
   - {grid: {size: [1, 1], nodes: [4, 4]}, mass: 1, thickness: 0.01, links: {stiffness: 5000, damping: 0.01}}
 )",
                                12},
+                              {"solids_in_a_heap", R"(
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 3, position: [0.05, 0, 0.12]}
+solids:
+  - block: {size: [0.6, 0.5, 0.2], cells: [5, 4, 2]}
+    position: [0, 0, 0.4]
+    velocity: [0, 0, -3]
+    density: 300
+    youngs_modulus: 5.0e+4
+    poissons_ratio: 0.4
+    thickness: 0.01
+    least_volume: 0.1
+  - block: {size: [0.3, 0.3, 0.3], cells: [2, 3, 2]}
+    position: [0.1, 0.1, 0.75]
+    orientation: {axis: [0, 1, 0], angle: 30}
+    velocity: [0, 0, -5]
+    angular_velocity: [3, 0, 0]
+    density: 300
+    youngs_modulus: 2.0e+4
+    poissons_ratio: 0.3
+    damping: 0.01
+    thickness: 0.01
+    self_collision: true
+cloths:
+  - grid: {size: [0.5, 0.5], nodes: [6, 6]}
+    mass: 0.3
+    thickness: 0.01
+    position: [0, 0, 0.53]
+)",
+                               30},
                               {"a_cloth_that_folds", R"(
 bodies:
   - {shape: {plane: {normal: [0, 0, 1]}}}

@@ -1,0 +1,166 @@
+// Blocks of tetrahedra: their volume, surface, masses, colours, and the parts that loads and pins name.
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "scene/scene_text.hpp"
+#include "small_worlds.hpp"
+
+namespace unibody {
+namespace {
+
+constexpr Id nx = 3, ny = 2, nz = 4;  // cells
+const Vec3 size(0.6, 0.5, 0.9);       // m
+
+std::string block(const std::string& more = "") {
+  return "solids:\n  - block: {size: [0.6, 0.5, 0.9], cells: [3, 2, 4]}\n    density: 800\n    youngs_modulus: 1.0e5\n"
+         "    poissons_ratio: 0.3\n    thickness: 0.01\n    position: [0, 0, 3]\n" +
+         more;
+}
+
+Scene solid(const std::string& more = "") { return small_worlds::scene_from_text(block(more)); }
+
+Vec3 place(const Scene& scene, Id id) { return scene.body(id).state.position; }
+
+double volume_of(const Scene& scene, const std::array<Id, 4>& ids) {
+  const Vec3 a = place(scene, ids[0]);
+  return (place(scene, ids[1]) - a).dot((place(scene, ids[2]) - a).cross(place(scene, ids[3]) - a)) / 6;
+}
+
+// All of a type, each as often as its nodes ask for it.
+template <class C>
+std::map<std::array<Id, 4>, std::vector<Constraint<C>>> constraints_of(const Scene& scene) {
+  std::map<std::array<Id, 4>, std::vector<Constraint<C>>> result;
+  for (Id id = 0; id < scene.body_count(); ++id) {
+    ConstraintSet set;
+    scene.constraint_groups[0].touching(id, set);
+    for (const auto& c : std::get<ConstraintList<C>>(set)) {
+      EXPECT_NE(std::find(c.ids.begin(), c.ids.end(), id), c.ids.end());
+      result[c.ids].push_back(c);
+    }
+  }
+  return result;
+}
+
+TEST(BlockSolid, TetrahedraFillTheBlockAndAreAtRest) {
+  const Scene scene = solid("    least_volume: 0.2\n");
+  ASSERT_EQ(scene.body_count(), (nx + 1) * (ny + 1) * (nz + 1));
+  const auto tets = constraints_of<Tetrahedron>(scene);
+  ASSERT_EQ(tets.size(), 6u * nx * ny * nz);
+  double total = 0;
+  for (const auto& [ids, each] : tets) {
+    EXPECT_EQ(each.size(), 4u);  // once from each of its nodes
+    const double volume = volume_of(scene, ids);
+    EXPECT_NEAR(volume, size.prod() / (6 * nx * ny * nz), 1e-15);
+    total += volume;
+    std::array<Vec4d, 10> p;
+    std::array<Vec3x4, 4> x;
+    for (std::size_t k = 0; k < 10; ++k) p[k] = broadcast(each[0].parameters[k]);
+    for (std::size_t e = 0; e < 4; ++e) {
+      const Vec3 at = place(scene, ids[e]);
+      x[e] = {broadcast(at.x()), broadcast(at.y()), broadcast(at.z())};
+    }
+    Rows<4, 6> rows;
+    Tetrahedron::evaluate(p, x, rows);
+    for (const Vec4d& value : rows.value) EXPECT_NEAR(value[0], 0, 1e-13);
+  }
+  EXPECT_NEAR(total, size.prod(), 1e-13);
+  EXPECT_EQ(constraints_of<InversionGuard>(scene).size(), tets.size());
+  EXPECT_TRUE(constraints_of<InversionGuard>(solid()).empty());
+}
+
+TEST(BlockSolid, NeighboursShareFacesAndTheRestIsTheSurface) {
+  const Scene scene = solid();
+  std::map<std::set<Id>, std::vector<std::array<Id, 3>>> faces;  // of tetrahedra, outward
+  for (const auto& [n, each] : constraints_of<Tetrahedron>(scene))
+    for (const auto& f : {std::array{n[1], n[2], n[3]}, {n[0], n[3], n[2]}, {n[0], n[1], n[3]}, {n[0], n[2], n[1]}})
+      faces[{f[0], f[1], f[2]}].push_back(f);
+  const auto turned_to_lowest = [](std::array<Id, 3> f) {
+    std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
+    return f;
+  };
+  std::set<std::array<Id, 3>> outer, surface;
+  for (const auto& [nodes, sides] : faces) {
+    ASSERT_LE(sides.size(), 2u);
+    if (sides.size() == 1) outer.insert(turned_to_lowest(sides[0]));
+  }
+  ASSERT_EQ(scene.surfaces.size(), 1u);
+  for (Id t = 0; t < scene.surfaces[0].count; ++t) surface.insert(turned_to_lowest(scene.surfaces[0].cell(t)));
+  EXPECT_EQ(static_cast<Id>(surface.size()), scene.surfaces[0].count);
+  EXPECT_EQ(surface, outer);
+  std::map<std::array<Id, 3>, int> asked;
+  for (Id id = 0; id < scene.body_count(); ++id) {
+    std::vector<std::array<Id, 3>> at;
+    scene.surfaces[0].cells_of(id, at);
+    for (const auto& f : at) {
+      EXPECT_NE(std::find(f.begin(), f.end(), id), f.end());
+      ++asked[turned_to_lowest(f)];
+    }
+  }
+  ASSERT_EQ(asked.size(), surface.size());
+  for (const auto& [face, times] : asked) EXPECT_EQ(times, 3);
+}
+
+TEST(BlockSolid, ANodeHasAQuarterOfEachOfItsTetrahedra) {
+  const Scene scene = solid();
+  std::vector<double> mass(static_cast<std::size_t>(scene.body_count()), 0);
+  for (const auto& [ids, each] : constraints_of<Tetrahedron>(scene))
+    for (const Id id : ids) mass[static_cast<std::size_t>(id)] += 800 * volume_of(scene, ids) / 4;
+  for (Id id = 0; id < scene.body_count(); ++id)
+    EXPECT_NEAR(scene.body(id).properties.mass, mass[static_cast<std::size_t>(id)], 1e-12);
+}
+
+TEST(BlockSolid, TwoOfAColourShareNoNode) {
+  const Scene scene = solid("    least_volume: 0.2\n");
+  std::set<std::pair<std::int32_t, Id>> taken;
+  for (const auto& [ids, each] : constraints_of<Tetrahedron>(scene))
+    for (const Id id : ids) EXPECT_TRUE(taken.emplace(each[0].colour, id).second);
+}
+
+TEST(BlockSolid, ComplianceIsThatOfTheModuli) {
+  const auto tets = constraints_of<Tetrahedron>(solid());
+  for (const auto& [ids, each] : tets) {
+    const double length = each[0].parameters[9], volume = size.prod() / (6 * nx * ny * nz);
+    EXPECT_NEAR(length, std::cbrt(6 * volume), 1e-14);
+    const double bulk = 1e5 / (3 * (1 - 2 * 0.3)), shear = 1e5 / (2 * (1 + 0.3));
+    EXPECT_NEAR(each[0].compliance[0], length * length / (volume * 3 * bulk), 1e-18);
+    for (std::size_t k = 1; k < 6; ++k) EXPECT_NEAR(each[0].compliance[k], length * length / (volume * 2 * shear), 1e-18);
+  }
+}
+
+// Of a uniform pressure on the upper face each node has its share of the area.
+TEST(BlockSolid, LoadsAreSpreadByArea) {
+  const Scene scene = solid("    loads:\n      - {within: {min: [-1, -1, 3.45], max: [1, 1, 4]}, force: [1, 2, -30]}\n");
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+  for (Id id = 0; id < scene.body_count(); ++id) {
+    const Body body = scene.body(id);
+    sum += body.properties.force;
+    moment += (body.state.position - Vec3(0, 0, 3)).cross(body.properties.force);
+    if (body.state.position.z() < 3.44) {
+      EXPECT_EQ(body.properties.force.norm(), 0);
+    }
+  }
+  EXPECT_LT((sum - Vec3(1, 2, -30)).norm(), 1e-12);
+  EXPECT_LT((moment - Vec3(0, 0, 0.45).cross(Vec3(1, 2, -30))).norm(), 1e-12);  // through the middle of the face
+}
+
+TEST(BlockSolid, PinsHoldAllNodesOfAPart) {
+  const Scene scene = solid("    pins: [{within: {min: [-1, -1, 2.5], max: [1, 1, 2.6]}, release: 2}]\n");
+  std::set<Id> held, expected;
+  for (const Pin& pin : scene.pins) held.insert(pin.id);
+  for (Id id = 0; id < scene.body_count(); ++id)
+    if (place(scene, id).z() < 2.6) expected.insert(id);
+  EXPECT_EQ(held, expected);
+  EXPECT_EQ(held.size(), static_cast<std::size_t>((nx + 1) * (ny + 1)));
+}
+
+TEST(BlockSolid, SpinTurnsAboutThePosition) {
+  const Scene scene = solid("    velocity: [1, 0, 0]\n    angular_velocity: [0, 0, 2]\n");
+  for (Id id = 0; id < scene.body_count(); ++id) {
+    const BodyState state = scene.body(id).state;
+    EXPECT_LT((state.velocity - Vec3(1, 0, 0) - Vec3(0, 0, 2).cross(state.position - Vec3(0, 0, 3))).norm(), 1e-14);
+  }
+}
+
+}  // namespace
+}  // namespace unibody

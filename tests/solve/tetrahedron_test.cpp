@@ -1,0 +1,125 @@
+// Steps of tetrahedra against implicit Euler to round-off: figures computed by an independent dense Newton solve.
+#include "constraints/tetrahedron.hpp"
+
+#include <gtest/gtest.h>
+
+#include "reference_bench.hpp"
+
+namespace unibody {
+namespace {
+
+using namespace small_worlds;
+
+constexpr double h = 0.016;
+
+// Four nodes of 1/4 kg, sheared and stretched away from the rest shape 0, e1, e2, e3, in motion.
+struct OneTetrahedron {
+  World world;
+  ConstraintSet constraints;
+
+  OneTetrahedron() {
+    const std::array<Vec3, 4> rest{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+    const std::array<Vec3, 4> velocity{Vec3(0, 0, 0), Vec3(0, 2, 0), Vec3(0, 0, 1), Vec3(-3, 0, 0)};
+    std::vector<Body> bodies(4);
+    for (std::size_t e = 0; e < 4; ++e) {
+      bodies[e].id = static_cast<Id>(e);
+      bodies[e].properties.shape = {ShapeKind::particle, Vec3(0.01, 0, 0)};
+      bodies[e].properties.mass = 0.25;
+      bodies[e].state.position = Vec3(1.3, 0.9, 1).cwiseProduct(rest[e]);
+      bodies[e].state.velocity = velocity[e];
+    }
+    world = make_world(bodies, {}, false);
+    Constraint<Tetrahedron> c;
+    c.ids = {0, 1, 2, 3};
+    c.parameters = Tetrahedron::at_rest(rest[0], rest[1], rest[2], rest[3]);
+    c.compliance = Tetrahedron::compliance(1e4, 0.3, 1.0 / 6, c.parameters[9]);
+    std::get<ConstraintList<Tetrahedron>>(constraints).push_back(c);
+  }
+
+  // Largest component (m) of the distance from implicit Euler after some iterations.
+  double error(const char* solver, Form form, int iterations) const {
+    const std::array<Vec3, 4> expected{
+        Vec3(.08525434575660, -.02293222799951, -.006418645220846), Vec3(1.157823498691, .03714567900670, .03077268643718),
+        Vec3(.01312984484611, .9298246658866, -.0005376108951537), Vec3(-.004207689293789, -.01203811689383, .9821483696788)};
+    SolverSettings settings;
+    settings.form = form;
+    IterativeStep step(world, constraints, Vec3(0, 0, -9.8), h, solver, settings);
+    step.iterate(iterations);
+    double worst = 0;
+    for (std::size_t e = 0; e < 4; ++e)
+      worst = std::max(worst, (world.position[e] + h * step.velocity()[e] - expected[e]).lpNorm<Eigen::Infinity>());
+    return worst;
+  }
+};
+
+TEST(Tetrahedron, TheTotalFormIsImplicitEuler) {
+  const OneTetrahedron one;
+  for (const char* solver : {"gauss_seidel", "jacobi", "accelerated_jacobi"}) {
+    EXPECT_LT(one.error(solver, Form::total, 60), 1e-10) << solver;
+    EXPECT_GT(one.error(solver, Form::total, 1), 1e-3) << solver;
+  }
+  EXPECT_LT(one.error("gauss_seidel", Form::total, 8), 1.6e-8);
+}
+
+// Off by the turning of its gradients, as stated where the form is described.
+TEST(Tetrahedron, TheIncrementalFormConvergesBesideIt) {
+  const OneTetrahedron one;
+  EXPECT_NEAR(one.error("gauss_seidel", Form::incremental, 4), 5.95e-3, 0.03e-3);
+  EXPECT_NEAR(one.error("gauss_seidel", Form::incremental, 60), 5.95e-3, 0.01e-3);
+}
+
+// Cells of .25 m, E = 1e5 Pa (or 5e8), one end held, thrown into rotation about it.
+struct Cantilever {
+  Scene scene;
+  std::unique_ptr<Experiment> experiment;
+
+  explicit Cantilever(double youngs_modulus, double poissons_ratio)
+      : scene(scene_from_text("solids:\n  - block: {size: [1, 0.25, 0.25], cells: [4, 1, 1]}\n    position: [0.5, 0.125, 0.125]\n"
+                              "    density: 1000\n    youngs_modulus: " +
+                              std::to_string(youngs_modulus) + "\n    poissons_ratio: " + std::to_string(poissons_ratio) +
+                              "\n    thickness: 0.01\n"
+                              "    pins: [{within: {min: [0, 0, 0], max: [0, 0.25, 0.25]}}]\n")) {
+    scene.gravity = Vec3(0, 0, -9.8);
+    experiment = std::make_unique<Experiment>(scene);
+    experiment->simulation->detect();  // holds the pins
+    World& world = experiment->world();
+    for (std::size_t i = 0; i < world.homes; ++i) world.velocity[i] = Vec3(0, 0, -2 * world.position[i].x());
+  }
+  std::vector<Vec3> step(const char* solver, Form form, int iterations) const {
+    SolverSettings settings;
+    settings.form = form;
+    const World& world = experiment->simulation->world;
+    IterativeStep step(world, experiment->simulation->constraints, scene.gravity, h, solver, settings);
+    step.iterate(iterations);
+    auto places = step.velocity();
+    for (std::size_t i = 0; i < world.size(); ++i) places[i] = world.position[i] + h * places[i];
+    return places;
+  }
+};
+
+TEST(Tetrahedron, ACantileversStepIsImplicitEuler) {
+  const Cantilever beam(1e5, 0.3);
+  const Vec3 expected(.9987159036241, .0001134099133829, -.03273559506878);  // node (1, 0, 0)
+  const auto exact = beam.step("gauss_seidel", Form::total, 200);
+  EXPECT_LT((exact[4] - expected).norm(), 1e-10);
+
+  // Largest component of a node's distance from it after 1, 10 and 50 iterations.
+  struct Row {
+    const char* solver;
+    Form form;
+    std::array<double, 3> error;
+  };
+  for (const Row& row : {Row{"jacobi", Form::incremental, {9.8e-4, 4.8e-5, 7.1e-6}},
+                         Row{"accelerated_jacobi", Form::incremental, {9.8e-4, 1.9e-5, 7.3e-6}},
+                         Row{"accelerated_jacobi", Form::total, {9.8e-4, 1.4e-5, 0}}})
+    for (const auto& [iterations, error] :
+         {std::pair(1, row.error[0]), std::pair(10, row.error[1]), std::pair(50, row.error[2])}) {
+      const auto found = beam.step(row.solver, row.form, iterations);
+      double worst = 0;
+      for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (found[i] - exact[i]).lpNorm<Eigen::Infinity>());
+      EXPECT_NEAR(worst, error, 0.05 * error + 5e-9) << row.solver << ' ' << iterations;
+    }
+}
+
+}  // namespace
+}  // namespace unibody
