@@ -14,7 +14,7 @@ struct TetMesh {
   std::vector<std::array<std::int32_t, 4>> tets;  // nodes of each, det[x1 - x0, x2 - x0, x3 - x0] > 0
 };
 
-// Reads a mesh by the end of its name, .msh (Gmsh): nodes of no tet are dropped, inverted tets turned over, and
+// Reads a mesh by the end of its name, .msh (Gmsh) or .vtu (VTK): nodes of no tet are dropped, inverted tets turned over, and
 // check_tets() has passed. Throws InputError "file:line: found v, expected e".
 TetMesh read_tet_mesh(const std::string& path);
 

@@ -235,7 +235,8 @@ TEST(ReadTetMesh, PicksTheFormatByTheNamesEnd) {
     read_tet_mesh("mesh.stl");
     ADD_FAILURE();
   } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(), "mesh.stl: found a mesh of tetrahedra of unknown format, expected a file .msh (Gmsh)");
+    EXPECT_STREQ(error.what(),
+                 "mesh.stl: found a mesh of tetrahedra of unknown format, expected a file .msh (Gmsh) or .vtu (VTK)");
   }
 }
 
