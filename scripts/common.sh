@@ -2,7 +2,8 @@
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 
 packages=(g++ cmake make ninja-build ccache clang-format pkgconf
-  libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libhdf5-openmpi-dev libeigen3-dev libyaml-cpp-dev libgtest-dev
+  libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libhdf5-openmpi-dev libeigen3-dev libyaml-cpp-dev
+  libpugixml-dev zlib1g-dev libgtest-dev
   python3 python3-numpy python3-h5py python3-matplotlib python3-vtk9 xvfb)
 bench_packages=(libbullet-dev liggghts)
 

@@ -1,15 +1,11 @@
 #include "scene/obj.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <limits>
+#include <sstream>
 
-#include "core/errors.hpp"
-#include "scene/value.hpp"
+#include "scene/mesh_file.hpp"
 
 namespace unibody {
 
@@ -21,19 +17,6 @@ struct Polygon {
   std::int64_t line;
   std::vector<std::int64_t> nodes;  // from 0
 };
-
-std::string quote(std::string_view text) {
-  constexpr std::size_t longest = 60;
-  return "'" + std::string(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
-}
-
-// The whole word as a number, whatever the locale.
-template <class Number>
-bool parse(std::string_view word, Number& number) {
-  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
-  const auto result = std::from_chars(word.data(), word.data() + word.size(), number);
-  return result.ec == std::errc() && result.ptr == word.data() + word.size();
-}
 
 // The words of a statement up to a comment.
 std::vector<std::string_view> words_of(std::string_view statement) {
@@ -53,13 +36,8 @@ class Reader {
   explicit Reader(const std::string& path) : path_(path) {}
 
   TriangleMesh read() {
-    std::ifstream file(path_);
+    std::istringstream file(read_bytes(path_, "a mesh in Wavefront OBJ"));
     std::string text, rest;
-    errno = 0;
-    // a folder can be opened, but not read
-    if (!file || file.peek() == std::ifstream::traits_type::eof())
-      fail(file && !file.bad() ? "an empty file" : std::string("no readable file (") + std::strerror(errno ? errno : EIO) + ")",
-           "a mesh in Wavefront OBJ");
     while (std::getline(file, text)) {
       ++line_;
       const std::int64_t first = line_;
@@ -67,7 +45,6 @@ class Reader {
       statement(text, first);
     }
     line_ = 0;
-    if (file.bad()) fail(std::string("a file that cannot be read to its end (") + std::strerror(errno) + ")", "a whole file");
     if (polygons_.empty()) fail("no face", "at least one, 'f node node node'");
     for (const Polygon& polygon : polygons_) add_triangles(polygon);
     return std::move(mesh_);
@@ -79,10 +56,7 @@ class Reader {
   TriangleMesh mesh_;
   std::vector<Polygon> polygons_;
 
-  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
-    const std::string where = line_ > 0 ? path_ + ":" + std::to_string(line_) : path_;
-    throw InputError(one_line(where + ": found " + found + ", expected " + expected));
-  }
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const { fail_at(path_, line_, found, expected); }
 
   // A statement goes on in the next line; the backslash is taken off.
   static bool ends_in_backslash(std::string& text) {
