@@ -1,7 +1,7 @@
 """Tetrahedra of a body-centred cubic lattice, cut at a surface: isosurface stuffing (Labelle and Shewchuk 2007).
 
-Works on any surface that has an inside and an outside by its winding number: holes are closed, self-crossings do not matter. Nodes
-of the lattice near the surface are warped onto it, so that no cut comes close to a node; that bounds the angles of all tets.
+Works on any surface that has an inside and an outside by its winding number: holes are closed, self-crossings do not matter.
+Nodes of the lattice near the surface are warped onto it, so that no cut comes close to a node; that bounds the angles of all tets.
 """
 import numpy as np
 

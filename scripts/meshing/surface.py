@@ -82,10 +82,10 @@ class Distance:
         self.winding = Winding(surface)
 
     def nearest(self, points):
-        found, generic, cell, sub, squared = np.empty_like(points), vtk.vtkGenericCell(), vtk.mutable(0), vtk.mutable(0), vtk.mutable(0.0)
-        place = [0.0, 0.0, 0.0]
+        generic, cell, part, squared = vtk.vtkGenericCell(), vtk.mutable(0), vtk.mutable(0), vtk.mutable(0.0)
+        found, place = np.empty_like(points), [0.0, 0.0, 0.0]
         for i, point in enumerate(points):
-            self.locator.FindClosestPoint(point, place, generic, cell, sub, squared)
+            self.locator.FindClosestPoint(point, place, generic, cell, part, squared)
             found[i] = place
         return found
 
@@ -115,7 +115,8 @@ class Winding:
         areas = np.linalg.norm(normals, axis=1)
         self.normals = np.add.reduceat(normals, self.starts)
         areas = np.maximum(areas, 1e-300)
-        self.centres = np.add.reduceat(areas[:, None] * (a + b + c) / 3, self.starts) / np.add.reduceat(areas, self.starts)[:, None]
+        self.centres = np.add.reduceat(areas[:, None] * (a + b + c) / 3, self.starts)
+        self.centres /= np.add.reduceat(areas, self.starts)[:, None]
         cluster = np.repeat(np.arange(len(self.starts)), self.sizes)
         reach = np.max([np.linalg.norm(x - self.centres[cluster], axis=1) for x in self.corners], axis=0)
         self.radii = np.maximum.reduceat(reach, self.starts)

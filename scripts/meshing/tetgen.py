@@ -12,12 +12,13 @@ class Failed(Exception):
 
 
 def tetrahedralized(surface, quality, size):
-    """Nodes and tets inside a closed surface. `quality` bounds the radius of a tet's sphere over its shortest edge; `size`, if not
-    None, is about the length of the longest edges."""
+    """Nodes and tets inside a closed surface. `quality` bounds the radius of a tet's sphere over its shortest edge; `size`, if
+    not None, is about the length of the longest edges."""
     switches = f"-pYQq{quality}" + (f"a{size ** 3 / (6 * 2 ** 0.5):.12f}" if size else "")
     with tempfile.TemporaryDirectory() as folder:
         write_off(os.path.join(folder, "surface.off"), surface)
-        done = subprocess.run([shutil.which("tetgen"), switches, "surface.off"], cwd=folder, text=True, capture_output=True, check=False)
+        words = [shutil.which("tetgen"), switches, "surface.off"]
+        done = subprocess.run(words, cwd=folder, text=True, capture_output=True, check=False)
         base = os.path.join(folder, "surface.1")
         if done.returncode != 0 or not os.path.exists(base + ".ele"):
             lines = [line.strip() for line in (done.stdout + done.stderr).splitlines() if line.strip()]

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <tuple>
 
 #include "scene/mesh_file.hpp"
 #include "scene/msh_input.hpp"
