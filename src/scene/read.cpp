@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 
 #include "scene/body_entry.hpp"
 #include "scene/flexible.hpp"
+#include "scene/stiffness.hpp"
 
 namespace unibody {
 
@@ -157,6 +159,18 @@ const BodyGroup& group_of(const Scene& scene, Id id) {
   return *std::prev(after);
 }
 
+// The total form is refused where it is known to diverge.
+void check_form(const Value& root, const Scene& scene) {
+  if (scene.solver.form != Form::total || scene.solver.name == "gauss_seidel") return;
+  const double number = stiffness_number(scene);
+  if (number <= stiffest_for_total) return;
+  std::ostringstream found, expected;
+  found << "total with " << scene.solver.name << " and constraints of stiffness number " << number;
+  expected << "at most " << stiffest_for_total
+           << ", where it is known to converge: form: incremental, name: gauss_seidel, or more substeps";
+  root.find("solver")->find("form")->fail(found.str(), expected.str());
+}
+
 }  // namespace
 
 Id Scene::body_count() const { return groups.empty() ? 0 : groups.back().first + groups.back().count; }
@@ -182,6 +196,7 @@ Scene read_scene(const std::string& path, const std::vector<Override>& overrides
   scene.path = path;
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
+  check_form(root, scene);
   return scene;
 }
 

@@ -1,0 +1,16 @@
+// How stiff a scene's constraints are for its time step.
+#pragma once
+
+#include "scene/scene.hpp"
+
+namespace unibody {
+
+// The largest h^2 D^T W D / E of a row of any constraint beside contacts at the start: 1 where a constraint's own stiffness
+// weighs as much as the masses at its ends in a step of h; infinite where one has no compliance; 0 where there is none.
+double stiffness_number(const Scene& scene);
+
+// Above it the Jacobi solvers are known to diverge in the total form: a cantilever of tetrahedra of edge l thrown into rotation
+// with h v / l = 0.64 at its tip converges at 31 and not at 94; with 0.13, at 313 and not at 3,100.
+inline constexpr double stiffest_for_total = 30;
+
+}  // namespace unibody
