@@ -271,6 +271,9 @@ int run(MPI_Comm comm, const Options& options) {
   if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential && size > 1)
     throw InputError(scene.path + ": key 'solver.order': found sequential on " + std::to_string(size) +
                      " ranks, expected coloured (a sequential sweep runs on one rank only)");
+  if (scene.solver.name == "newton" && size > 1)
+    throw InputError(scene.path + ": key 'solver.name': found newton on " + std::to_string(size) +
+                     " ranks, expected an iterative solver (newton runs on one rank only)");
   std::uint64_t hash = 0;
   {
     const PetscSession petsc(options.petsc);

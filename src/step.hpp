@@ -72,6 +72,7 @@ class Simulation {
   void build_system();
   void fill_places(std::span<const std::int32_t> counts);
   StepReport solve();
+  StepReport solve_by_newton();
   void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
   SolveReport run_stage(Stage::Kind kind, int iterations);

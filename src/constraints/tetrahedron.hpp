@@ -46,6 +46,27 @@ struct Tetrahedron {
       rows.gradient[k][0] = none - (rows.gradient[k][1] + rows.gradient[k][2] + rows.gradient[k][3]);
   }
 
+  // Of row k by nodes a and b, times the identity: f_j . f_l has b_ja b_lb + b_la b_jb, b_j what each node adds to f_j.
+  static std::array<std::array<std::array<double, 4>, 4>, 6> second_derivatives(const std::array<double, 10>& p) {
+    Eigen::Matrix<double, 3, 4> b;
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) b(j, 1 + i) = p[static_cast<std::size_t>(3 * i + j)];
+    b.col(0) = -b.rightCols<3>().rowwise().sum();
+    const auto strain = [&](int j, int l) -> Eigen::Matrix4d {  // 2 eps_jl
+      return b.row(j).transpose() * b.row(l) + b.row(l).transpose() * b.row(j);
+    };
+    const Eigen::Matrix4d e11 = 0.5 * strain(0, 0), e22 = 0.5 * strain(1, 1), e33 = 0.5 * strain(2, 2);
+    const double volumetric = p[9] * std::sqrt(1.0 / 3), across = p[9] * std::sqrt(0.5), along = p[9] * std::sqrt(1.0 / 6);
+    const std::array<Eigen::Matrix4d, 6> rows{volumetric * (e11 + e22 + e33), across * (e11 - e22),
+                                              along * (e11 + e22 - 2 * e33),  across * strain(1, 2),
+                                              across * strain(0, 2),          across * strain(0, 1)};
+    std::array<std::array<std::array<double, 4>, 4>, 6> result;
+    for (std::size_t k = 0; k < 6; ++k)
+      for (int i = 0; i < 16; ++i)
+        result[k][static_cast<std::size_t>(i / 4)][static_cast<std::size_t>(i % 4)] = rows[k](i / 4, i % 4);
+    return result;
+  }
+
   // Compliance (m/N) of the rows for a rest volume (m^3): the energy of a strain of unit norm along an eigenvector is V0/2 times
   // E/(1 - 2 nu) (volumetric) or E/(1 + nu).
   static std::array<double, 6> compliance(double youngs_modulus, double poissons_ratio, double volume, double length) {

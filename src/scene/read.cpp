@@ -86,6 +86,7 @@ const Field<SolverSettings> solver_fields[] = {
 void read_solver(const Value& value, Scene& scene) {
   SolverSettings& solver = scene.solver;
   read_fields(value, solver_fields, solver);
+  if (solver.name == "newton") solver.form = Form::incremental;  // its own steps have neither
   const Value* iterations = value.find("iterations");
   if (iterations && solver.stages != Stages::position && solver.iterations < 2)
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");
@@ -151,6 +152,22 @@ const Field<Scene> sections[] = {
     {"solids", read_solids},
 };
 
+// newton solves equations between the nodes of one flexible body, and knows no contacts.
+void check_newton(const Value& name, const Scene& scene) {
+  const std::string expected = "an iterative solver (newton is for one cloth, thread or solid alone, without contacts)";
+  if (scene.constraint_groups.empty() || scene.groups.size() > scene.constraint_groups.size())
+    name.fail("newton in a scene with bodies", expected);
+  if (scene.constraint_groups.size() > 1) name.fail("newton in a scene with several flexible bodies", expected);
+  if (std::any_of(scene.surfaces.begin(), scene.surfaces.end(), [](const Surface& s) { return s.self_collision; }))
+    name.fail("newton beside self_collision", expected);
+  const ConstraintGroup& group = scene.constraint_groups.front();
+  ConstraintSet some;
+  group.touching(group.first, some);
+  for_each_type(some, [&]<class C>(auto, const ConstraintList<C>& list) {
+    if (is_unilateral<C> && !list.empty()) name.fail("newton beside constraints of type " + std::string(C::name), expected);
+  });
+}
+
 const BodyGroup& group_of(const Scene& scene, Id id) {
   if (id < 0 || id >= scene.body_count())
     throw std::out_of_range("body " + std::to_string(id) + " of a scene with " + std::to_string(scene.body_count()));
@@ -197,6 +214,8 @@ Scene read_scene(const std::string& path, const std::vector<Override>& overrides
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_form(root, scene);
+
+  if (scene.solver.name == "newton") check_newton(*root.find("solver")->find("name"), scene);
   return scene;
 }
 

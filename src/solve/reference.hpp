@@ -8,59 +8,40 @@
 //   (c(x) + E lambda / h + rho D^T v) / (h + rho) = 0            (m/s)
 // D is that of the end of the step, so the geometric stiffness, sum lambda d2c/dx2, is in the Jacobian. Contacts and rotations
 // are left out: the step is that of a world without contacts. Bodies that are fixed, kinematic or pinned keep their velocity.
+// Where every row has compliance, ElasticProblem is the same step in fewer unknowns.
 #pragma once
 
-#include <petscsystypes.h>
-
-#include <span>
-#include <string>
-
-#include "constraints/constraint_types.hpp"
-#include "world/world.hpp"
+#include "solve/implicit_step.hpp"
+#include "solve/newton.hpp"
 
 namespace unibody {
 
 // The residual of a step and its derivative. World and constraints must outlive it; all bodies are home or static here.
-class ReferenceProblem {
+class ReferenceProblem : public NewtonProblem {
  public:
-  ReferenceProblem(const World& world, const ConstraintSet& constraints, const Vec3& gravity, double step);
+  // `softening` (m/N): least compliance of a row in the Jacobian alone.
+  ReferenceProblem(const World& world, const ConstraintSet& constraints, std::span<const SolverBody> predicted, double step,
+                   double softening = 0);
+  ReferenceProblem(const World& world, const ConstraintSet& constraints, const Vec3& gravity, double step)
+      : ReferenceProblem(world, constraints, predict_bodies(world, gravity, step), step) {}
 
-  std::size_t size() const { return velocities_ + rows_; }
-  Eigen::VectorXd start() const;  // predicted velocities, no impulses
-  Eigen::VectorXd residual(const Eigen::VectorXd& unknowns) const;
+  std::size_t size() const override { return step_.velocities() + step_.rows(); }
+  Eigen::VectorXd start() const override;  // predicted velocities, no impulses
+  Eigen::VectorXd residual(const Eigen::VectorXd& unknowns) const override;
+  void pattern(std::vector<PetscInt>& rows, std::vector<PetscInt>& columns) const override;
+  void jacobian(const Eigen::VectorXd& unknowns, std::vector<double>& values) const override;
+  double scale() const override;  // positions over the step, and velocities
 
-  // The Jacobian as entries (row, column, value) that add up; an entry of a body that does not move has an index of -1. Rows and
-  // columns are the same at all states. `softening` (m/N): least compliance of a row in the Jacobian alone.
-  void pattern(std::vector<PetscInt>& rows, std::vector<PetscInt>& columns) const;
-  void jacobian(const Eigen::VectorXd& unknowns, double softening, std::vector<double>& values) const;
-
-  std::vector<Vec3> velocity(const Eigen::VectorXd& unknowns) const;  // of each slot
+  std::size_t velocities() const { return step_.velocities(); }  // unknowns that are velocities, the first
+  std::vector<Vec3> velocity(const Eigen::VectorXd& unknowns) const { return step_.velocities(unknowns); }  // of each slot
   ConstraintMultipliers multipliers(const Eigen::VectorXd& unknowns) const;
 
-  // The size (m/s) of what cancels in a residual, to judge it by: positions over the step, and velocities.
-  double scale() const;
-
  private:
-  template <class C>
-  using SlotList = std::vector<std::array<Slot, C::stencil>>;
-
-  template <typename F>
-  void for_each_constraint(F&& f) const;  // f(constraint, its slots, its first row)
-  Vec3 velocity_of(Slot slot, const Eigen::VectorXd& unknowns) const;
-
-  const World& world_;
-  const ConstraintSet& constraints_;
-  const double step_;
-  std::vector<Vec3> predicted_;           // m/s, of each slot
-  std::vector<double> inverse_mass_;      // 1/kg, of each slot
-  std::vector<std::ptrdiff_t> first_of_;  // first unknown of each slot, -1 where it does not move
-  ConstraintTypes::Tuple<SlotList> slots_;
-  std::size_t velocities_ = 0, rows_ = 0;
+  const ImplicitStep step_;
+  const double softening_;
 };
 
-struct ReferenceSettings {
-  int iterations = 50;
-  double tolerance = 1e-13;  // of the residual, over the problem's scale()
+struct ReferenceSettings : NewtonSettings {
   // m/N. Redundant stiff rows make the system singular. A least compliance in the Jacobian alone makes it regular and leaves the
   // solution as it is; the more of it, the more iterations.
   double softening = 0;
@@ -71,11 +52,15 @@ struct ReferenceStep {
   ConstraintMultipliers multipliers;  // N s
   int iterations = 0;                 // of Newton's method
   double residual = 0;                // m/s, largest entry
+  double correction = 0;              // m/s, what one more iteration would change at most
   bool converged = false;             // the residual is within the tolerance
   std::string reason;                 // why PETSc's SNES stopped
 };
 
-// Needs an initialised PETSc. Throws RunError where PETSc fails; a step that does not converge is no error.
+// By ElasticProblem where every row has compliance, else by ReferenceProblem. Needs an initialised PETSc. Throws RunError where
+// PETSc fails, and for unilateral constraints; a step that does not converge is no error.
+ReferenceStep reference_step(const World& world, const ConstraintSet& constraints, std::span<const SolverBody> predicted,
+                             double step, const ReferenceSettings& settings = {});
 ReferenceStep reference_step(const World& world, const ConstraintSet& constraints, const Vec3& gravity, double step,
                              const ReferenceSettings& settings = {});
 

@@ -19,6 +19,7 @@ constexpr Solver solvers[] = {
     {"accelerated_jacobi", accelerated_jacobi, false, no_leak},
     {"jacobi", jacobi, false, no_leak},
     {"gauss_seidel", gauss_seidel, true, leak_of_gauss_seidel},
+    {"newton", nullptr, false, no_leak},
 };
 
 }  // namespace

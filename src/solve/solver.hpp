@@ -85,7 +85,7 @@ SolveReport gauss_seidel(System&, const Cut&, int iterations, double tolerance);
 
 struct Solver {
   std::string_view name;
-  SolveFunction solve;
+  SolveFunction solve;             // null: `newton`, of which each step is a reference_step
   bool sweeps_by_colour;           // the batch is laid out by colour rather than in key order
   double (*leak)(int iterations);  // default share of the position stage's multipliers kept by the velocity stage
 };

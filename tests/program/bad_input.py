@@ -89,7 +89,7 @@ class BadScenes(RefusedTest):
         self.bad(("    mass: 1\n", "    mass: 1\n    mass: 2\n"), 7, "bodies[1].mass", "", "each key once")
 
     def test_unknown_solver(self):
-        self.bad(("time:", "solver: {name: newton}\ntime:"), 2, "solver.name", "newton", "accelerated_jacobi")
+        self.bad(("time:", "solver: {name: sor}\ntime:"), 2, "solver.name", "sor", "accelerated_jacobi")
 
     def test_warm_start_of_more_than_half(self):
         self.bad(("time:", "solver: {warm_start: 0.9}\ntime:"), 2, "solver.warm_start", "0.9", "")
@@ -99,6 +99,14 @@ class BadScenes(RefusedTest):
         run = self.refused(self.scene(text), says=["scene.yaml", "key 'solver.order'", "found sequential", "expected coloured"])
         self.assertIn("2 ranks", run.message[0])
         self.good(self.scene(text), "one", ranks=1)
+
+    def test_newton_on_two_ranks(self):
+        scene = self.scene("solver: {name: newton}\ntime: {frames: 2}\nsolids:\n"
+                           "  - {block: {size: [1, 1, 1], cells: [1, 1, 1]}, density: 1000, youngs_modulus: 1.0e+6,\n"
+                           "     poissons_ratio: 0.3, thickness: 0.01}\n")
+        run = self.refused(scene, says=["scene.yaml", "key 'solver.name'", "found newton", "expected an iterative solver"])
+        self.assertIn("2 ranks", run.message[0])
+        self.good(scene, "one", ranks=1)
 
     def test_cloth_of_a_missing_mesh(self):
         cloth = "cloths:\n  - {mesh: flag.obj, mass: 1, thickness: 0.1}\n"

@@ -72,7 +72,7 @@ const std::vector<BadInput> bad_values{
     {"checkpoint_every", "output: {checkpoint_every: -2}\n",
      "FILE:1: key 'output.checkpoint_every': found -2, expected an integer >= -1"},
     {"solver_name", "solver: {name: sor}\n",
-     "FILE:1: key 'solver.name': found sor, expected accelerated_jacobi, jacobi or gauss_seidel"},
+     "FILE:1: key 'solver.name': found sor, expected accelerated_jacobi, jacobi, gauss_seidel or newton"},
     {"full_warm_start", "solver: {warm_start: 1}\n",
      "FILE:1: key 'solver.warm_start': found 1, expected auto or a number in [0, 0.5]: a full warm start at position level is "
      "unstable"},
@@ -306,6 +306,29 @@ const std::vector<BadInput> bad_flexibles{
      "FILE:4: key 'bodies[0].inertia': found [1, 1, 1], expected no such key for a particle: it does not turn"},
 };
 
+// With the solver newton, which takes one flexible body alone.
+std::string by_newton(const std::string& rest) { return "solver:\n  name: newton\n" + rest; }
+std::string newton_found(const std::string& found) {
+  return "FILE:2: key 'solver.name': found newton " + found +
+         ", expected an iterative solver (newton is for one cloth, thread or solid alone, without contacts)";
+}
+std::string with_solid(const std::string& rest) {
+  return "solids:\n  - block: {size: [1, 1, 1], cells: [1, 1, 1]}\n    density: 1\n    youngs_modulus: 1\n    poissons_ratio: 0\n"
+         "    thickness: 0.01\n    " +
+         rest + "\n";
+}
+
+const std::vector<BadInput> bad_for_newton{
+    {"newton_and_bodies", by_newton(with_body("mass: 1")), newton_found("in a scene with bodies")},
+    {"newton_and_a_body_beside_a_cloth", by_newton(with_body("mass: 1") + with_cloth("links: {}")),
+     newton_found("in a scene with bodies")},
+    {"newton_and_two_flexibles", by_newton(with_cloth("links: {}") + with_solid("name: jelly")),
+     newton_found("in a scene with several flexible bodies")},
+    {"newton_and_self_collision", by_newton(with_solid("self_collision: true")), newton_found("beside self_collision")},
+    {"newton_and_least_volume", by_newton(with_solid("least_volume: 0.1")),
+     newton_found("beside constraints of type inversion_guard")},
+};
+
 const std::vector<BadInput> bad_overrides{
     {"value", ball, "-set time.frames=abc: key 'time.frames': found abc, expected an integer >= 0", {{"time.frames", "abc"}}},
     {"no_value", ball, "-set time.frames=: key 'time.frames': found nothing, expected an integer >= 0", {{"time.frames", ""}}},
@@ -353,6 +376,7 @@ INSTANTIATE_TEST_SUITE_P(Values, ReadSceneRefuses, testing::ValuesIn(bad_values)
 INSTANTIATE_TEST_SUITE_P(Bodies, ReadSceneRefuses, testing::ValuesIn(bad_bodies), case_name);
 INSTANTIATE_TEST_SUITE_P(Generators, ReadSceneRefuses, testing::ValuesIn(bad_generators), case_name);
 INSTANTIATE_TEST_SUITE_P(Flexibles, ReadSceneRefuses, testing::ValuesIn(bad_flexibles), case_name);
+INSTANTIATE_TEST_SUITE_P(Newton, ReadSceneRefuses, testing::ValuesIn(bad_for_newton), case_name);
 INSTANTIATE_TEST_SUITE_P(Overrides, ReadSceneRefuses, testing::ValuesIn(bad_overrides), case_name);
 
 std::string message_of(const std::string& path) {

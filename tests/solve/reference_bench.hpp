@@ -120,7 +120,7 @@ struct IterativeStep {
     std::vector<PetscInt> rows, columns;
     std::vector<double> values, sum(slot.size(), 0), result(bench.world.size(), 0);
     problem.pattern(rows, columns);
-    problem.jacobian(u, 0, values);
+    problem.jacobian(u, values);
     const auto n = static_cast<PetscInt>(slot.size());
     for (std::size_t i = slot.size(); i < values.size(); ++i)  // past the identity
       if (rows[i] >= 0 && columns[i] >= 0 && rows[i] < n && columns[i] < n)

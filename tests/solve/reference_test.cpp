@@ -111,7 +111,7 @@ TEST(Reference, JacobianIsTheDerivativeOfTheResidual) {
                                 random.vector(-1, 1), i == 2 ? Motion::fixed : Motion::dynamic));
     ConstraintSet set;
     for_each_type(set, [&]<class C>(auto, ConstraintList<C>& list) {
-      for (int first = 0; first < 3; ++first) {
+      for (int first = 0; first < 3 && !is_unilateral<C>; ++first) {
         Constraint<C>& c = list.emplace_back();
         for (std::size_t e = 0; e < C::stencil; ++e) c.ids[e] = first + static_cast<Id>(e);
         for (double& p : c.parameters) p = random(0.5, 1.5);
@@ -127,7 +127,7 @@ TEST(Reference, JacobianIsTheDerivativeOfTheResidual) {
     std::vector<PetscInt> rows, columns;
     std::vector<double> values;
     problem.pattern(rows, columns);
-    problem.jacobian(u, 0, values);
+    problem.jacobian(u, values);
     ASSERT_EQ(values.size(), rows.size());
     Eigen::MatrixXd J = Eigen::MatrixXd::Zero(u.size(), u.size());
     for (std::size_t i = 0; i < values.size(); ++i)
