@@ -281,10 +281,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
 
 namespace {
 
-// Of the old multipliers, where a position stage starts. What iterations leave undone is made up by the force of the step before;
-// that force lags by a h / (1 - a) behind the motion, which takes as much from the damping h of the implicit step: all of it at a
-// = 1/2.
-double position_share(const SolverSettings& settings) { return settings.warm_start >= 0 ? settings.warm_start : 1.0 / 3; }
+double position_share(const SolverSettings& settings) { return settings.warm_start >= 0 ? settings.warm_start : automatic_share; }
 
 }  // namespace
 
@@ -292,7 +289,7 @@ double position_share(const SolverSettings& settings) { return settings.warm_sta
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
   const double share = constraints_of_all_ == 0 ? 0 : position_share(scene_.solver);
-  if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, share);
+  if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, scene_.solver.warm_start);
   if (jacobi && (!is_alone() || has_attachments())) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (constraints_of_all_ > 0 && (jacobi || share > 0)) system_.impulses.assign(world.size() + 1, Vec4d{});
   if (share_of_contacts <= 0) {

@@ -58,10 +58,12 @@ bool ConstraintBatches::empty() const {
 }
 
 void ConstraintBatches::set_multipliers(const ConstraintMultipliers& multipliers, double share) {
-  for_each_type(batches_, [&](auto type, auto& batch) {
+  for_each_type(batches_, [&]<class C>(auto type, ConstraintBatch<C>& batch) {
+    const double own = share >= 0 ? share : starts_cold<C> ? 0 : automatic_share;
+    if (own == 0) return batch.set_multipliers({});
     auto scaled = std::get<type.value>(multipliers);
     for (auto& one : scaled)
-      for (double& lambda : one) lambda *= share;
+      for (double& lambda : one) lambda *= own;
     batch.set_multipliers(scaled);
   });
 }

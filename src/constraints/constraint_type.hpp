@@ -32,6 +32,14 @@ concept ConstraintType = requires(const std::array<Vec4d, C::parameter_names.siz
   {C::evaluate(parameters, x, rows)};
 };
 
+// Types that measure strain rather than length: their gradients grow with the strain, and in big unconverged steps old
+// multipliers along grown gradients stretch further what they should draw together. Unless told otherwise they start from
+// nothing.
+template <class C>
+inline constexpr bool starts_cold = requires {
+  requires C::measures_strain;
+};
+
 template <class C>
 inline constexpr bool is_unilateral = requires {
   requires C::unilateral && C::rows == 1;

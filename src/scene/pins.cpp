@@ -84,16 +84,17 @@ void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::f
     if (other && other != named)
       other->fail(other->found() + " beside " + (node ? "node " : "near ") + named->found(), "only one of node, near and within");
   if (!named) value.fail_missing("node", "a node, or near: a point (m), or within: a box (m)");
-  Pin pin;
-  if (release) pin.release = release->number(not_negative, "s");
-  const Body body = to ? read_target(*to, scene) : Body{};
   std::vector<Id> ids;
   if (within)
     ids = nodes_within(*within, scene, first, count);
   else
     ids = {node ? first + number(*node) : nearest_node(scene, first, count, read_vector(*near, scene, "m"))};
-  for (const Id id : ids) {
+  for (const Id id : ids)
     if (is_pinned(scene, id)) named->fail(named->found() + ", a node pinned before", "each node pinned once");
+  Pin pin;
+  if (release) pin.release = release->number(not_negative, "s");
+  const Body body = to ? read_target(*to, scene) : Body{};
+  for (const Id id : ids) {
     pin.id = id;
     add_pin(pin, to ? &body : nullptr, scene, first);
   }

@@ -7,13 +7,34 @@ namespace unibody {
 
 namespace {
 
-SolidLaw read_law(const Value& entry) {
+const std::vector<std::string> elasticity_keys{"youngs_modulus", "poissons_ratio", "damping"};
+
+// Of a region, what it does not say is as in the rest of the solid.
+Elasticity read_elasticity(const Value& map, const Elasticity* rest) {
+  Elasticity result = rest ? *rest : Elasticity{};
+  const auto has = [&](const char* key) { return !rest || map.find(key); };
+  if (has("youngs_modulus")) result.youngs_modulus = need(map, "youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
+  if (has("poissons_ratio"))
+    result.poissons_ratio = need(map, "poissons_ratio", "a number in (-1, 0.5)").number({-1, 0.5, true, true}, "");
+  if (const Value* damping = map.find("damping")) result.damping = damping->number(not_negative, "s");
+  return result;
+}
+
+SolidLaw read_law(const Value& entry, const Scene& scene) {
   SolidLaw law;
   law.density = need(entry, "density", "a number > 0 (kg/m^3)").number(positive, "kg/m^3");
-  law.youngs_modulus = need(entry, "youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
-  law.poissons_ratio = need(entry, "poissons_ratio", "a number in (-1, 0.5)").number({-1, 0.5, true, true}, "");
-  if (const Value* damping = entry.find("damping")) law.damping = damping->number(not_negative, "s");
+  law.elasticity = read_elasticity(entry, nullptr);
   if (const Value* least = entry.find("least_volume")) law.least_volume = least->number({0, 1, true, true}, "");
+  if (const Value* value = entry.find("position")) law.position = read_vector(*value, scene, "m");
+  if (const Value* value = entry.find("orientation")) law.orientation = read_orientation(*value, scene);
+  if (const Value* regions = entry.find("regions"))
+    for (const Value& region : regions->list("regions")) {
+      std::vector<std::string> keys = elasticity_keys;
+      keys.emplace_back("within");
+      region.map(keys);
+      const Part part = read_part(need(region, "within", "a map with min and max (m)"), scene);
+      law.regions.emplace_back(part, read_elasticity(region, &law.elasticity));
+    }
   return law;
 }
 
@@ -27,12 +48,13 @@ MeshShape read_shape_of(const Value& entry, const SolidLaw& law, const Scene& sc
 
 void read_solid(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
-  for (const char* key : {"block", "mesh", "scale", "density", "youngs_modulus", "poissons_ratio", "damping", "least_volume",
-                          "thickness", "angular_velocity", "loads", "self_collision", "drag"})
+  keys.insert(keys.end(), elasticity_keys.begin(), elasticity_keys.end());
+  for (const char* key : {"block", "mesh", "scale", "density", "regions", "least_volume", "thickness", "angular_velocity",
+                          "loads", "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
-  const MeshShape shape = read_shape_of(entry, read_law(entry), scene);
+  const MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
   if (!(shape.mass(0) > 0)) need(entry, "density", "").fail_expected("a mass > 0 of each node");
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   Vec3 spin = Vec3::Zero();
@@ -53,14 +75,22 @@ void read_solid(const Value& entry, Scene& scene) {
 
 }  // namespace
 
+const Elasticity& SolidLaw::at(const Vec3& place) const {
+  const Vec3 world = position + orientation * place;
+  for (auto region = regions.rbegin(); region != regions.rend(); ++region)
+    if (region->first.holds(world)) return region->second;
+  return elasticity;
+}
+
 void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const std::array<Id, 4>& ids, std::int32_t colour,
                      ConstraintSet& out) {
   Constraint<Tetrahedron> c;
   c.ids = ids, c.colour = colour;
   c.parameters = Tetrahedron::at_rest(at[0], at[1], at[2], at[3]);
   const double length = c.parameters[9], volume = length * length * length / 6;
-  c.compliance = Tetrahedron::compliance(law.youngs_modulus, law.poissons_ratio, volume, length);
-  c.damping = law.damping;
+  const Elasticity& elasticity = law.at(0.25 * (at[0] + at[1] + at[2] + at[3]));
+  c.compliance = Tetrahedron::compliance(elasticity.youngs_modulus, elasticity.poissons_ratio, volume, length);
+  c.damping = elasticity.damping;
   std::get<ConstraintList<Tetrahedron>>(out).push_back(c);
   if (!law.least_volume) return;
   Constraint<InversionGuard> guard;

@@ -7,11 +7,21 @@
 
 namespace unibody {
 
-struct SolidLaw {
-  double density = 0;                             // kg/m^3
+// Of the tetrahedra of a solid, or of a part of it.
+struct Elasticity {
   double youngs_modulus = 0, poissons_ratio = 0;  // Pa, 1
   double damping = 0;                             // s
-  std::optional<double> least_volume;             // of rest, that a tetrahedron is kept from falling below
+};
+
+struct SolidLaw {
+  double density = 0;  // kg/m^3
+  Elasticity elasticity;
+  std::vector<std::pair<Part, Elasticity>> regions;  // by where a tetrahedron's centroid is at the start; the last one holds
+  std::optional<double> least_volume;                // of rest, that a tetrahedron is kept from falling below
+  Vec3 position = Vec3::Zero();                      // of the entry's frame
+  Quat orientation = Quat::Identity();
+
+  const Elasticity& at(const Vec3& place) const;  // of the entry's frame
 };
 
 MeshShape block_solid(const Value& block, const SolidLaw& law);

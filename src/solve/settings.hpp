@@ -28,6 +28,11 @@ inline constexpr std::array<std::string_view, 2> form_names{"incremental", "tota
 // The solvers there are, the default first; solver.cpp has the table.
 std::vector<std::string> solver_names();
 
+// Of the old multipliers, where a position stage starts. What iterations leave undone is made up by the force of the step before;
+// that force lags by a h / (1 - a) behind the motion, which takes as much from the damping h of the implicit step: a third leaves
+// three quarters of it, 1/2 nothing.
+inline constexpr double automatic_share = 1.0 / 3;
+
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
@@ -38,7 +43,7 @@ struct SolverSettings {
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
-  // contacts where it is the only stage. -1: 1/3, which leaves three quarters of a step's damping; 1/2 leaves none.
+  // contacts where it is the only stage. -1: automatic_share, but nothing of constraints that measure strain.
   double warm_start = -1;
   Form form = Form::incremental;
   double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations

@@ -106,5 +106,55 @@ TEST(Solid, RandomAndFlattenedStartsAreFinite) {
   }
 }
 
+// A soft half beside one a million times as stiff, and a material that is nearly incompressible: the solver gets to the step's
+// solution, or says that it did not.
+TEST(Solid, HardMaterialsConvergeOrSayThatTheyDidNot) {
+  const std::string contrast = "    regions: [{within: {min: [0, -1, -1], max: [1, 1, 1]}, youngs_modulus: 1.0e9}]\n";
+  const std::string pins = "    pins: [{within: {min: [-0.2, -1, -1], max: [-0.2, 1, 1]}}]\n";
+  const std::string head =
+      "solids:\n  - block: {size: [0.4, 0.3, 0.2], cells: [4, 3, 2]}\n    density: 1000\n    thickness: 0.01\n";
+  const std::string soft = "    youngs_modulus: 1.0e3\n    poissons_ratio: 0.3\n",
+                    jelly = "    youngs_modulus: 1.0e5\n    poissons_ratio: 0.4999\n";
+  for (const std::string& law : {soft + contrast, jelly}) {
+    const auto places = [&](const char* solver, int iterations, bool& converged, double& tolerance) {
+      Scene scene = scene_from_text(head + law + pins);
+      scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.form = Form::total;
+      Experiment run(std::move(scene));
+      run.step();
+      converged = run.last.converged, tolerance = run.simulation->tolerance();
+      return run.world().position;
+    };
+    bool converged = false;
+    double tolerance = 0;
+    const auto exact = places("newton", 50, converged, tolerance);
+    EXPECT_TRUE(converged);
+    int said_no = 0;
+    for (const int iterations : {20, 20000}) {
+      const auto found = places("gauss_seidel", iterations, converged, tolerance);
+      double worst = 0;
+      for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (found[i] - exact[i]).norm());
+      if (converged)
+        EXPECT_LT(worst, 100 * tolerance) << iterations;
+      else
+        ++said_no;
+    }
+    EXPECT_LE(said_no, 1);  // 20,000 iterations are enough
+  }
+}
+
+// h = 1/24 s and 1/10 s, unconverged: the energy never exceeds that of the start.
+TEST(Solid, BigStepsAreBounded) {
+  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
+    for (const double h : {1.0 / 24, 0.1}) {
+      Scene scene = scene_from_text(block("    pins: [{within: {min: [-0.2, -1, -1], max: [-0.2, 1, 1]}}]\n"));
+      scene.solver.name = solver, scene.time.step = h, scene.solver.iterations = 20;
+      Experiment run(std::move(scene));
+      const double energy = all_energy(run);
+      double highest = energy;
+      for (int k = 0; k < 300; ++k) run.step(), highest = std::max(highest, all_energy(run));
+      EXPECT_LE(highest, energy + 1e-9 * std::abs(energy)) << solver << ' ' << h;
+    }
+}
+
 }  // namespace
 }  // namespace unibody::small_worlds

@@ -59,7 +59,7 @@ const std::vector<Fault> faults{
 };
 
 INSTANTIATE_TEST_SUITE_P(Faults, SolidRefuses, testing::ValuesIn(faults),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& fault) { return std::string(fault.param.name); });
 
 TEST(SolidRefuses, NoTotalFormThatConverges) {
   EXPECT_EQ(fault_of("solver: {form: total, name: gauss_seidel}\ncloths:\n  - grid: {size: [1, 1], nodes: [4, 5]}\n    mass: 1\n"

@@ -162,5 +162,20 @@ TEST(BlockSolid, SpinTurnsAboutThePosition) {
   }
 }
 
+// By centroid, in world axes: the block is turned upside down.
+TEST(BlockSolid, RegionsHaveTheirOwnModulus) {
+  const Scene scene = solid(
+      "    orientation: {axis: [1, 0, 0], angle: 180}\n"
+      "    regions: [{within: {min: [-1, -1, 3], max: [1, 1, 4]}, youngs_modulus: 3.0e+7, damping: 0.1}]\n");
+  for (const auto& [ids, each] : constraints_of<Tetrahedron>(scene)) {
+    double height = 0;
+    for (const Id id : ids) height += place(scene, id).z() / 4;
+    const double length = each[0].parameters[9], volume = size.prod() / (6 * nx * ny * nz);
+    const double E = height > 3 ? 3e7 : 1e5;
+    EXPECT_NEAR(each[0].compliance[1], 1.3 * length * length / (volume * E), 1e-12 / E);
+    EXPECT_EQ(each[0].damping, height > 3 ? 0.1 : 0.0);
+  }
+}
+
 }  // namespace
 }  // namespace unibody
