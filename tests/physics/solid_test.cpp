@@ -115,6 +115,7 @@ TEST(Solid, HardMaterialsConvergeOrSayThatTheyDidNot) {
       "solids:\n  - block: {size: [0.4, 0.3, 0.2], cells: [4, 3, 2]}\n    density: 1000\n    thickness: 0.01\n";
   const std::string soft = "    youngs_modulus: 1.0e3\n    poissons_ratio: 0.3\n",
                     jelly = "    youngs_modulus: 1.0e5\n    poissons_ratio: 0.4999\n";
+  int yes = 0, no = 0;
   for (const std::string& law : {soft + contrast, jelly}) {
     const auto places = [&](const char* solver, int iterations, bool& converged, double& tolerance) {
       Scene scene = scene_from_text(head + law + pins);
@@ -128,31 +129,31 @@ TEST(Solid, HardMaterialsConvergeOrSayThatTheyDidNot) {
     double tolerance = 0;
     const auto exact = places("newton", 50, converged, tolerance);
     EXPECT_TRUE(converged);
-    int said_no = 0;
-    for (const int iterations : {20, 20000}) {
+    for (const int iterations : {2, 20, 5000}) {
       const auto found = places("gauss_seidel", iterations, converged, tolerance);
       double worst = 0;
       for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (found[i] - exact[i]).norm());
-      if (converged)
-        EXPECT_LT(worst, 100 * tolerance) << iterations;
-      else
-        ++said_no;
+      EXPECT_TRUE(!converged || worst < 100 * tolerance) << iterations << ' ' << worst;
+      ++(converged ? yes : no);
     }
-    EXPECT_LE(said_no, 1);  // 20,000 iterations are enough
   }
+  EXPECT_GT(yes, 0);
+  EXPECT_GT(no, 0);
 }
 
-// h = 1/24 s and 1/10 s, unconverged: the energy never exceeds that of the start.
+// h = 1/24 s and 1/10 s, far from converged: hanging from one end, a block never has more kinetic and potential energy than at
+// the start. (Its strain is larger than its forces say, so that its elastic energy is no measure here.)
 TEST(Solid, BigStepsAreBounded) {
-  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
+  for (const char* solver : {"accelerated_jacobi", "gauss_seidel", "jacobi"})
     for (const double h : {1.0 / 24, 0.1}) {
       Scene scene = scene_from_text(block("    pins: [{within: {min: [-0.2, -1, -1], max: [-0.2, 1, 1]}}]\n"));
       scene.solver.name = solver, scene.time.step = h, scene.solver.iterations = 20;
       Experiment run(std::move(scene));
-      const double energy = all_energy(run);
-      double highest = energy;
-      for (int k = 0; k < 300; ++k) run.step(), highest = std::max(highest, all_energy(run));
-      EXPECT_LE(highest, energy + 1e-9 * std::abs(energy)) << solver << ' ' << h;
+      const double start = run.energy(), weight = 24 * 9.81;
+      for (int k = 0; k < 300; ++k) {
+        run.step();
+        ASSERT_LT(run.energy(), start + 1e-3 * weight * 0.4) << solver << ' ' << h << ' ' << k;
+      }
     }
 }
 
