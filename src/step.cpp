@@ -12,6 +12,7 @@
 #include "partition/migrate.hpp"
 #include "partition/migrate_constraints.hpp"
 #include "solve/free_motion.hpp"
+#include "solve/friction_postprocess.hpp"
 #include "solve/recall.hpp"
 #include "solve/reference.hpp"
 #include "solve/surface_guard.hpp"
@@ -340,7 +341,9 @@ StepReport Simulation::solve() {
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
   if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
-  report.sliding = system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
+  if (settings.friction == FrictionModel::postprocess)
+    report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
+  report.sliding += system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
@@ -393,7 +396,8 @@ void Simulation::finalise() {
     if (i >= world.homes && i < world.first_static()) continue;
     if (world.properties[i].motion == Motion::fixed) continue;
     const Vec3 gyroscopic = system_.isotropic[i] ? Vec3(Vec3::Zero()) : system_.gyroscopic[i];
-    world.set_state(i, finish_motion(world.properties[i], world.state(i), system_.bodies[i], gyroscopic, step_, scene_.planar));
+    const SolverBody &solved = system_.bodies[i], &moving = system_.moving.empty() ? solved : system_.moving[i];
+    world.set_state(i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, step_, scene_.planar));
   }
 }
 

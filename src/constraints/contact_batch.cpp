@@ -97,7 +97,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
         block.manifold[l] = static_cast<std::int32_t>(order[begin + l]);
         block.contact[l] = m.first, block.lane_count[l] = static_cast<std::uint8_t>(m.count);
         block.count = std::max(block.count, m.count);
-        any_friction |= settings.friction != FrictionModel::none && m.friction > 0;
+        any_friction |= acts_in_solve(friction_) && m.friction > 0;
         all_isotropic &= isotropic[m.slot_a] && isotropic[m.slot_b];
       }
       add_rows(block, any_friction, gauss_seidel);
@@ -135,7 +135,7 @@ void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const
       }
       ++block_count, point_count += longest, general_count += general;
     }
-  const std::size_t tangent_count = friction_ == FrictionModel::none ? 0 : point_count;
+  const std::size_t tangent_count = acts_in_solve(friction_) ? point_count : 0;
   blocks.reserve(block_count), points.reserve(point_count), tangents.reserve(tangent_count), inertias.reserve(general_count);
   if (gauss_seidel)
     couplings.reserve(tangent_count);
@@ -299,6 +299,12 @@ ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_
 void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
   for_each_row(
       [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
+}
+
+void ContactBatch::normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const {
+  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+    normal[contact] = points[p].lambda[l] + (kept_ == Kept::apart ? kept[contact].n : 0);
+  });
 }
 
 void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {

@@ -131,6 +131,9 @@ class ContactBatch {
   // them, or, if `joint`, from them.
   void keep_impulses(bool joint, std::span<Impulse> kept);
 
+  // At the end: the normal multipliers of both stages together, of all points.
+  void normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const;
+
   // At the end: leaves kept + leak * what the position stage added in `kept`; after a single stage all of its multipliers.
   // Returns the number of counted points whose multipliers of both stages together are at friction's limit.
   std::int64_t leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const;

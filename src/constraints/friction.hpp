@@ -1,4 +1,5 @@
-// Coulomb's cone, five ways (paper, section 2.4 and Algorithm 2; what each gets wrong is said beside it).
+// Coulomb's cone, five ways (paper, section 2.4 and Algorithm 2; what each gets wrong is said beside it). A sixth has no part in
+// the solve: see solve/friction_postprocess.hpp.
 //
 // Each model says how a contact's trial multipliers (normal n, tangents s and t) are brought back to what the cone allows.
 // The trial tangents come in after their gradient step. Lanes are independent. Units cancel: forces or impulses alike.
@@ -41,6 +42,11 @@ inline ConeForce project_cone(ConeForce y, Vec4d mu) {
   return {select(inside, y.n, p.n), select(inside, y.s, p.s), select(inside, y.t, p.t)};
 }
 
+// Whether contacts have rows of friction.
+inline constexpr bool acts_in_solve(FrictionModel model) {
+  return model != FrictionModel::none && model != FrictionModel::postprocess;
+}
+
 inline constexpr bool uses_cone_projection(FrictionModel model) {
   return model == FrictionModel::cone || model == FrictionModel::saxce;
 }
@@ -67,6 +73,7 @@ auto with_model(FrictionModel model, F&& f) {
     case FrictionModel::box:
       return f.template operator()<FrictionModel::box>();
     case FrictionModel::none:
+    case FrictionModel::postprocess:
       return f.template operator()<FrictionModel::none>();
     case FrictionModel::disc:
       break;

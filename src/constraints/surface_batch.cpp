@@ -47,7 +47,7 @@ void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, std::s
   put(block.arm, l, contact.arm);
   put(block.n, l, contact.normal);
   put(block.s, l, first_tangent_of(contact.normal));
-  block.friction[l] = friction_ == FrictionModel::none ? 0 : contact.friction;
+  block.friction[l] = acts_in_solve(friction_) ? contact.friction : 0;
   block.gap[l] = contact.gap, block.beyond[l] = contact.beyond;
   const auto first = static_cast<std::size_t>(contact.slots[0]);
   const double all = bodies[first].inverse_inertia;
@@ -180,6 +180,13 @@ double SurfaceBatch::residual(std::span<const SolverBody> bodies) const {
     }
     return step_ * horizontal_max(worst);
   });
+}
+
+void SurfaceBatch::normal_impulses(std::span<double> normal) const {
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    const Block& block = blocks_[i / lanes];
+    normal[i] = (block.kept.n + block.lambda.n)[i % lanes];
+  }
 }
 
 std::int64_t SurfaceBatch::sliding() const {

@@ -43,6 +43,9 @@ class SurfaceBatch {
   // Natural residual (m).
   double residual(std::span<const SolverBody> bodies) const;
 
+  // Normal multipliers of all stages together: index = that of the contact in build()'s list.
+  void normal_impulses(std::span<double> normal) const;
+
   // Counted contacts whose multipliers of all stages together are at friction's limit.
   std::int64_t sliding() const;
 

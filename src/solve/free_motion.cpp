@@ -72,14 +72,14 @@ Quat turned_by(const Quat& orientation, const Vec3& spin, double step) {
   return (Quat(1, half.x(), half.y(), half.z()) * orientation).normalized();
 }
 
-BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& solved, const Vec3& gyroscopic,
-                        double step, bool planar) {
+BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
+                        const Vec3& gyroscopic, double step, bool planar) {
   BodyState next = state;
   next.velocity = Eigen::Map<const Vec3>(solved.v);
   next.angular_velocity = Eigen::Map<const Vec3>(solved.w);
-  next.position += step * next.velocity;
+  next.position += step * Eigen::Map<const Vec3>(moving.v);
   if (body.shape.kind == ShapeKind::particle) return next;  // it does not turn
-  next.orientation = turned_by(state.orientation, next.angular_velocity, step);
+  next.orientation = turned_by(state.orientation, Eigen::Map<const Vec3>(moving.w), step);
   if (body.is_dynamic() && !planar &&
       !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
     const Mat3 before = state.orientation.toRotationMatrix(), after = next.orientation.toRotationMatrix();

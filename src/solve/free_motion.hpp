@@ -22,8 +22,12 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
 // An orientation after a step of rotation at `spin` (rad/s, world axes).
 Quat turned_by(const Quat& orientation, const Vec3& spin, double step);
 
-// The state after the step, from the velocities that the solver left.
-BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& solved, const Vec3& gyroscopic,
-                        double step, bool planar);
+// The state after the step, from the velocities that the solver left. `moving`: those that it moves with, where they differ.
+BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
+                        const Vec3& gyroscopic, double step, bool planar);
+inline BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& solved,
+                               const Vec3& gyroscopic, double step, bool planar) {
+  return finish_motion(body, state, solved, solved, gyroscopic, step, planar);
+}
 
 }  // namespace unibody

@@ -8,8 +8,8 @@
 
 namespace unibody {
 
-enum class FrictionModel { disc, cone, saxce, box, none };
-inline constexpr std::array<std::string_view, 5> friction_model_names{"disc", "cone", "saxce", "box", "none"};
+enum class FrictionModel { disc, cone, saxce, box, none, postprocess };
+inline constexpr std::array<std::string_view, 6> friction_model_names{"disc", "cone", "saxce", "box", "none", "postprocess"};
 
 enum class Gap { frozen, reevaluated };
 inline constexpr std::array<std::string_view, 2> gap_names{"frozen", "reevaluated"};

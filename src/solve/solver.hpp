@@ -22,6 +22,7 @@ class ConstraintBatches;
 struct System {
   explicit System(std::pmr::memory_resource* memory = std::pmr::get_default_resource())
       : bodies(memory),
+        moving(memory),
         inertia(memory),
         isotropic(memory),
         gyroscopic(memory),
@@ -36,6 +37,7 @@ struct System {
 
   std::size_t homes = 0;
   std::pmr::vector<SolverBody> bodies;
+  std::pmr::vector<SolverBody> moving;       // with whose velocities bodies move, where they end with others; else empty
   std::pmr::vector<InverseInertia> inertia;  // of each body that is not isotropic; empty where all are
   std::pmr::vector<std::uint8_t> isotropic;  // of each body: SolverBody::inverse_inertia says it all
   std::pmr::vector<Vec3> gyroscopic;         // kg m^2/s, like `inertia`: momentum that the predicted spin leaves out

@@ -32,10 +32,13 @@ solver: )" +
          solver;
 }
 
-const std::string solvers[] = {"{name: accelerated_jacobi, iterations: 12}", "{name: jacobi, iterations: 12}",
+const std::string solvers[] = {"{name: accelerated_jacobi, iterations: 12}",
+                               "{name: jacobi, iterations: 12}",
                                "{name: gauss_seidel, iterations: 8}",
                                "{name: accelerated_jacobi, iterations: 8, gap: reevaluated}",
-                               "{name: accelerated_jacobi, stages: position, iterations: 8, friction: cone}"};
+                               "{name: accelerated_jacobi, stages: position, iterations: 8, friction: cone}",
+                               "{name: accelerated_jacobi, iterations: 8, friction: postprocess}",
+                               "{name: gauss_seidel, iterations: 8, friction: postprocess}"};
 
 constexpr int looks[] = {1, 10, 60};
 
@@ -173,7 +176,8 @@ TEST_P(RanksBitwiseFlexible, AnyPartitionGivesTheStatesOfOneRank) { expect_the_s
 
 INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwiseFlexible,
                          ::testing::Values("{name: accelerated_jacobi, iterations: 12}", "{name: gauss_seidel, iterations: 8}",
-                                           "{name: jacobi, iterations: 6, stages: position, warm_start: 0}"));
+                                           "{name: jacobi, iterations: 6, stages: position, warm_start: 0}",
+                                           "{name: accelerated_jacobi, iterations: 12, friction: postprocess}"));
 
 TEST_P(RanksBitwiseFlexible, TiedBodiesInTheWind) { expect_the_states_of_one_rank(tied_scene(GetParam())); }
 

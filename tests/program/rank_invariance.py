@@ -101,7 +101,7 @@ class RankInvariance(ProgramTest):
     # Contacts with and without friction side by side in every block of four, which contacts share one depends on the rank.
     def test_every_friction_model(self):
         scene = self.scene(MIXED)
-        for model in ("cone", "saxce", "box", "none"):
+        for model in ("cone", "saxce", "box", "none", "postprocess"):
             for solver in SOLVERS[:2]:
                 with self.subTest(model=model, solver=solver):
                     options = ["-set", "time.frames=25", "-set", f"solver.friction={model}", "-set", f"solver.name={solver}"]
