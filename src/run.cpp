@@ -54,9 +54,9 @@ std::string physics_of(const Scene& scene) {
   const SolverSettings& s = scene.solver;
   text << scene.time.step << ' ' << scene.time.substeps << ' ' << scene.gravity.transpose() << ' ' << scene.planar << ' '
        << s.name << ' ' << s.iterations << ' ' << s.tolerance << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start << ' '
-       << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' '
-       << static_cast<int>(s.order)
-       << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
+       << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form)
+       << ' ' << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' '
+       << s.margin << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
   for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
