@@ -198,16 +198,31 @@ TEST(ReadScene, TheReferencesFirstExampleWorks) {
   EXPECT_EQ(scene_from(text.substr(begin, end - begin)).body_count(), 2);
 }
 
+// Scans are fetched, not kept: scripts/run does it.
+bool lacks_its_mesh(const std::string& scene) {
+  const auto begin = scene.find("results/meshes/");
+  if (begin == std::string::npos) return false;
+  const auto end = scene.find_first_of(" \n", begin);
+  return !std::filesystem::exists(std::string(UNIBODY_SOURCE_DIR "/") + scene.substr(begin, end - begin));
+}
+
 TEST(ReadScene, AllScenesOfTheProjectAreGood) {
   int scenes = 0;
   for (const auto& file : std::filesystem::directory_iterator(UNIBODY_SOURCE_DIR "/scenes")) {
     if (file.path().extension() != ".yaml") continue;
     SCOPED_TRACE(file.path().filename());
+    std::ifstream text(file.path());
+    const std::string head((std::istreambuf_iterator<char>(text)), {});
+    EXPECT_NE(head.find("#   scripts/run scenes/" + file.path().filename().string()), std::string::npos);
+    ++scenes;
+    if (lacks_its_mesh(head)) {
+      EXPECT_THROW(read_scene(file.path()), InputError);
+      continue;
+    }
     Scene scene;
     ASSERT_NO_THROW(scene = read_scene(file.path(), {{"time.frames", "2"}}));
     EXPECT_EQ(scene.time.frames, 2);
     EXPECT_FALSE(scene.title.empty());
-    ++scenes;
     for (const BodyGroup& group : scene.groups)
       for (const Id k : {Id{0}, group.count / 2, group.count - 1}) {
         const Body body = scene.body(group.first + k);
@@ -216,9 +231,6 @@ TEST(ReadScene, AllScenesOfTheProjectAreGood) {
         EXPECT_GT(body.properties.mass, 0);
         EXPECT_EQ(group.is_static, !body.properties.is_dynamic());
       }
-    std::ifstream text(file.path());
-    std::string head((std::istreambuf_iterator<char>(text)), {});
-    EXPECT_NE(head.find("#   scripts/run scenes/" + file.path().filename().string()), std::string::npos);
   }
   EXPECT_GE(scenes, 14);
 }
