@@ -37,23 +37,6 @@ template <std::size_t n>
   }
 }
 
-// Shortens a step that would move an end further than a quarter of the element's size, the last of its parameters. Where an
-// element is flat, the gradients of its strains vanish and a whole step would overshoot: of a stretch l it makes (l + 1/l) / 2.
-// By r^T P^-1 r >= sum of |d_e|^2 / (h^2 weight_e) over the ends' displacements d_e.
-template <std::size_t stencil, std::size_t rows>
-[[gnu::always_inline]] inline void shorten(const std::array<Vec4d, rows>& r, const std::array<Vec4d, stencil>& weight, Vec4d size,
-                                           double h, std::array<Vec4d, rows>& step) {
-  constexpr double part = 0.25;
-  Vec4d heaviest = weight[0], squared = broadcast(0);
-  for (std::size_t e = 1; e < stencil; ++e) heaviest = max(heaviest, weight[e]);
-  for (std::size_t k = 0; k < rows; ++k) squared -= r[k] * step[k];
-  const Vec4d way = broadcast(h * h) * heaviest * squared, allowed = broadcast(part * part) * size * size;
-  const Mask4 too_far = way > allowed;
-  if (!any(too_far)) return;
-  const Vec4d share = sqrt(select(too_far, allowed / select(too_far, way, broadcast(1)), broadcast(1)));
-  for (std::size_t k = 0; k < rows; ++k) step[k] *= share;
-}
-
 }  // namespace constraint_kernels
 
 template <ConstraintType C>
@@ -280,8 +263,6 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
       r[i] = residual_of<soft>(b, ends, at[i], y_[b], h, over_step);
       if constexpr (total) add_misfit(b, at[i], ends, y_[b], r[i]);
       step[i] = solve_block<soft>(b, at[i], ends, r[i], h);
-      if constexpr (starts_cold<C>)
-        constraint_kernels::shorten<stencil, rows>(r[i], ends.weight, blocks_[b].parameters[parameter_count - 1], h, step[i]);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution moved = extrapolate(first + i, r[i], step[i], totals);
@@ -349,8 +330,6 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
       Solution r = residual_of<soft>(b, ends, at[i], lambda_[b], h, over_step);
       if constexpr (total) add_misfit(b, at[i], ends, lambda_[b], r);
       step[i] = solve_block<soft>(b, at[i], ends, r, h);
-      if constexpr (starts_cold<C>)
-        constraint_kernels::shorten<stencil, rows>(r, ends.weight, blocks_[b].parameters[parameter_count - 1], h, step[i]);
       const Vec4d part = part_taken(lambda_[b], step[i]);
       weight[i] = ends.weight;
       for (std::size_t k = 0; k < rows; ++k) {

@@ -32,12 +32,11 @@ concept ConstraintType = requires(const std::array<Vec4d, C::parameter_names.siz
   {C::evaluate(parameters, x, rows)};
 };
 
-// Types that measure strain rather than length: their gradients grow with the strain, and in big unconverged steps old
-// multipliers along grown gradients stretch further what they should draw together. Unless told otherwise they start from
-// nothing.
+// The gradients of a solid's strains grow with the strain, and in big unconverged steps old multipliers along grown gradients
+// stretch further what they should draw together. Unless told otherwise such a type starts from nothing.
 template <class C>
 inline constexpr bool starts_cold = requires {
-  requires C::measures_strain;
+  requires C::starts_cold;
 };
 
 template <class C>

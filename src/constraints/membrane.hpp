@@ -11,7 +11,6 @@ namespace unibody {
 struct Membrane {
   static constexpr std::string_view name = "membrane";
   static constexpr std::size_t stencil = 3, rows = 3;
-  static constexpr bool measures_strain = true;
   // X = Dm^-1 of the rest triangle laid into its plane with edge 1 along the first axis: upper triangular.
   static constexpr std::array<std::string_view, 4> parameter_names{"X11 (1/m)", "X12 (1/m)", "X22 (1/m)",
                                                                    "length that makes a strain a distance (m)"};

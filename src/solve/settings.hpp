@@ -43,7 +43,7 @@ struct SolverSettings {
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
-  // contacts where it is the only stage. -1: automatic_share, but nothing of constraints that measure strain.
+  // contacts where it is the only stage. -1: automatic_share, but nothing of tetrahedra.
   double warm_start = -1;
   Form form = Form::incremental;
   double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
