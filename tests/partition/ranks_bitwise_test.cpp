@@ -176,8 +176,7 @@ TEST_P(RanksBitwiseFlexible, AnyPartitionGivesTheStatesOfOneRank) { expect_the_s
 
 INSTANTIATE_TEST_SUITE_P(Ranks, RanksBitwiseFlexible,
                          ::testing::Values("{name: accelerated_jacobi, iterations: 12}", "{name: gauss_seidel, iterations: 8}",
-                                           "{name: jacobi, iterations: 6, stages: position, warm_start: 0}",
-                                           "{name: accelerated_jacobi, iterations: 12, friction: postprocess}"));
+                                           "{name: jacobi, iterations: 6, stages: position, warm_start: 0}"));
 
 TEST_P(RanksBitwiseFlexible, TiedBodiesInTheWind) { expect_the_states_of_one_rank(tied_scene(GetParam())); }
 

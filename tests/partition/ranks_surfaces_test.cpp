@@ -64,7 +64,7 @@ solids:
     least_volume: 0.1
   - block: {size: [0.3, 0.3, 0.3], cells: [2, 3, 2]}
     position: [0.1, 0.1, 0.75]
-    orientation: {axis: [0, 1, 0], angle: 30}
+    orientation: {axis: [0, 1, 0], angle: 12}
     velocity: [0, 0, -5]
     angular_velocity: [3, 0, 0]
     density: 300
