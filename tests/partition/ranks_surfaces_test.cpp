@@ -54,7 +54,7 @@ bodies:
   - {shape: {plane: {normal: [0, 0, 1]}}}
   - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 3, position: [0.05, 0, 0.12]}
 solids:
-  - block: {size: [0.6, 0.5, 0.2], cells: [5, 4, 2]}
+  - block: {size: [0.6, 0.5, 0.2], cells: [3, 2, 1]}
     position: [0, 0, 0.4]
     velocity: [0, 0, -3]
     density: 300
@@ -62,7 +62,7 @@ solids:
     poissons_ratio: 0.4
     thickness: 0.01
     least_volume: 0.1
-  - block: {size: [0.3, 0.3, 0.3], cells: [2, 3, 2]}
+  - block: {size: [0.3, 0.3, 0.3], cells: [1, 2, 1]}
     position: [0.1, 0.1, 0.75]
     orientation: {axis: [0, 1, 0], angle: 12}
     velocity: [0, 0, -5]
