@@ -176,13 +176,16 @@ Mode lowest_mode(Experiment& run) {
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(K);
   Eigen::VectorXd shape = Eigen::VectorXd::Zero(n);
   for (Eigen::Index i = 1; i < n; i += 3) shape[i] = 1;  // across, to the y axis: the lowest bending
-  double omega = 0;
-  for (int k = 0; k < 60; ++k) {
-    shape = factor.solve(mass.cwiseProduct(shape));
+  for (int k = 0; k < 5000; ++k) {                       // a bar's two bendings may be near each other
+    const Eigen::VectorXd momentum = mass.cwiseProduct(shape);  // solve() does not know of aliases
+    shape = factor.solve(momentum);
     shape /= shape.lpNorm<Eigen::Infinity>();
-    omega = std::sqrt(shape.dot(K * shape) / shape.dot(mass.cwiseProduct(shape)));
+    const Eigen::VectorXd force = K * shape, inertia = mass.cwiseProduct(shape);
+    const double square = shape.dot(force) / shape.dot(inertia);
+    if ((force - square * inertia).norm() < 1e-6 * force.norm()) return {std::sqrt(square), shape};
   }
-  return {omega, shape};
+  ADD_FAILURE() << "no mode found";
+  return {0, shape};
 }
 
 }  // namespace
@@ -212,7 +215,7 @@ TEST(Newton, TheFirstBendingFrequencyConvergesWithOrderTwo) {
 TEST(Newton, AModeRingsAndFadesAsImplicitEulerHasIt) {
   Experiment run(scene_from_text(
       "gravity: [0, 0, 0]\ntime: {step: 0.1}\n" + by_newton +
-      block_text("[1, 0.2, 0.4]", "[5, 1, 2]",
+      block_text("[1, 0.2, 0.4]", "[5, 2, 2]",
                  "position: [0.5, 0, 0]\n    " + law + "\n    pins: [{within: {min: [0, -1, -1], max: [0, 1, 1]}}]")));
   const Mode mode = lowest_mode(run);
   constexpr double size = 1e-6;  // m; the rest of the law is of second order in it
