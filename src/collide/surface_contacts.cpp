@@ -302,6 +302,21 @@ double SurfaceCollider::first_touch(const Proxy& box, const SurfaceFace& face, d
   return first;
 }
 
+// The third nodes of the neighbours that lean away by less than 45 degrees; returns how many.
+std::size_t SurfaceCollider::flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const {
+  if (face.is_segment()) return 0;
+  const TriangleNodes x = places(face, time);
+  const Vec3 normal = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (face.across[i] < 0) continue;
+    const Vec3 node = place(face.across[i]) + time * settings_.step * velocity(face.across[i]);
+    const Vec3 &from = x[i], &to = x[(i + 1) % 3];
+    if (normal.dot((from - to).cross(node - to).normalized()) > std::sqrt(0.5)) out[count++] = node;
+  }
+  return count;
+}
+
 void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
   Pair pair;
   pair.slots = {box.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
@@ -318,7 +333,10 @@ void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
   const double widest = settings_.margin + (pair.watched || time > 0 ? 0 : settings_.step * fastest) + pair.spin + fall;
   const Vec3 centre = box.position + time * settings_.step * box.velocity;
   TriangleContacts found;
-  box_triangle(centre, box.rotation, box.half, places(face, time), {pair.radii + widest, box.half_size}, found);
+  std::array<Vec3, 3> beyond;
+  const std::size_t flat = flat_neighbours(face, time, beyond);
+  box_triangle(centre, box.rotation, box.half, places(face, time), {pair.radii + widest, box.half_size}, found,
+               std::span(beyond).first(flat));
   for (int i = 0; i < found.count; ++i) {
     const TriangleContact& c = found.points[static_cast<std::size_t>(i)];
     if (c.feature >= 8 && c.feature < 11) continue;  // nodes touch bodies as the particles that they are

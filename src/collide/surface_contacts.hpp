@@ -72,6 +72,7 @@ class SurfaceCollider {
   void add_standing(const Pair& pair);
   void add_meeting(Pair pair, double time);
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
+  std::size_t flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const;
   void box_face(const Proxy& box, const SurfaceFace& face);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;
 

@@ -80,21 +80,49 @@ TEST(ClosedSurface, EdgesInsideOfEachOtherArePushedApart) {
   }
 }
 
-// A box's corner that has gone through a thin part: what lies behind it is not a wall that would hold it.
+// A box on its corner, so much deeper than the top of a closed box.
+Contacts corner_in(SurfaceWorld& s, const Vec3& plate, const Vec3& at, double depth) {
+  s.add_closed_box(plate, r, Vec3::Zero(), Mat3::Identity());
+  const Quat turn = Quat::FromTwoVectors(-Vec3::Ones(), -Vec3::UnitZ());
+  s.add(box(0, Vec3::Constant(0.2), at + Vec3(0, 0, plate.z() + 0.2 * std::sqrt(3.0) - depth), turn));
+  return s.contacts();
+}
+
+// What lies behind a corner that has gone through a thin part is not a wall that would hold it.
 TEST(ClosedSurface, TheFarSideOfAThinPartIsNoWall) {
   SurfaceWorld s;
-  const Vec3 plate(0.5, 0.4, 0.02);
-  s.add_closed_box(plate, r, Vec3::Zero(), Mat3::Identity());
-  const Vec3 corner = Vec3::Constant(-0.2);
-  const Quat turn = Quat::FromTwoVectors(corner, -Vec3::UnitZ());
-  const Id body = s.add(box(0, Vec3::Constant(0.2), Vec3(0.13, 0.11, 0.2 * std::sqrt(3.0) - 0.03), turn));
+  const Contacts found = corner_in(s, Vec3(0.5, 0.4, 0.02), Vec3(0.2, 0.08, 0), 0.05);
   int corners = 0;
-  for (const SurfaceContact& c : s.contacts().surface) {
-    if (c.ids[0] != body || c.feature >= 8) continue;
+  for (const SurfaceContact& c : found.surface) {
+    if (c.feature >= 8) continue;
     ++corners;
     EXPECT_GT(c.normal.z(), 0.999);
   }
   EXPECT_EQ(corners, 1);
+}
+
+// Deep, and near the line where the surface goes on flat: the way over that line is no way out.
+TEST(ClosedSurface, ACornerNearTheEdgeBetweenFlatFacesIsHeld) {
+  for (const double aside : {-0.03, -0.004, -1e-4, 1e-4, 0.004, 0.03}) {
+    SurfaceWorld s;
+    double deepest = 0;
+    for (const SurfaceContact& c : corner_in(s, half, Vec3(0.2, 0.16 + aside, 0), 0.06).surface)
+      if (c.normal.z() > 0.999) deepest = std::min(deepest, c.gap);
+    EXPECT_NEAR(deepest, -0.06 - r, 1e-12) << aside;
+  }
+}
+
+// A box beside the solid that overlaps it a little: out to the side, not over the top.
+TEST(ClosedSurface, ABoxBesideIsPushedToTheSide) {
+  SurfaceWorld s;
+  s.add_closed_box(half, r, Vec3::Zero(), Mat3::Identity());
+  s.add(box(0, Vec3::Constant(0.2), Vec3(0.7 - 0.003, 0.07, 0.2), Quat::Identity()));
+  int touching = 0;
+  for (const SurfaceContact& c : s.contacts().surface) {
+    EXPECT_GT(c.gap, -0.01 - 2 * r) << c.feature << ": " << c.normal.transpose();
+    touching += c.normal.x() > 0.999;
+  }
+  EXPECT_GT(touching, 0);
 }
 
 }  // namespace
