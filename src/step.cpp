@@ -77,12 +77,12 @@ bool Simulation::is_alone() const {
          std::none_of(scene_.surfaces.begin(), scene_.surfaces.end(), touches_itself);
 }
 
-StepReport Simulation::step() {
+StepReport Simulation::step(const StepWishes& wishes) {
   detect();
   const PhaseClock::Scope scope(clock_, Phase::solve);
   const Scratch::Frame frame(scratch_);
   predict();
-  const StepReport report = solve();
+  const StepReport report = solve(wishes);
   finalise();
   system_ = System(&scratch_);
   detected_ = false;
@@ -265,7 +265,7 @@ void Simulation::fill_places(std::span<const std::int32_t> counts) {
 }
 
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
-SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
+SolveReport Simulation::run_stage(Stage::Kind kind, int iterations, double tolerance) {
   Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
   system_.contacts.start_stage(stage);
@@ -275,7 +275,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
-  const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance_);
+  const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance);
   if (system_.before_iteration) system_.before_iteration();
   return report;
 }
@@ -323,23 +323,31 @@ Stages Simulation::stages() const {
 // old multipliers that must stay below 1/2: an unconverged position stage that starts from more gains energy.
 // Constraints other than contacts, attachments too, belong to the position stage; where there are no contacts, it is the only
 // one.
-StepReport Simulation::solve() {
+StepReport Simulation::solve(const StepWishes& wishes) {
   build_system();
   if (!solver_.solve) return solve_by_newton();
   const SolverSettings& settings = scene_.solver;
   const bool two_stages = stages() != Stages::position &&
                           (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
+  const bool wished = wishes.error || wishes.problem;
+  SolvedStep solved;
+  if (wished) solved.predicted.assign(system_.bodies.begin(), system_.bodies.end()), solved.velocity_before = world.velocity;
   StepReport report;
   warm_start(stages() != Stages::position ? 1 : position_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
-    report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2).iterations;
+    report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2, tolerance_).iterations;
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
     system_.surface.keep_impulses(stages() == Stages::joint);
   }
-  report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations).iterations;
+  report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations, tolerance_).iterations;
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
+  if (wished) {
+    solved.solved.assign(system_.bodies.begin(), system_.bodies.end());
+    solved.impulses = total_impulses(impulses, two_stages && stages() != Stages::joint);
+  }
+  if (wishes.problem) fill_problem(solved, *wishes.problem);
   if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
   if (settings.friction == FrictionModel::postprocess)
     report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
@@ -348,6 +356,7 @@ StepReport Simulation::solve() {
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
   MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  if (wishes.error) report.error = estimate_error(solved);
   return report;
 }
 
