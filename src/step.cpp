@@ -265,7 +265,7 @@ void Simulation::fill_places(std::span<const std::int32_t> counts) {
 }
 
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
-SolveReport Simulation::run_stage(Stage::Kind kind, int iterations, double tolerance) {
+SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance) {
   Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
   system_.contacts.start_stage(stage);
@@ -275,7 +275,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations, double toler
   system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
-  const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance);
+  const SolveReport report = solver(system_, cut_, iterations, tolerance);
   if (system_.before_iteration) system_.before_iteration();
   return report;
 }
@@ -336,11 +336,12 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   warm_start(stages() != Stages::position ? 1 : position_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
-    report.iterations = run_stage(Stage::Kind::velocity, settings.iterations / 2, tolerance_).iterations;
+    report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
     system_.surface.keep_impulses(stages() == Stages::joint);
   }
-  report.iterations += run_stage(Stage::Kind::position, settings.iterations - report.iterations, tolerance_).iterations;
+  report.iterations +=
+      run_stage(Stage::Kind::position, solver_.solve, settings.iterations - report.iterations, tolerance_).iterations;
   const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
   if (wished) {

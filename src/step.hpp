@@ -86,7 +86,7 @@ class Simulation {
   StepReport solve_by_newton();
   void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
-  SolveReport run_stage(Stage::Kind kind, int iterations, double tolerance);
+  SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
   void measure_solution(StepReport& report);
   std::vector<ContactBatch::Impulse> total_impulses(std::span<const ContactBatch::Impulse> kept, bool apart) const;
   StepError estimate_error(const SolvedStep& solved);
