@@ -26,6 +26,15 @@ bodies:
     velocity: [0, 0, -3]
     material: ice)";
 
+// A bridge of three boxes, of which a fourth lands: a few hundred iterations converge.
+const std::string few = R"(
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, position: [-0.2, 0, 0.1]}
+  - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, position: [0.2, 0, 0.1]}
+  - {shape: {box: {size: [0.6, 0.2, 0.1]}}, mass: 1, position: [0, 0, 0.25]}
+  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0.05, 0, 0.42], velocity: [0.5, 0.2, -2]})";
+
 const std::string rope = R"(
 threads:
   - {name: rope, points: [[0, 0, 0], [1, 0, 0]], segments: 12, mass: 0.3, radius: 0.005, pins: [{node: 0}]})";
@@ -152,11 +161,12 @@ TEST(StepError, LeavesTheRunAsItIs) {
 }
 
 TEST(RanksStepError, IsTheSameOnAnyNumberOfRanks) {
-  for (const std::string& bodies : {cubes, boxes_and_cloth, solid})
+  for (const std::string& bodies : {few, boxes_and_cloth, solid})
     for (const std::string solver : {"name: accelerated_jacobi, iterations: 12", "name: gauss_seidel, iterations: 8"}) {
+      if (bodies != few && solver.find("gauss") != std::string::npos) continue;  // an exchange for each of many colours: slow
       Experiment alone(scene_from_text(with_solver(bodies, solver)));
       Experiment together(scene_from_text(with_solver(bodies, solver)), MPI_COMM_WORLD);
-      alone.steps(15), together.steps(15);
+      alone.steps(5), together.steps(5);
       const StepError one = error_of_next_step(alone), other = error_of_next_step(together);
       EXPECT_GT(one.distance, 0);
       EXPECT_EQ(one.distance, other.distance) << bodies << solver;
