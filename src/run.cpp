@@ -180,7 +180,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   simulation.set_tolerance_from_bodies();
   Balance balance(comm, options.random_partition, options.rebalance, scene.constraint_groups);
   if (options.restart.empty()) simulation.make_constraints();
-  simulation.move_homes(balance.homes(simulation.world, {}, &simulation.constraints));
+  simulation.move_homes(balance.homes(simulation.world, {}, &simulation.constraints, scene.joints, simulation.joints));
 
   prepare_output_directory(comm, options.output, options.overwrite, options.restart);
   const std::string checkpoint_path = options.output + "/checkpoint.h5";
@@ -226,7 +226,8 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   FrameTimes times(comm, clock);
   for (std::int64_t frame = summary.first_frame + 1; frame <= scene.time.frames; ++frame) {
     if (balance.due()) {
-      simulation.move_homes(balance.homes(simulation.world, simulation.contacts, &simulation.constraints));
+      simulation.move_homes(
+          balance.homes(simulation.world, simulation.contacts, &simulation.constraints, scene.joints, simulation.joints));
       balance.changed();
     }
     FrameReport report;
