@@ -81,9 +81,52 @@ void JointBatch::add_parts(const Joint& joint, const Part& common) {
     parts_.push_back(part);
   };
   if (joint.is_limited()) add_row(JointImpulses::limits, Law::within, joint.lower, joint.upper);
-  if (joint.motor != Motor::none)
-    add_row(JointImpulses::motor, joint.motor == Motor::speed ? Law::rate : Law::place, joint.target, joint.strength);
+  if (joint.motor == Motor::speed) add_row(JointImpulses::motor, Law::rate, joint.target, joint.strength);
+  if (joint.motor == Motor::position) {
+    add_row(JointImpulses::motor, Law::place, joint.target, joint.strength);
+    limit_approach(parts_.back(), joint.kind);
+  }
   if (joint.friction > 0) add_row(JointImpulses::friction, Law::rate, 0, joint.friction);
+}
+
+// A motor comes to its place no faster than half of its strength can brake by then, so that it stops there: by what the two
+// bodies weigh against it in their joint, without what else hangs on them.
+void JointBatch::limit_approach(Part& part, JointKind kind) const {
+  struct Row {
+    Vec3 linear, angular, angular_b;
+  };
+  const Side &a = part.side[0], &b = part.side[1];
+  const SolverBody still{};
+  const JointEnd end_a = end_of(a, still, step_), end_b = end_of(b, still, step_);
+  const auto row = [&](const auto& rows, std::size_t k) {
+    return Row{rows.linear[k], rows.angular[k], other_angular(rows.linear[k], rows.angular[k], end_a, end_b)};
+  };
+  const auto product = [&](const Row& r, const Row& s) {
+    return (a.inverse_mass + b.inverse_mass) * r.linear.dot(s.linear) + r.angular.dot(a.inverse_inertia * s.angular) +
+           r.angular_b.dot(b.inverse_inertia * s.angular_b);
+  };
+  with_joint_type(part.type, [&]<class T>() {
+    JointRows<T::rows> coordinate;
+    T::evaluate(end_a, end_b, coordinate);
+    const Row driven = row(coordinate, 0);
+    double mobility = product(driven, driven);
+    with_joint_type(static_cast<std::uint8_t>(kind), [&]<class J>() {
+      JointRows<J::rows> rows;
+      J::evaluate(end_a, end_b, rows);
+      std::array<std::array<double, J::rows>, J::rows> P;
+      std::array<double, J::rows> across;
+      for (std::size_t i = 0; i < J::rows; ++i) {
+        for (std::size_t k = 0; k <= i; ++k) P[i][k] = product(row(rows, i), row(rows, k));
+        across[i] = product(row(rows, i), driven);
+      }
+      const auto held = solve_semidefinite<J::rows>(P, across);
+      for (std::size_t i = 0; i < J::rows; ++i) mobility -= across[i] * held[i];
+    });
+    double away = coordinate.value[0] - part.lower;
+    if (T::angles > 0) away = std::remainder(away, 2 * M_PI);
+    const double speed = std::sqrt(part.upper * std::max(0.0, mobility) * std::abs(away));
+    if (std::abs(away) > step_ * speed) part.law = Law::rate, part.lower = away > 0 ? -speed : speed;
+  });
 }
 
 void JointBatch::build(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots, bool by_colour,

@@ -7,8 +7,8 @@
 // every step is along a safe block, and the multipliers settle where the start and the iterations leave them.
 //
 // Limits, motors and friction are rows of their own beside the block. They see one angle, offset or span, c, and have a bounded
-// multiplier: within limits, lambda is 0 where lower < c < upper; a drive wants c or its rate at a target with |lambda| below
-// h times its strength.
+// multiplier: within limits, lambda is 0 where lower < c < upper; a drive wants its rate, or c where that is near, at a target
+// with |lambda| below h times its strength.
 #pragma once
 
 #include <memory_resource>
@@ -88,6 +88,7 @@ class JointBatch {
   struct Step;
 
   void add_parts(const Joint& joint, const Part& common);
+  void limit_approach(Part& part, JointKind kind) const;
   static JointEnd end_of(const Side& side, const SolverBody& body, double step);
   template <class T>
   Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies) const;

@@ -105,24 +105,31 @@ TEST(Joint, AHingeKeepsItsAxis) {
   }
 }
 
-// Two bodies that turn about each other, free: neither momentum grows, whatever the step and however few the iterations.
-TEST(Joint, MomentumStaysWhateverTheStep) {
+// Two bodies that turn about each other, free: whatever the step and however few the iterations, no momentum grows, nor energy;
+// what the implicit step takes of the angular momentum falls with the step.
+TEST(Joint, MomentumNeverGrows) {
   for (const char* solver : solver_list)
     for (const char* type : {"ball", "fixed", "hinge, axis: [0, 0, 1]", "universal, axis: [0, 0, 1]"}) {
-      Experiment run(scene_from_text(std::string(R"(
+      const auto loss = [&](double h, int iterations) {
+        Experiment run(scene_from_text(std::string(R"(
 gravity: [0, 0, 0]
 bodies:
   - {name: a, shape: {box: {size: [1, 0.2, 0.3]}}, mass: 2, position: [0, 0, 0], velocity: [0, 1, 0.5]}
   - {name: b, shape: {sphere: {radius: 0.2}}, mass: 1, position: [1, 0, 0], velocity: [0, -2, 1], angular_velocity: [0, 3, 0]}
 joints: [{type: )") + type + ", bodies: [a, b], anchor: [0.5, 0, 0]}]\n" +
-                                     settings(solver, 3, 0.05)));
-      const Vec3 p = run.momentum(), l = run.angular_momentum();
-      const double energy = run.kinetic_energy();
-      for (int k = 0; k < 200; ++k) run.step();
-      EXPECT_LT((run.momentum() - p).norm(), 1e-12) << solver << ' ' << type;
-      EXPECT_LT((run.angular_momentum() - l).norm(), 0.02 * l.norm()) << solver << ' ' << type;
-      EXPECT_LT(run.kinetic_energy(), 1.02 * energy) << solver << ' ' << type;
-      EXPECT_TRUE(run.finite());
+                                       settings(solver, iterations, h)));
+        const Vec3 p = run.momentum(), l = run.angular_momentum();
+        const double energy = run.kinetic_energy();
+        for (double t = 0; t < 1; t += h) {
+          run.step();
+          EXPECT_LT((run.momentum() - p).norm(), 1e-12) << solver << ' ' << type;
+          EXPECT_LT(run.angular_momentum().norm(), l.norm() * (1 + 1e-3)) << solver << ' ' << type << ' ' << h;
+          EXPECT_LT(run.kinetic_energy(), 1.001 * energy) << solver << ' ' << type << ' ' << h;
+        }
+        return (run.angular_momentum() - l).norm();
+      };
+      loss(0.05, 3), loss(0.2, 3);
+      EXPECT_NEAR(loss(0.008, 200) / loss(0.002, 200), 4, 0.8) << solver << ' ' << type;
     }
 }
 
@@ -133,13 +140,13 @@ TEST(Joint, AChainCarriesWhatHangsOnIt) {
 bodies:
   - shape: {box: {size: [0.1, 0.02, 0.02]}}
     mass: 0.1
-    chain: {count: 8, from: [0, 0, 0], to: [0, 0, -0.8], held: start, joint: {type: ball}, ball: {radius: 0.1, mass: 10}}
+    chain: {count: 8, from: [0, 0, 0], to: [0, 0, -0.8], held: start, joint: {type: ball}, ball: {radius: 0.1, mass: 1}}
 )" + settings(solver, 3000, 0.016)));
-    run.steps(3);
+    run.steps(40);
     const auto states = run.simulation->joint_states();
     ASSERT_EQ(states.size(), 9u);
     for (std::size_t i = 0; i < states.size(); ++i) {
-      const double below = 10 + 0.1 * (8 - static_cast<double>(i));
+      const double below = 1 + 0.1 * (8 - static_cast<double>(i));
       EXPECT_NEAR(states[i].force.z() / (below * 9.81), 1, 1e-3) << solver << ' ' << i;
       EXPECT_LT(states[i].drift, 1e-6) << solver << ' ' << i;
     }
@@ -167,14 +174,18 @@ bodies:
   }
 }
 
-// Driven about its axis without gravity: w = M t / I up to the motor's speed; never more than its torque.
+// A wheel on its hinge, driven without gravity: w = M t / I up to the motor's speed; never more than its torque.
 TEST(Joint, AMotorReachesItsSpeedWithItsTorque) {
   for (const char* solver : solver_list) {
-    Experiment run(scene_from_text(rod(0, ", motor: {speed: 2, max_torque: 0.5}", "[0, 0, 0]") + settings(solver, 100, 0.01)));
-    for (int k = 1; k <= 200; ++k) {
+    Experiment run(scene_from_text(R"(
+gravity: [0, 0, 0]
+bodies: [{name: wheel, shape: {box: {size: [1, 0.1, 1]}}, mass: 3}]
+joints: [{type: hinge, bodies: [wheel, world], anchor: [0, 0, 0], axis: [0, 1, 0], motor: {speed: 2, max_torque: 0.5}}]
+)" + settings(solver, 100, 0.01)));
+    for (int k = 1; k <= 250; ++k) {
       run.step();
-      const double w = std::min(2.0, 0.5 * 0.01 * k / inertia_at_end);
-      ASSERT_NEAR(run.state(0).angular_velocity.y(), w, 0.01) << solver << ' ' << k;
+      const double w = std::min(2.0, 0.5 * 0.01 * k / 0.5);  // I = 3 (1 + 1) / 12
+      ASSERT_NEAR(run.state(0).angular_velocity.y(), w, 1e-9) << solver << ' ' << k;
       ASSERT_LE(std::abs(run.simulation->joint_states()[0].motor), 0.5 * (1 + 1e-12)) << solver;
     }
     EXPECT_NEAR(run.simulation->joint_states()[0].motor, 0, 1e-6) << "nothing to do at its speed";
@@ -185,7 +196,9 @@ TEST(Joint, AMotorReachesItsSpeedWithItsTorque) {
 TEST(Joint, AMotorHoldsItsAngle) {
   for (const char* solver : solver_list) {
     Experiment strong(scene_from_text(rod(0, ", motor: {angle: 30, max_torque: 5}") + settings(solver, 100, 0.01)));
-    strong.steps(100);
+    double most = 0;
+    for (int k = 0; k < 200; ++k) strong.step(), most = std::max(most, angle_of(strong));
+    EXPECT_LT(most, M_PI / 6 + 1e-3) << solver << ": it brakes in time";
     EXPECT_NEAR(angle_of(strong), M_PI / 6, 1e-6) << solver;
     EXPECT_NEAR(std::abs(strong.simulation->joint_states()[0].motor), 9.81 * 0.5 * 0.5, 1e-4) << solver;
     Experiment weak(scene_from_text(rod(0, ", motor: {angle: 90, max_torque: 2}") + settings(solver, 100, 0.01)));
@@ -196,7 +209,7 @@ TEST(Joint, AMotorHoldsItsAngle) {
 
 TEST(Joint, LimitsHold) {
   for (const char* solver : solver_list) {
-    Experiment run(scene_from_text(rod(0, ", limits: [-20, 30]") + settings(solver, 100, 0.01)));
+    Experiment run(scene_from_text(rod(0, ", limits: [-20, 30]") + settings(solver, 400, 0.01)));
     run.world().angular_velocity[0] = Vec3(0, 6, 0), run.world().velocity[0] = Vec3(-3, 0, 0);
     double least = 0, most = 0;
     for (int k = 0; k < 300; ++k) {

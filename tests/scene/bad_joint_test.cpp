@@ -39,7 +39,9 @@ const std::vector<Fault> faults{
     {"no_axis", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0]"),
      "FILE:7: key 'joints[0].axis': found nothing, expected a vector of length 1 (world axes), or axes: a list of 2 in the "
      "bodies' axes"},
-    {"axis_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1]"), ""},
+    {"axis_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1]"),
+     "FILE:7: key 'joints[0].axis': found an unknown key, expected collide, compliance, damping, type, bodies, anchors or "
+     "anchor"},
     {"world_first", with_joint("type: ball, bodies: [world, a], anchor: [0, 0, 0]"),
      "FILE:7: key 'joints[0].bodies[0]': found world, expected a body; the second may be world"},
     {"nothing_moves", with_joint("type: ball, bodies: [b, world], anchor: [0, 0, 0]"),
@@ -51,12 +53,14 @@ const std::vector<Fault> faults{
     {"several", with_joint("type: ball, bodies: [a, pile], anchor: [0, 0, 0]"),
      "FILE:7: key 'joints[0].bodies[1]': found pile, an entry of 3 bodies, expected one of them, as pile[0]"},
     {"beyond_the_last", with_joint("type: ball, bodies: [a, 'pile[3]'], anchor: [0, 0, 0]"),
-     "FILE:7: key 'joints[0].bodies[1]': found pile[3] of 3, expected a number below 3"},
+     "FILE:7: key 'joints[0].bodies[1]': found 'pile[3]' of 3, expected a number below 3"},
     {"limits_upside_down", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], limits: [10, -10]"),
-     "FILE:7: key 'joints[0].limits': found a list of 2, expected the lower limit before the upper (degrees)"},
+     "FILE:7: key 'joints[0].limits': found [10, -10], expected the lower limit before the upper (degrees)"},
     {"motor_without_strength", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1}"),
      "FILE:7: key 'joints[0].motor.max_torque': found nothing, expected a number > 0 (N m)"},
-    {"motor_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], motor: {speed: 1, max_torque: 1}"), ""},
+    {"motor_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], motor: {speed: 1, max_torque: 1}"),
+     "FILE:7: key 'joints[0].motor': found an unknown key, expected collide, compliance, damping, type, bodies, anchors or "
+     "anchor"},
     {"two_targets",
      with_joint("type: slider, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1, offset: 2, max_force: 1}"),
      "FILE:7: key 'joints[0].motor.offset': found 2 beside speed 1, expected only one of speed and offset"},
@@ -64,16 +68,16 @@ const std::vector<Fault> faults{
      "FILE:7: key 'joints[0].compliance': found -1, expected a number >= 0 (m/N)"},
     {"axes_not_square",
      with_joint("type: universal, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], second_axis: [0, 0.6, 0.8]"),
-     "FILE:7: key 'joints[0].second_axis': found a list of 3, expected a vector of length 1, square to the axis"},
+     "FILE:7: key 'joints[0].second_axis': found [0, 0.6, 0.8], expected a vector of length 1, square to the axis"},
     {"rope_without_ends", with_joint("type: rope, bodies: [a, b]"),
      "FILE:7: key 'joints[0].points': found nothing, expected a list of 2 points (m), or anchors: of 2 points in the bodies' "
      "axes"},
     {"hinge_across_the_plane",
      "planar: true\nbodies:\n  - {name: a, shape: {disc: {radius: 0.1}}, mass: 1}\njoints:\n"
      "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n",
-     "FILE:5: key 'joints[0].axis': found a list of 3, expected an axis along y (planar scene)"},
+     "FILE:5: key 'joints[0].axis': found [0, 0, 1], expected an axis along y (planar scene)"},
     {"chain_of_no_length", with_chain("count: 2, from: [0, 0, 0], to: [0, 0, 0], joint: {type: ball}"),
-     "FILE:4: key 'bodies[0].chain.to': found a list of 3, expected another point than from (m)"},
+     "FILE:4: key 'bodies[0].chain.to': found [0, 0, 0], expected another point than from (m)"},
     {"chain_of_sliders", with_chain("count: 2, from: [0, 0, 0], to: [1, 0, 0], joint: {type: slider}"),
      "FILE:4: key 'bodies[0].chain.joint.type': found slider, expected ball, hinge, universal or fixed"},
     {"tree_without_density", "bodies:\n  - mass: 1\n    tree: {levels: 3, length: 1, joint: {type: ball}}\n",
@@ -125,10 +129,11 @@ bodies:
   EXPECT_LT((scene.joints[5].anchor[1] - (Vec3(1, 2, 3) + turn * Vec3(-2, 0, 1))).norm(), 1e-13);
   // No two joints of a colour share a body; as few colours as the most joints at a body.
   for (const Joint& a : scene.joints)
-    for (const Joint& b : scene.joints)
-      if (&a != &b && a.colour == b.colour)
-        for (const Id i : a.ids)
-          for (const Id k : b.ids) EXPECT_TRUE(i < 0 || i != k);
+    for (const Joint& b : scene.joints) {
+      if (&a == &b || a.colour != b.colour) continue;
+      for (const Id i : a.ids)
+        for (const Id k : b.ids) EXPECT_TRUE(i < 0 || i != k);
+    }
   EXPECT_LE(scene.joint_colours, 5);
 }
 
