@@ -21,10 +21,11 @@ struct Velocity {  // of bodies that do not turn
   static Velocity of(const SolverBody& b) { return {{b.v[0], b.v[1], b.v[2]}}; }
   void to(SolverBody& b) const { std::copy_n(v, 3, b.v); }
 };
-struct Count {
-  std::int32_t value;
-  static Count of(std::int32_t v) { return {v}; }
-  void to(std::int32_t& v) const { v = value; }
+template <class T>
+struct Plain {
+  T value;
+  static Plain of(T v) { return {v}; }
+  void to(T& v) const { v = value; }
 };
 
 void sort_unique(std::vector<Slot>& v) {
@@ -166,7 +167,8 @@ void Cut::run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) co
 
 void Cut::exchange(std::span<SolverBody> bodies) const { run(all_, bodies); }
 
-void Cut::exchange(std::span<std::int32_t> values) const { run<std::int32_t, Count>(all_, values); }
+void Cut::exchange(std::span<std::int32_t> values) const { run<std::int32_t, Plain<std::int32_t>>(all_, values); }
+void Cut::exchange(std::span<double> values) const { run<double, Plain<double>>(all_, values); }
 
 void Cut::exchange_colour(std::size_t colour, std::span<SolverBody> bodies) const {
   if (colour < by_colour_.size()) run(by_colour_[colour], bodies);

@@ -40,6 +40,7 @@ class Cut {
   // Refreshes every shared guest from its home: one message to and from each neighbour.
   void exchange(std::span<SolverBody> bodies) const;
   void exchange(std::span<std::int32_t> values) const;
+  void exchange(std::span<double> values) const;
 
   // The same for the bodies that one group of the other constraints ties.
   void exchange_group(std::size_t group, std::span<SolverBody> bodies) const;

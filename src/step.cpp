@@ -202,6 +202,7 @@ void Simulation::build_system() {
   attached_ = attached_nodes(scene_, world, time());
   cut_.build(world, contacts, attached_);
   if (drag_.any()) cut_.exchange(system_.bodies);
+  steady_turning();
   system_.counted.assign(n, 1);
   for (std::size_t m = 0; m < n; ++m) system_.counted[m] = counts_here(world, contacts.manifolds[m]);
   std::pmr::vector<std::uint32_t> order(n, &scratch_);
@@ -271,6 +272,34 @@ void Simulation::build_joints(std::span<const std::int32_t> counts) {
   if (!has_joints()) return;
   joint_batch_.build(scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour, scene_.joint_colours, world, system_.bodies,
                      system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_);
+}
+
+// A light body between strong joints turns back so fast that the step does not resolve it: h^2 K > I, K the geometric stiffness
+// of its joints' forces. An iteration that takes these forces along directions of its own would make it spin. As in Andrews et
+// al. (Geometric stiffness for real-time constrained multibody dynamics, 2017) such a body's inertia against constraints is
+// raised, here until h^2 K = I; resolved motion is as it was.
+void Simulation::steady_turning() {
+  if (!has_joints() || !world.has_rotations) return;
+  std::pmr::vector<double> stiffness(world.size() + 1, 0.0, &scratch_);  // h^2 K, kg m^2
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(joints[i])];
+    const Slot ends[2] = {joint_slots_[i].a, joint_slots_[i].b};
+    for (std::size_t e = 0; e < 2; ++e)
+      stiffness[static_cast<std::size_t>(ends[e])] += step_ * turning_stiffness(joint, e, joint_impulses[i]);
+  }
+  cut_.exchange(std::span(stiffness));
+  for (std::size_t i = 0; i < world.first_static(); ++i) {
+    const double missing = stiffness[i] - world.properties[i].inertia.minCoeff();
+    SolverBody& body = system_.bodies[i];
+    if (!(missing > 0) || world.properties[i].shape.kind == ShapeKind::particle) continue;
+    if (system_.isotropic[i]) {
+      body.inverse_inertia /= 1 + missing * body.inverse_inertia;
+      continue;
+    }
+    const Quat& q = world.orientation[i];
+    const Vec3 moments = world.properties[i].inertia + Vec3::Constant(missing);
+    system_.inertia[i] = inverse_inertia(q, scene_.planar ? Vec3(0, 1 / moments.y(), 0) : Vec3(moments.cwiseInverse()));
+  }
 }
 
 std::vector<JointState> Simulation::joint_states() const {

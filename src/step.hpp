@@ -90,6 +90,7 @@ class Simulation {
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
   void build_joints(std::span<const std::int32_t> counts);
+  void steady_turning();
   bool has_constraints() const { return constraints_of_all_ > 0 || has_joints(); }  // beside contacts
   bool needs_surfaces() const { return has_surfaces() || drag_.any(); }
   double time() const { return static_cast<double>(steps_done) * step_; }  // s

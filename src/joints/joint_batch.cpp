@@ -167,8 +167,9 @@ void JointBatch::set_impulses(std::span<const JointImpulses> impulses, double sh
   for (Part& part : parts_) {
     part.lambda.fill(0);
     if (share > 0)
-      for (std::size_t k = 0; k < 6 && part.first + k < impulses[part.joint].value.size(); ++k)
-        part.lambda[k] = share * impulses[part.joint].value[part.first + k];
+      with_joint_type(part.type, [&]<class T>() {
+        for (std::size_t k = 0; k < T::rows; ++k) part.lambda[k] = share * impulses[part.joint].value[part.first + k];
+      });
     part.y = part.lambda;
   }
 }
@@ -189,9 +190,9 @@ JointEnd JointBatch::end_of(const Side& side, const SolverBody& body, double ste
 }
 
 template <class T>
-JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const SolverBody> bodies) const {
-  const JointEnd a = end_of(part.side[0], bodies[static_cast<std::size_t>(part.side[0].slot)], step_);
-  const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], step_);
+JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const SolverBody> bodies, double step) {
+  const JointEnd a = end_of(part.side[0], bodies[static_cast<std::size_t>(part.side[0].slot)], step);
+  const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], step);
   Rows<T> rows;
   T::evaluate(a, b, rows);
   for (std::size_t k = 0; k < T::rows; ++k) rows.angular_b[k] = other_angular(rows.linear[k], rows.angular[k], a, b);
@@ -225,7 +226,7 @@ template <class T>
 JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies,
                                           bool shared) const {
   constexpr std::size_t n = T::rows;
-  Step<T> step{evaluate<T>(part, bodies), {}, {}};
+  Step<T> step{evaluate<T>(part, bodies, step_), {}, {}};
   const Rows<T>& at = step.rows;
   const Side &a = part.side[0], &b = part.side[1];
   const double share_a = shared ? a.share : 1, share_b = shared ? b.share : 1;
@@ -284,7 +285,7 @@ void add_wrench(const std::array<Vec3, 3>& wrench, Slot a, Slot b, std::span<Wre
 void JointBatch::add_impulses(std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const {
   for (const Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
-      add_wrench(wrench_of(evaluate<T>(part, bodies), part.lambda), part.side[0].slot, part.side[1].slot, wrenches);
+      add_wrench(wrench_of(evaluate<T>(part, bodies, 0), part.lambda), part.side[0].slot, part.side[1].slot, wrenches);
     });
 }
 

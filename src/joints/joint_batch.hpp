@@ -91,7 +91,7 @@ class JointBatch {
   void limit_approach(Part& part, JointKind kind) const;
   static JointEnd end_of(const Side& side, const SolverBody& body, double step);
   template <class T>
-  Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies) const;
+  static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies, double step);
   template <class T>
   std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,
                                           std::span<const SolverBody> bodies) const;

@@ -85,6 +85,14 @@ JointEnd joint_end(const Joint& joint, std::size_t end, const World& world, Slot
   return {centre, (attitude * joint.frame[end]).toRotationMatrix(), centre + attitude * joint.anchor[end]};
 }
 
+double turning_stiffness(const Joint& joint, std::size_t end, const JointImpulses& impulses) {
+  return with_joint_type(static_cast<std::uint8_t>(joint.kind), [&]<class T>() {
+    double force = 0, torque = 0;
+    for (std::size_t k = 0; k < T::rows; ++k) (k + T::angles < T::rows ? force : torque) += impulses.value[k] * impulses.value[k];
+    return std::sqrt(force) * joint.anchor[end].norm() + std::sqrt(torque);
+  });
+}
+
 JointState joint_state(const Joint& joint, const JointSlots& slots, const World& world, const JointImpulses& impulses,
                        double step) {
   const JointEnd a = joint_end(joint, 0, world, slots.a), b = joint_end(joint, 1, world, slots.b);

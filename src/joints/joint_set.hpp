@@ -29,6 +29,10 @@ std::int32_t colour_joints(std::span<Joint> joints, const std::function<bool(Id)
 // One side of a joint where its body is now; of the world where the slot is none of the world's.
 JointEnd joint_end(const Joint& joint, std::size_t end, const World& world, Slot slot);
 
+// N m s: the impulse of a joint's force times its arm, and of its torque. Over the step (s), it bounds how fast the torque on
+// that body changes with the body's turn (N m): its geometric stiffness.
+double turning_stiffness(const Joint& joint, std::size_t end, const JointImpulses& impulses);
+
 // What a joint does now, and how far it is from closed.
 struct JointState {
   double drift = 0, turn = 0;                 // m, rad: of its own rows, and of what passes its limits
