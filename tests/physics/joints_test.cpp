@@ -195,7 +195,7 @@ joints: [{type: hinge, bodies: [wheel, world], anchor: [0, 0, 0], axis: [0, 1, 0
 // A servo that is strong enough holds its angle, and gives what holds it there; one that is too weak gives all that it has.
 TEST(Joint, AMotorHoldsItsAngle) {
   for (const char* solver : solver_list) {
-    Experiment strong(scene_from_text(rod(0, ", motor: {angle: 30, max_torque: 5}") + settings(solver, 100, 0.01)));
+    Experiment strong(scene_from_text(rod(0, ", motor: {angle: 30, max_torque: 5}") + settings(solver, 800, 0.01)));
     double most = 0;
     for (int k = 0; k < 200; ++k) strong.step(), most = std::max(most, angle_of(strong));
     EXPECT_LT(most, M_PI / 6 + 1e-3) << solver << ": it brakes in time";
