@@ -83,8 +83,7 @@ StepReport Simulation::step() {
   detect();
   const PhaseClock::Scope scope(clock_, Phase::solve);
   const Scratch::Frame frame(scratch_);
-  predict();
-  const StepReport report = solve();
+  const StepReport report = solve_steadily();
   finalise();
   system_ = System(&scratch_);
   detected_ = false;
@@ -274,31 +273,65 @@ void Simulation::build_joints(std::span<const std::int32_t> counts) {
                      system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_);
 }
 
-// A light body between strong joints turns back so fast that the step does not resolve it: h^2 K > I, K the geometric stiffness
-// of its joints' forces. An iteration that takes these forces along directions of its own would make it spin. As in Andrews et
-// al. (Geometric stiffness for real-time constrained multibody dynamics, 2017) such a body's inertia against constraints is
-// raised, here until h^2 K = I; resolved motion is as it was.
-void Simulation::steady_turning() {
-  if (!has_joints() || !world.has_rotations) return;
-  std::pmr::vector<double> stiffness(world.size() + 1, 0.0, &scratch_);  // h^2 K, kg m^2
+// h^2 K of each slot (kg m^2), K the geometric stiffness of its joints' forces: right for home bodies, whose joints are all here.
+std::vector<double> Simulation::turning_of_joints() const {
+  std::vector<double> turning(world.size() + 1, 0.0);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint& joint = scene_.joints[static_cast<std::size_t>(joints[i])];
     const Slot ends[2] = {joint_slots_[i].a, joint_slots_[i].b};
     for (std::size_t e = 0; e < 2; ++e)
-      stiffness[static_cast<std::size_t>(ends[e])] += step_ * turning_stiffness(joint, e, joint_impulses[i]);
+      turning[static_cast<std::size_t>(ends[e])] += step_ * turning_stiffness(joint, e, joint_impulses[i]);
   }
-  cut_.exchange(std::span(stiffness));
+  return turning;
+}
+
+// A light body between strong joints turns back so fast that the step does not resolve it: h^2 K > I. An iteration that takes
+// these forces along directions of its own would make it spin. As in Andrews et al. (Geometric stiffness for real-time
+// constrained multibody dynamics, 2017) such a body's inertia against constraints is raised, here until h^2 K = I; resolved
+// motion is as it was. K is that of the last step's forces.
+void Simulation::steady_turning() {
+  if (!has_joints() || !world.has_rotations) return;
+  cut_.exchange(std::span(turning_));
   for (std::size_t i = 0; i < world.first_static(); ++i) {
-    const double missing = stiffness[i] - world.properties[i].inertia.minCoeff();
+    const double missing = turning_[i] - world.properties[i].inertia.minCoeff();
     SolverBody& body = system_.bodies[i];
     if (!(missing > 0) || world.properties[i].shape.kind == ShapeKind::particle) continue;
     if (system_.isotropic[i]) {
       body.inverse_inertia /= 1 + missing * body.inverse_inertia;
       continue;
     }
-    const Quat& q = world.orientation[i];
     const Vec3 moments = world.properties[i].inertia + Vec3::Constant(missing);
-    system_.inertia[i] = inverse_inertia(q, scene_.planar ? Vec3(0, 1 / moments.y(), 0) : Vec3(moments.cwiseInverse()));
+    system_.inertia[i] =
+        inverse_inertia(world.orientation[i], scene_.planar ? Vec3(0, 1 / moments.y(), 0) : Vec3(moments.cwiseInverse()));
+  }
+}
+
+// Whether the step's own forces exceed what it was steadied for: at an impact they come from nothing.
+bool Simulation::turns_too_fast(std::span<const double> found) const {
+  bool here = false;
+  for (std::size_t i = 0; i < world.homes; ++i)
+    if (world.properties[i].shape.kind != ShapeKind::particle)
+      here |= !(found[i] <= 2 * std::max(turning_[i], world.properties[i].inertia.minCoeff()));
+  return any_over_ranks(here);
+}
+
+// Solves the step, and again with its own forces where they turned bodies faster than it was steadied for.
+StepReport Simulation::solve_steadily() {
+  if (!has_joints() || !world.has_rotations) return predict(), solve();
+  constexpr int most_repeats = 3;
+  turning_ = turning_of_joints();
+  const auto multipliers_before = multipliers;
+  const auto constraints_before = constraint_multipliers;
+  const auto joints_before = joint_impulses;
+  for (int repeats = 0;; ++repeats) {
+    predict();
+    const StepReport report = solve();
+    std::vector<double> found = turning_of_joints();
+    if (repeats == most_repeats || !turns_too_fast(found)) return report;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      turning_[i] = std::isfinite(found[i]) ? std::max(turning_[i], found[i]) : std::numeric_limits<double>::max();
+    system_ = System(&scratch_);
+    multipliers = multipliers_before, constraint_multipliers = constraints_before, joint_impulses = joints_before;
   }
 }
 

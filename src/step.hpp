@@ -90,7 +90,10 @@ class Simulation {
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
   void build_joints(std::span<const std::int32_t> counts);
+  std::vector<double> turning_of_joints() const;
   void steady_turning();
+  bool turns_too_fast(std::span<const double> found) const;
+  StepReport solve_steadily();
   bool has_constraints() const { return constraints_of_all_ > 0 || has_joints(); }  // beside contacts
   bool needs_surfaces() const { return has_surfaces() || drag_.any(); }
   double time() const { return static_cast<double>(steps_done) * step_; }  // s
@@ -105,6 +108,7 @@ class Simulation {
   Drag drag_;
   std::vector<AttachedNode> attached_;  // of this step, to dynamic bodies
   std::vector<JointSlots> joint_slots_;
+  std::vector<double> turning_;  // h^2 K of each slot (kg m^2) that this step is steadied for
   const Solver& solver_;
   Scratch scratch_;  // of collision detection, then of the solve
   JointBatch joint_batch_;
