@@ -24,6 +24,7 @@ struct JointBatch::Step {
 namespace {
 
 constexpr double least_pivot = 1e-10;  // of a row's diagonal
+constexpr double most_turn = 0.5;      // rad in a step, up to which rows are taken as curved as they are
 
 Mat3 inverse_inertia_of(const SolverBody& body, std::span<const InverseInertia> inertia, bool isotropic, std::size_t slot) {
   if (isotropic) return body.inverse_inertia * Mat3::Identity();
@@ -195,6 +196,23 @@ JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const Solve
   const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], step);
   Rows<T> rows;
   T::evaluate(a, b, rows);
+  if (step > 0) {
+    const auto value = rows.value;
+    rows = evaluate<T>(part, bodies, 0);
+    const SolverBody &of_a = bodies[static_cast<std::size_t>(part.side[0].slot)],
+                     &of_b = bodies[static_cast<std::size_t>(part.side[1].slot)];
+    const Vec3 along = velocity_of(of_a) - velocity_of(of_b), spin_a = spin_of(of_a), spin_b = spin_of(of_b);
+    const double turn = step * step * std::max(spin_a.squaredNorm(), spin_b.squaredNorm());
+    const double part_of_curve = std::min(1.0, most_turn * most_turn / turn);
+    for (std::size_t k = 0; k < T::rows; ++k) {
+      const double straight =
+          rows.value[k] + step * (rows.linear[k].dot(along) + rows.angular[k].dot(spin_a) + rows.angular_b[k].dot(spin_b));
+      double curve = value[k] - straight;
+      if (T::rows == 1 && T::angles == 1) curve = std::remainder(curve, 2 * M_PI);
+      rows.value[k] = straight + part_of_curve * curve;
+    }
+    return rows;
+  }
   for (std::size_t k = 0; k < T::rows; ++k) rows.angular_b[k] = other_angular(rows.linear[k], rows.angular[k], a, b);
   return rows;
 }
