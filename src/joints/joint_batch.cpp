@@ -196,7 +196,7 @@ JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const Solve
   const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], step);
   Rows<T> rows;
   T::evaluate(a, b, rows);
-  if (step > 0) {
+  if (step > 0) {  // the values after the step; less of their curve the farther a body turns
     const auto value = rows.value;
     rows = evaluate<T>(part, bodies, 0);
     const SolverBody &of_a = bodies[static_cast<std::size_t>(part.side[0].slot)],

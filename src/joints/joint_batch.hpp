@@ -1,10 +1,12 @@
 // All joints of a step on this rank, and the passes that solvers make over them (paper, Algorithm 1).
 //
-// Row k of a joint: r_k = (c_k + E_k lambda_k / h + rho D_k u) / (h + rho), with c and D taken anew in every pass at the bodies'
-// places and attitudes after the step; unknowns are impulses lambda = h gamma (N s, N m s). A joint's own rows are solved as one
-// block, whose bodies' masses are shared by their counts with the Jacobi solvers. Rows that others of the block determine already
-// are left alone: those whose pivot falls below 1e-10 of their diagonal. What loops of joints determine twice needs no rule:
-// every step is along a safe block, and the multipliers settle where the start and the iterations leave them.
+// Row k of a joint: r_k = (c_k + E_k lambda_k / h + rho D_k u) / (h + rho), with c taken anew in every pass at the bodies' places
+// and attitudes after the step, and D those at its start (as in SHAKE, Ryckaert et al. 1977): momentum and angular momentum are
+// kept, nothing is damped, and what a step comes to does not depend on the way of the iterations. Unknowns are impulses
+// lambda = h gamma (N s, N m s). Of a body that turns far in the step the rows are taken straight: c + h D u. A joint's own rows
+// are solved as one block, whose bodies' masses are shared by their counts with the Jacobi solvers. Rows that others of the block
+// determine already are left alone: those whose pivot falls below 1e-10 of their diagonal. What loops of joints determine twice
+// needs no rule: every step is along a safe block, and the multipliers settle where the start and the iterations leave them.
 //
 // Limits, motors and friction are rows of their own beside the block. They see one angle, offset or span, c, and have a bounded
 // multiplier: within limits, lambda is 0 where lower < c < upper; a drive wants its rate, or c where that is near, at a target

@@ -83,7 +83,7 @@ bodies:
   };
   const double coarse = error(0.004), fine = error(0.001);
   EXPECT_LT(fine, 0.02);
-  EXPECT_NEAR(coarse / fine, 4, 1) << coarse << ' ' << fine;
+  EXPECT_GT(coarse / fine, 3) << coarse << ' ' << fine;
 }
 
 TEST(Joint, AHingeKeepsItsAxis) {
@@ -105,12 +105,12 @@ TEST(Joint, AHingeKeepsItsAxis) {
   }
 }
 
-// Two bodies that turn about each other, free: whatever the step and however few the iterations, no momentum grows, nor energy;
-// what the implicit step takes of the angular momentum falls with the step.
-TEST(Joint, MomentumNeverGrows) {
+// Two bodies that turn about each other, free: neither momentum changes while the step resolves the motion, and however long the
+// step and however few the iterations no energy comes from nowhere.
+TEST(Joint, MomentumStaysAndEnergyDoesNotGrow) {
   for (const char* solver : solver_list)
     for (const char* type : {"ball", "fixed", "hinge, axis: [0, 0, 1]", "universal, axis: [0, 0, 1]"}) {
-      const auto loss = [&](double h, int iterations) {
+      const auto run = [&](double h, int iterations, bool resolved) {
         Experiment run(scene_from_text(std::string(R"(
 gravity: [0, 0, 0]
 bodies:
@@ -120,16 +120,14 @@ joints: [{type: )") + type + ", bodies: [a, b], anchor: [0.5, 0, 0]}]\n" +
                                        settings(solver, iterations, h)));
         const Vec3 p = run.momentum(), l = run.angular_momentum();
         const double energy = run.kinetic_energy();
-        for (double t = 0; t < 1; t += h) {
+        for (int k = 0; k < 60; ++k) {
           run.step();
           EXPECT_LT((run.momentum() - p).norm(), 1e-12) << solver << ' ' << type;
-          EXPECT_LT(run.angular_momentum().norm(), l.norm() * (1 + 1e-3)) << solver << ' ' << type << ' ' << h;
+          EXPECT_LT((run.angular_momentum() - l).norm(), resolved ? 1e-11 : 10) << solver << ' ' << type << ' ' << k;
           EXPECT_LT(run.kinetic_energy(), 1.001 * energy) << solver << ' ' << type << ' ' << h;
         }
-        return (run.angular_momentum() - l).norm();
       };
-      loss(0.05, 3), loss(0.2, 3);
-      EXPECT_NEAR(loss(0.008, 200) / loss(0.002, 200), 4, 0.8) << solver << ' ' << type;
+      run(0.004, 5, true), run(0.05, 3, false), run(0.2, 3, false);
     }
 }
 
