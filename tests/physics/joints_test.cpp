@@ -110,7 +110,7 @@ TEST(Joint, AHingeKeepsItsAxis) {
 TEST(Joint, MomentumStaysAndEnergyDoesNotGrow) {
   for (const char* solver : solver_list)
     for (const char* type : {"ball", "fixed", "hinge, axis: [0, 0, 1]", "universal, axis: [0, 0, 1]"}) {
-      const auto run = [&](double h, int iterations, bool resolved) {
+      const auto check = [&](double h, int iterations, bool resolved) {
         Experiment run(scene_from_text(std::string(R"(
 gravity: [0, 0, 0]
 bodies:
@@ -127,7 +127,7 @@ joints: [{type: )") + type + ", bodies: [a, b], anchor: [0.5, 0, 0]}]\n" +
           EXPECT_LT(run.kinetic_energy(), 1.001 * energy) << solver << ' ' << type << ' ' << h;
         }
       };
-      run(0.004, 5, true), run(0.05, 3, false), run(0.2, 3, false);
+      check(0.004, 5, true), check(0.05, 3, false), check(0.2, 3, false);
     }
 }
 
