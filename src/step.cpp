@@ -11,6 +11,7 @@
 #include "core/room.hpp"
 #include "partition/migrate.hpp"
 #include "partition/migrate_constraints.hpp"
+#include "partition/migrate_joints.hpp"
 #include "solve/free_motion.hpp"
 #include "solve/friction_postprocess.hpp"
 #include "solve/recall.hpp"
@@ -68,6 +69,7 @@ void Simulation::detect() {
   const Scratch::Frame frame(scratch_);
   Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_);
   leave_out_attached(scene_, world, time(), contacts);
+  leave_out_jointed(scene_.joints, joints, contacts);
 }
 
 // A single cloth or thread, whose nodes touch nothing.
@@ -81,8 +83,7 @@ StepReport Simulation::step() {
   detect();
   const PhaseClock::Scope scope(clock_, Phase::solve);
   const Scratch::Frame frame(scratch_);
-  predict();
-  const StepReport report = solve();
+  const StepReport report = solve_steadily();
   finalise();
   system_ = System(&scratch_);
   detected_ = false;
@@ -93,9 +94,11 @@ StepReport Simulation::step() {
 void Simulation::move_homes(std::span<const int> home) {
   const PhaseClock::Scope scope(clock_, Phase::partition);
   auto records = constraint_records(world, constraints, constraint_multipliers, home, halo_.size());
+  const auto of_joints = joint_records(world, scene_.joints, joints, joint_impulses, home, halo_.size());
   migrate(halo_.comm(), world, multipliers, home);
   make_constraints();
   constraint_multipliers = take_constraint_records(halo_.comm(), constraints, std::move(records));
+  if (has_joints()) joint_impulses = take_joint_records(halo_.comm(), joints, of_joints);
   detected_ = false;
 }
 
@@ -104,6 +107,8 @@ void Simulation::make_constraints() {
   constraints = unibody::build_constraints(scene_, world);
   for_each_type(constraints,
                 [&](auto type, const auto& list) { std::get<type.value>(constraint_multipliers).assign(list.size(), {}); });
+  joints = joints_here(scene_.joints, world);
+  joint_impulses.assign(joints.size(), {});
   std::vector<Id> wanted = partners(world, constraints);
   const auto add = [&](const std::vector<Id>& more) {
     std::vector<Id> both;
@@ -112,6 +117,7 @@ void Simulation::make_constraints() {
   };
   if (needs_surfaces()) add(surfaces_.partners(world));
   if (has_attachments()) add(partners(world, scene_.attachments));
+  if (has_joints()) add(partners(scene_.joints, joints, world));
   halo_.reset(world, wanted);
   colours_ = {};
   constraints_of_all_ = static_cast<std::int64_t>(constraint_count(constraints));
@@ -131,6 +137,10 @@ void Simulation::build_constraints() {
   constraint_batches_->build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver,
                              colours_);
   cut_.set_constraints(world, *constraint_batches_);
+  if (has_joints()) {
+    joint_slots_ = joint_slots(scene_.joints, joints, world, static_cast<Slot>(world.size()));
+    cut_.set_joints(world, scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour ? scene_.joint_colours : 0);
+  }
   if (drag_.any()) drag_.build(world, surfaces_);
 }
 
@@ -191,6 +201,7 @@ void Simulation::build_system() {
   attached_ = attached_nodes(scene_, world, time());
   cut_.build(world, contacts, attached_);
   if (drag_.any()) cut_.exchange(system_.bodies);
+  steady_turning();
   system_.counted.assign(n, 1);
   for (std::size_t m = 0; m < n; ++m) system_.counted[m] = counts_here(world, contacts.manifolds[m]);
   std::pmr::vector<std::uint32_t> order(n, &scratch_);
@@ -204,6 +215,9 @@ void Simulation::build_system() {
     count_ends(contacts.surface, counts);
     count_ends(attached_, counts);
     constraint_batches_->count(counts);
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      for (const Slot s : {joint_slots_[i].a, joint_slots_[i].b})
+        counts[static_cast<std::size_t>(s)] += JointBatch::parts_of(scene_.joints[static_cast<std::size_t>(joints[i])]);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
     groups.resize(n);
@@ -219,6 +233,7 @@ void Simulation::build_system() {
                          scene_.solver, step_);
   build_surface_contacts(counts);
   build_attachments(counts);
+  build_joints(counts);
 }
 
 // With Gauss-Seidel they share masses among themselves alone.
@@ -252,6 +267,82 @@ void Simulation::build_attachments(std::span<const std::int32_t> counts_of_all) 
                                 step_, world.homes);
 }
 
+void Simulation::build_joints(std::span<const std::int32_t> counts) {
+  if (!has_joints()) return;
+  joint_batch_.build(scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour, scene_.joint_colours, world, system_.bodies,
+                     system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_);
+}
+
+// h^2 K of each slot (kg m^2), K the geometric stiffness of its joints' forces: right for home bodies, whose joints are all here.
+std::vector<double> Simulation::turning_of_joints() const {
+  std::vector<double> turning(world.size() + 1, 0.0);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(joints[i])];
+    const Slot ends[2] = {joint_slots_[i].a, joint_slots_[i].b};
+    for (std::size_t e = 0; e < 2; ++e)
+      turning[static_cast<std::size_t>(ends[e])] += step_ * turning_stiffness(joint, e, joint_impulses[i]);
+  }
+  return turning;
+}
+
+// A light body between strong joints turns back so fast that the step does not resolve it: h^2 K > I. An iteration that takes
+// these forces along directions of its own would make it spin. As in Andrews et al. (Geometric stiffness for real-time
+// constrained multibody dynamics, 2017) such a body's inertia against constraints is raised, here until h^2 K = I; resolved
+// motion is as it was. K is that of the last step's forces.
+void Simulation::steady_turning() {
+  if (!has_joints() || !world.has_rotations) return;
+  cut_.exchange(std::span(turning_));
+  for (std::size_t i = 0; i < world.first_static(); ++i) {
+    const double missing = turning_[i] - world.properties[i].inertia.minCoeff();
+    SolverBody& body = system_.bodies[i];
+    if (!(missing > 0) || world.properties[i].shape.kind == ShapeKind::particle) continue;
+    if (system_.isotropic[i]) {
+      body.inverse_inertia /= 1 + missing * body.inverse_inertia;
+      continue;
+    }
+    const Vec3 moments = world.properties[i].inertia + Vec3::Constant(missing);
+    system_.inertia[i] =
+        inverse_inertia(world.orientation[i], scene_.planar ? Vec3(0, 1 / moments.y(), 0) : Vec3(moments.cwiseInverse()));
+  }
+}
+
+// Whether the step's own forces exceed what it was steadied for: at an impact they come from nothing.
+bool Simulation::turns_too_fast(std::span<const double> found) const {
+  bool here = false;
+  for (std::size_t i = 0; i < world.homes; ++i)
+    if (world.properties[i].shape.kind != ShapeKind::particle)
+      here |= !(found[i] <= 2 * std::max(turning_[i], world.properties[i].inertia.minCoeff()));
+  return any_over_ranks(here);
+}
+
+// Solves the step, and again with its own forces where they turned bodies faster than it was steadied for.
+StepReport Simulation::solve_steadily() {
+  if (!has_joints() || !world.has_rotations) return predict(), solve();
+  constexpr int most_repeats = 3;
+  turning_ = turning_of_joints();
+  const auto multipliers_before = multipliers;
+  const auto constraints_before = constraint_multipliers;
+  const auto joints_before = joint_impulses;
+  for (int repeats = 0;; ++repeats) {
+    predict();
+    const StepReport report = solve();
+    std::vector<double> found = turning_of_joints();
+    if (repeats == most_repeats || !turns_too_fast(found)) return report;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      turning_[i] = std::isfinite(found[i]) ? std::max(turning_[i], found[i]) : std::numeric_limits<double>::max();
+    system_ = System(&scratch_);
+    multipliers = multipliers_before, constraint_multipliers = constraints_before, joint_impulses = joints_before;
+  }
+}
+
+std::vector<JointState> Simulation::joint_states() const {
+  std::vector<JointState> states;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    states.push_back(
+        joint_state(scene_.joints[static_cast<std::size_t>(joints[i])], joint_slots_[i], world, joint_impulses[i], step_));
+  return states;
+}
+
 void Simulation::fill_places(std::span<const std::int32_t> counts) {
   system_.step = step_;
   system_.places.clear();
@@ -273,6 +364,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, int iterations) {
   system_.before_iteration = nullptr;
   system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
   system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;
+  system_.joints = kind == Stage::Kind::position && has_joints() ? &joint_batch_ : nullptr;
   if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
     system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
   const SolveReport report = solver_.solve(system_, cut_, iterations, tolerance_);
@@ -289,9 +381,10 @@ double position_share(const SolverSettings& settings) { return settings.warm_sta
 // Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
-  const double share = constraints_of_all_ == 0 ? 0 : position_share(scene_.solver);
+  const double share = has_constraints() ? position_share(scene_.solver) : 0;
+  joint_batch_.set_impulses(joint_impulses, share);
   if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, scene_.solver.warm_start);
-  if (jacobi && (!is_alone() || has_attachments())) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (jacobi && (!is_alone() || has_attachments() || has_joints())) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (constraints_of_all_ > 0 && (jacobi || share > 0)) system_.impulses.assign(world.size() + 1, Vec4d{});
   if (share_of_contacts <= 0) {
     system_.contacts.set_impulses({});
@@ -303,10 +396,11 @@ void Simulation::warm_start(double share_of_contacts) {
     system_.contacts.set_impulses(start);
   }
   const Scratch::Frame frame(scratch_);
-  const bool borrowed = !jacobi && share_of_contacts > 0 && system_.wrenches.empty();
+  const bool borrowed = !jacobi && (share_of_contacts > 0 || has_joints()) && system_.wrenches.empty();
   if (borrowed) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
-  if (share > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.impulses);
+  if (share > 0 && has_joints()) joint_batch_.add_impulses(system_.bodies, system_.wrenches);
+  if (share > 0 && constraints_of_all_ > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.impulses);
   system_.apply_wrenches();
   if (borrowed) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
   if (!jacobi) system_.impulses.clear();
@@ -315,7 +409,7 @@ void Simulation::warm_start(double share_of_contacts) {
 
 Stages Simulation::stages() const {
   if (scene_.solver.stages != Stages::automatic) return scene_.solver.stages;
-  return constraints_of_all_ > 0 && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
+  return has_constraints() && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
 }
 
 // Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
@@ -327,8 +421,8 @@ StepReport Simulation::solve() {
   build_system();
   if (!solver_.solve) return solve_by_newton();
   const SolverSettings& settings = scene_.solver;
-  const bool two_stages = stages() != Stages::position &&
-                          (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
+  const bool two_stages =
+      stages() != Stages::position && (!has_constraints() || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
   StepReport report;
   warm_start(stages() != Stages::position ? 1 : position_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
@@ -347,6 +441,7 @@ StepReport Simulation::solve() {
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
+  joint_batch_.get_impulses(joint_impulses);
   MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   return report;
 }
@@ -402,6 +497,11 @@ void Simulation::measure_solution(StepReport& report) {
     MPI_Allreduce(MPI_IN_PLACE, &report.attachment_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
     report.residual = std::max(report.residual, report.attachment_residual);
   }
+  if (has_joints()) {
+    report.joint_residual = joint_batch_.residual(system_.bodies);
+    MPI_Allreduce(MPI_IN_PLACE, &report.joint_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+    report.residual = std::max(report.residual, report.joint_residual);
+  }
   MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
   report.converged = report.residual <= tolerance_;
 }
@@ -422,7 +522,8 @@ std::size_t Simulation::bytes() const {
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
          bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
          bytes_of(contacts.surface) + bytes_of(attached_) + drag_.bytes() + surfaces_.bytes() + halo_.bytes() + scratch_.bytes() +
-         constraint_batches_->bytes();
+         constraint_batches_->bytes() + joint_batch_.bytes() + bytes_of(joints) + bytes_of(joint_impulses) +
+         bytes_of(joint_slots_);
 }
 
 }  // namespace unibody

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "core/types.hpp"
 
@@ -49,5 +51,20 @@ struct Contacts {
 
   void clear() { manifolds.clear(), points.clear(), surface.clear(); }
 };
+
+// Takes away the manifolds for which unwanted(manifold), with their points.
+template <class Unwanted>
+void leave_out(Contacts& contacts, Unwanted&& unwanted) {
+  std::vector<Manifold> manifolds;
+  std::vector<ContactPoint> points;
+  for (Manifold m : contacts.manifolds) {
+    if (unwanted(m)) continue;
+    const auto from = contacts.points.begin() + m.first;
+    m.first = static_cast<std::uint32_t>(points.size());
+    points.insert(points.end(), from, from + m.count);
+    manifolds.push_back(m);
+  }
+  contacts.manifolds = std::move(manifolds), contacts.points = std::move(points);
+}
 
 }  // namespace unibody

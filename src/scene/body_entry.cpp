@@ -158,7 +158,16 @@ void read_entry(const Value& entry, Scene& scene) {
     if (result.properties.shape.kind != ShapeKind::particle) result.state.orientation = orientation * result.state.orientation;
     return result;
   };
-  group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle;  // an entry has bodies of one kind, or boxes
+  // An entry has bodies of one kind, or boxes, or a chain's ball at the end.
+  group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle ||
+                  group.make(group.count - 1).properties.shape.kind != ShapeKind::particle;
+  for (Joint joint : generated.joints) {
+    if (joint.ids[1] < 0)
+      joint.anchor[1] = position + orientation * joint.anchor[1], joint.frame[1] = orientation * joint.frame[1];
+    for (Id& id : joint.ids)
+      if (id >= 0) id += group.first;
+    scene.joints.push_back(joint);
+  }
   scene.groups.push_back(std::move(group));
 }
 

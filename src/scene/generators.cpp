@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/articulated.hpp"
 #include "scene/random.hpp"
 #include "scene/static_parts.hpp"
 
@@ -238,7 +239,8 @@ const std::vector<GeneratorType>& generator_types() {
       {"points", Takes::shape, read_points},   {"stack", Takes::shape, read_stack},
       {"wall", Takes::shape, read_wall},       {"lattice", Takes::shape, read_lattice},
       {"pile", Takes::no_shape, read_pile},    {"container", Takes::nothing, read_container},
-      {"hopper", Takes::nothing, read_hopper},
+      {"hopper", Takes::nothing, read_hopper}, {"chain", Takes::shape, read_chain},
+      {"tree", Takes::no_shape, read_tree},    {"ragdolls", Takes::no_shape, read_ragdolls},
   };
   return types;
 }

@@ -5,8 +5,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "joints/joint_set.hpp"
 #include "scene/body_entry.hpp"
 #include "scene/flexible.hpp"
+#include "scene/joints.hpp"
 #include "scene/stiffness.hpp"
 
 namespace unibody {
@@ -39,6 +41,7 @@ const Field<TimeSettings> time_fields[] = {
 const Field<OutputSettings> output_fields[] = {
     {"every", [](const Value& v, OutputSettings& o) { o.every = static_cast<int>(v.integer(0, 1'000'000'000)); }},
     {"crossings", [](const Value& v, OutputSettings& o) { o.crossings = v.boolean(); }},
+    {"joints", [](const Value& v, OutputSettings& o) { o.joints = v.boolean(); }},
     {"checkpoint_every",
      [](const Value& v, OutputSettings& o) { o.checkpoint_every = static_cast<int>(v.integer(-1, 1'000'000'000)); }},
     {"precision",
@@ -150,6 +153,7 @@ const Field<Scene> sections[] = {
     {"cloths", read_cloths},
     {"threads", read_threads},
     {"solids", read_solids},
+    {"joints", read_joints},
 };
 
 // newton solves equations between the nodes of one flexible body, and knows no contacts.
@@ -214,7 +218,7 @@ Scene read_scene(const std::string& path, const std::vector<Override>& overrides
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_form(root, scene);
-
+  scene.joint_colours = colour_joints(scene.joints, [&](Id id) { return group_of(scene, id).is_static; });
   if (scene.solver.name == "newton") check_newton(*root.find("solver")->find("name"), scene);
   return scene;
 }

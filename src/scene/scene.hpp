@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "joints/joint.hpp"
 #include "solve/settings.hpp"
 #include "world/body.hpp"
 
@@ -25,6 +26,7 @@ struct OutputSettings {
   int every = 1;               // frames between written frames; 0: none
   int checkpoint_every = 100;  // frames between checkpoints; 0: at the end only; -1: none at all
   bool single_precision = false;
+  bool joints = false;    // write what each joint does
   bool crossings = true;  // count, in every frame, the edges that go through faces
 };
 
@@ -99,6 +101,8 @@ struct Scene {
   std::vector<Pin> pins;                // ascending ids
   std::vector<Attachment> attachments;  // ascending nodes
   std::vector<Surface> surfaces;
+  std::vector<Joint> joints;
+  std::int32_t joint_colours = 0;
 
   Id body_count() const;
   bool has_rotations() const;          // false: all bodies are particles
