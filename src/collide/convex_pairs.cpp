@@ -208,8 +208,10 @@ bool convex_manifold(const ConvexBody& a, const ConvexBody& b, double margin, Pa
     const double along = gap_along(a, b, n);
     if (along > threshold) normal = n, gap = along, snapped = true, threshold = along + 1e-4 * smallest;
   };
-  if (of_a.normal != Vec3::Zero()) try_normal(-(a.rotation * of_a.normal));
-  if (of_b.normal != Vec3::Zero()) try_normal(b.rotation * of_b.normal);
+  if (of_a.count >= 3) try_normal(-(a.rotation * of_a.normal));
+  if (of_b.count >= 3) try_normal(b.rotation * of_b.normal);
+  if (!snapped && of_a.count == 2 && of_a.normal != Vec3::Zero()) try_normal(-(a.rotation * of_a.normal));
+  if (!snapped && of_b.count == 2 && of_b.normal != Vec3::Zero()) try_normal(b.rotation * of_b.normal);
   if (snapped) feature_towards(a, -normal, of_a), feature_towards(b, normal, of_b);
 
   Manifolder manifolder{a, b, margin, out};

@@ -119,7 +119,7 @@ TEST(Restitution, ObliqueImpactTurnsASphere) {
   const double r = 0.1, e = 0.6, v_n = 2;
   for (const double mu : {0.1, 0.9}) {
     const double v_t = 3;
-    Scene scene = scene_from_text("bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 0.1005]}\n"
+    Scene scene = scene_from_text("bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 0.1]}\n"
                                   "  - {shape: {plane: {normal: [0, 0, 1]}}}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: " +
                                   std::to_string(mu) + ", restitution: 0.6}}\nsolver: {iterations: 200, tolerance: 0}\n");
     Experiment run(scene);
