@@ -34,7 +34,7 @@ class OnMesh {
     place_ = back * (a.position - b.position);
     velocity_ = back * (a.velocity - b.velocity);
     const Mat3 turn = back * a.rotation;
-    const Vec3 extent = bounding_half_extents(a.shape(), turn).array() + margin_;
+    const Vec3 extent = bounding_half_extents(a.shape(), turn).array() + margin_ + 2 * deepest_behind * a.half_size;
     mesh_.find(place_ - extent, place_ + extent, triangles_);
     body_ = convex_body(a.shape(), turn, Vec3::Zero());
   }
@@ -107,6 +107,11 @@ bool may_touch(const Proxy& a, const Proxy& b, const CollideSettings& settings) 
 }
 
 }  // namespace
+
+void for_each_part(const Proxy& whole, const std::function<void(const Proxy&)>& f) {
+  if (whole.kind != ShapeKind::compound) return f(whole);
+  for (const Compound::Part& part : shape_library().compounds[whole.data].parts) f(part_of(whole, part));
+}
 
 void collide_composites(const Proxy& a, const Proxy& b, const CollideSettings& settings, const Found& f) {
   for (const bool second : {false, true}) {

@@ -226,7 +226,7 @@ bool convex_manifold(const ConvexBody& a, const ConvexBody& b, double margin, Pa
 bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, double margin, PairManifold& out) {
   const Vec3& up = triangle.normal;
   const double height = up.dot(body.centre - triangle.nodes[0]);
-  if (height < -0.5 * body.size) return false;  // behind it
+  if (height < -deepest_behind * body.size) return false;
   const ConvexBody face = convex_triangle(triangle.nodes, body.size);
   ConvexDistance distance;
   const Cores cores = distance_of_cores(body, face, margin, distance);
@@ -234,8 +234,7 @@ bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, dou
   double gap = gap_along(body, face, up);
   Vec3 normal = up;
   if (cores == Cores::apart && height <= 0) {  // its centre has gone through
-    const TrianglePoint at = closest_on_triangle(distance.on_b, triangle.nodes[0], triangle.nodes[1], triangle.nodes[2]);
-    if (at.feature() != 7 || distance.gap > 0) return false;
+    if (-distance.normal.dot(up) < 0.9) return false;  // past its border
     out.normal = up;
     out.add(body.support(-up) - (body.rounding + 0.5 * gap) * up, gap, nearest_feature);
     return true;
@@ -251,6 +250,31 @@ bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, dou
   of_face.normal = up;
   Manifolder{body, face, margin, out}.add(normal, of_body, of_face, gap);
   out.normal = normal;
+  if (out.count == 0 && cores == Cores::apart) {
+    out.normal = distance.normal;
+    out.add(0.5 * (distance.on_a + distance.on_b), distance.gap, nearest_feature);
+  }
+  return out.count > 0;
+}
+
+bool sheet_manifold(const ConvexBody& body, const std::array<Vec3, 3>& triangle, double margin, PairManifold& out) {
+  Vec3 up = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]);
+  const double length = up.norm();
+  const bool flat_triangle = length > 0;
+  if (flat_triangle) up /= up.dot(body.centre - triangle[0]) < 0 ? -length : length;
+  const ConvexBody face = convex_triangle(triangle, body.size);
+  ConvexDistance distance;
+  const Cores cores = distance_of_cores(body, face, margin, distance);
+  if (cores == Cores::far || (cores == Cores::together && !flat_triangle)) return false;
+  const double along = flat_triangle ? gap_along(body, face, up) : -HUGE_VAL;
+  const bool flat = cores == Cores::together || along > distance.gap - 5e-4 * body.size - 0.02 * std::abs(distance.gap);
+  out.normal = flat ? up : distance.normal;
+  SupportFeature of_body, of_face;
+  feature_towards(body, -out.normal, of_body);
+  for (const Vec3& node : triangle) of_face.add(node);
+  if (up.dot((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0])) < 0) std::swap(of_face.corners[1], of_face.corners[2]);
+  of_face.normal = up;
+  if (flat_triangle) Manifolder{body, face, margin, out}.add(out.normal, of_body, of_face, flat ? along : distance.gap);
   if (out.count == 0 && cores == Cores::apart) {
     out.normal = distance.normal;
     out.add(0.5 * (distance.on_a + distance.on_b), distance.gap, nearest_feature);

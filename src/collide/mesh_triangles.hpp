@@ -15,9 +15,15 @@ struct MeshTriangle {
   Vec3 normal;
 };
 
+// A body whose centre has gone through is pushed back from no deeper than this times its smallest size.
+constexpr double deepest_behind = 3;
+
 // Normal and points of contact, none further apart than `margin` (m), at most PairManifold::capacity. A triangle pushes outwards
 // only, and at an edge or node only in directions that lie between its own and its neighbours': a solid that slides over a flat
 // surface does not feel its edges. False where there are none.
 bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, double margin, PairManifold& out);
+
+// The same of a triangle with two sides: it pushes to the one where the body's centre is.
+bool sheet_manifold(const ConvexBody& body, const std::array<Vec3, 3>& triangle, double margin, PairManifold& out);
 
 }  // namespace unibody

@@ -68,6 +68,9 @@ void collide_parts(const Proxy& a, const Proxy& b, const CollideSettings& settin
 void collide_composites(const Proxy& a, const Proxy& b, const CollideSettings& settings,
                         const std::function<void(const PairManifold&)>& f);
 
+// A compound's parts in place, or the shape itself.
+void for_each_part(const Proxy& whole, const std::function<void(const Proxy&)>& f);
+
 // The manifold of two simple shapes, a.id < b.id; count 0 when there is none. Points in ascending feature, in world coordinates.
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& manifold);
 

@@ -70,6 +70,7 @@ class SurfaceCollider {
   void add_meeting(Pair pair, double time);
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
   void box_face(const Proxy& box, const SurfaceFace& face);
+  void convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;
 
   const World& world_;

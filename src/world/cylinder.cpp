@@ -12,6 +12,7 @@ namespace {
 constexpr std::string_view keys[] = {"radius", "length"};
 constexpr double steepest_cap = 0.7071;  // cosine of the angle to the axis up to which a cap faces a direction
 constexpr int rim = 8;                   // points of a cap
+constexpr double rolls = 0.05;           // tangent of the tilt from which on it rolls over its rim
 
 Shape make(std::span<const double> v) { return {ShapeKind::cylinder, Vec3(v[0], v[0], 0.5 * v[1])}; }
 
@@ -35,7 +36,7 @@ Vec3 on_rim(const Shape& s, double x, double y, double z) {
 }
 Vec3 support(const Shape& s, const Vec3& d) { return on_rim(s, d.x(), d.y(), d.z() < 0 ? -s.size.z() : s.size.z()); }
 
-// Eight points of the rim, fixed in the body, and the one that is furthest out, where it is not one of them.
+// Eight points of the rim, fixed in the body; of a tilted cap the one that is furthest out as well.
 void cap(const Shape& s, const Vec3& d, SupportFeature& f) {
   const double side = d.z() < 0 ? -1 : 1, z = side * s.size.z();
   const double diagonal = std::numbers::sqrt2 / 2;
@@ -43,7 +44,7 @@ void cap(const Shape& s, const Vec3& d, SupportFeature& f) {
   const double x[rim] = {1, diagonal, 0, -diagonal, -1, -diagonal, 0, diagonal};
   const double y[rim] = {0, diagonal, 1, diagonal, 0, -diagonal, -1, -diagonal};
   const double across = std::sqrt(d.x() * d.x() + d.y() * d.y());
-  const bool tilted = across > 1e-9 * std::abs(d.z());
+  const bool tilted = across > rolls * std::abs(d.z());
   double furthest = none;
   for (int k = 0; k < rim; ++k) furthest = std::max(furthest, (x[k] * d.x() + y[k] * d.y()));
   const bool between = tilted && furthest < (1 - 1e-9) * across;
