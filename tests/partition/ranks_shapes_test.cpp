@@ -54,8 +54,9 @@ TEST(RanksShapes, SameBitsOnAnyNumberOfRanks) {
         s.move_homes(Balance(MPI_COMM_WORLD, std::uint64_t{5} + static_cast<std::uint64_t>(step), true).homes(s.world, s.contacts));
       }
       alone.step(), together.step();
-      if (step % 20 == 0)
+      if (step % 20 == 0) {
         ASSERT_EQ(state_hash(MPI_COMM_SELF, alone.world()), state_hash(MPI_COMM_WORLD, s.world)) << solver << step;
+      }
     }
     EXPECT_TRUE(alone.finite());
   }
