@@ -353,6 +353,22 @@ StepReport Simulation::solve() {
   return report;
 }
 
+namespace {
+
+// Whether a tetrahedron ends the step turned inside out: St. Venant-Kirchhoff has equilibria there, of no solid.
+bool inverts(const World& world, const ConstraintList<Tetrahedron>& solids, std::span<const Vec3> velocity, double step) {
+  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<Tetrahedron>& c) {
+    const auto place = [&](std::size_t e) -> Vec3 {
+      const auto slot = static_cast<std::size_t>(world.find(c.ids[e]));
+      return world.position[slot] + step * velocity[slot];
+    };
+    const Vec3 origin = place(0);
+    return (place(1) - origin).cross(place(2) - origin).dot(place(3) - origin) < 0;
+  });
+}
+
+}  // namespace
+
 // One flexible body alone on one rank, as read_scene() and run() see to. The rows hold to round-off by construction where the
 // impulses are eliminated: what says how far off the step is, is how far the next iteration would move the nodes.
 StepReport Simulation::solve_by_newton() {
@@ -365,7 +381,7 @@ StepReport Simulation::solve_by_newton() {
   report.iterations = step.iterations;
   measure_solution(report);
   report.residual = std::max(report.residual, step_ * step.correction);
-  report.converged = step.converged;
+  report.converged = step.converged && !inverts(world, std::get<ConstraintList<Tetrahedron>>(constraints), step.velocity, step_);
   return report;
 }
 

@@ -91,6 +91,18 @@ bool SurfaceCollider::is_ridge(const SurfaceEdge& edge, const Vec3& direction) c
                      [&](Slot wing) { return wing < 0 || rise(place(wing) - from, to - from, direction) <= 0; });
 }
 
+// Whether a direction from a face of a closed surface, or from an edge of it, leads into the solid.
+bool SurfaceCollider::is_inwards(const SurfaceFace& face, const Vec3& weights, const Vec3& direction) const {
+  const auto [a, b, c] = places(face, 0);
+  Vec3 outwards = (b - a).cross(c - a).normalized();
+  if (const int edge = edge_of(weights); edge >= 0) {
+    const auto i = static_cast<std::size_t>(edge);
+    const Vec3 &from = place(face.nodes[i]), &to = place(face.nodes[(i + 1) % 3]);
+    if (face.across[i] >= 0) outwards += (from - to).cross(place(face.across[i]) - to).normalized();
+  }
+  return outwards.dot(direction) < 0;
+}
+
 // From the second side's point to the first's (m), at a share of the step.
 Vec3 SurfaceCollider::apart(const Pair& pair, double time) const {
   Vec3 sum = Vec3::Zero();
@@ -147,7 +159,10 @@ void SurfaceCollider::add_standing(const Pair& pair) {
   if (!(distance > 1e-100)) return;  // at the same place: the next step knows on which side they are
   Vec3 normal = between / distance;
   double gap = distance - pair.radii, beyond = 0;
-  if (has_passed(pair, between)) normal = -normal, gap = -distance - pair.radii, beyond = distance + 0.1 * pair.radii;
+  if (pair.inside)
+    normal = -normal, gap = -distance - pair.radii;
+  else if (has_passed(pair, between))
+    normal = -normal, gap = -distance - pair.radii, beyond = distance + 0.1 * pair.radii;
   if (gap <= margin(pair, normal))
     add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, gap, pair.edges ? edges_feature : 0, beyond);
 }
@@ -174,8 +189,10 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
                                                    path(face.nodes[2]), continuous(pair.radii));
     pair.watched = !hit.hit;
     if (hit.hit && hit.time > 0) {
-      set_weights(without_twin(face, {hit.weights[1], hit.weights[2], hit.weights[3]}));
-      return add_meeting(pair, hit.time);
+      const Vec3 weights = without_twin(face, {hit.weights[1], hit.weights[2], hit.weights[3]});
+      set_weights(weights);
+      const bool leaves = surfaces_.is_closed(face.surface) && is_inwards(face, weights, apart(pair, 0));
+      if (!leaves) return add_meeting(pair, hit.time);
     }
   }
   const auto [a, b, c] = places(face, 0);
@@ -188,6 +205,12 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
   pair.within = !at_node && (edge < 0 || face.across[static_cast<std::size_t>(edge)] >= 0 || face.is_segment());
   const Vec3 between = apart(pair, 0);
   const double distance = between.norm();
+  if (pair.within && surfaces_.is_closed(face.surface)) {
+    pair.within = false;
+    const double deepest = (pair.turns ? 1 : 4) * pair.radii;  // beyond it another face may be the way out
+    pair.inside = is_inwards(face, weights, between);
+    if (pair.inside && distance > deepest) return;
+  }
   if (distance > 0 && !(owns(face, weights) && is_nearest(face, weights, between / distance, lean_of_points))) return;
   if (at_node) {  // two nodes: the lower id first, so that all who find them agree
     for (std::size_t k = 1; k < 4; ++k)
@@ -219,6 +242,8 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
   Pair pair;
   pair.slots = {e->nodes[0], e->nodes[1], f->nodes[0], f->nodes[1]}, pair.edges = true;
   pair.radii = radius(e->nodes[0]) + radius(f->nodes[0]);
+  const bool closed = surfaces_.is_closed(e->surface) || surfaces_.is_closed(f->surface);
+  const auto stand_out = [&](const Vec3& towards) { return is_ridge(*f, towards) && is_ridge(*e, -towards); };
   if (travel(e->nodes, f->nodes) > pair.radii) {
     const ContinuousHit hit =
         edge_meets_edge(path(e->nodes[0]), path(e->nodes[1]), path(f->nodes[0]), path(f->nodes[1]), continuous(pair.radii));
@@ -226,8 +251,9 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
     if (hit.hit && hit.time > 0) {
       pair.weights = {hit.weights[0], hit.weights[1], -hit.weights[2], -hit.weights[3]};
       const bool inside = hit.weights[0] > 0 && hit.weights[1] > 0 && hit.weights[2] > 0 && hit.weights[3] > 0;
-      if (inside) add_meeting(pair, hit.time);  // ends of edges meet faces
-      return;
+      const bool leaves = closed && !stand_out(apart(pair, 0));
+      if (inside && !leaves) add_meeting(pair, hit.time);  // ends of edges meet faces
+      if (!leaves) return;
     }
   }
   const SegmentPoints near =
@@ -236,8 +262,10 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
   pair.weights = {1 - near.s, near.s, near.t - 1, -near.t};
   pair.within = true;
   const Vec3 between = near.first - near.second;
-  const Vec3 towards = (has_passed(pair, between) ? -1 : 1) * between / near.distance;  // where they stood out to each other
-  if (near.distance > 0 && !(is_ridge(*f, towards) && is_ridge(*e, -towards))) return;
+  const Vec3 towards = between / near.distance;
+  if (closed) pair.within = false, pair.inside = !stand_out(towards);
+  const bool other = pair.inside || has_passed(pair, between);  // it is on the other side that they stand out to each other
+  if (near.distance > 0 && !stand_out(other ? Vec3(-towards) : towards)) return;
   add_standing(pair);
 }
 
@@ -283,6 +311,21 @@ double SurfaceCollider::first_touch(const Proxy& box, const SurfaceFace& face, d
   return first;
 }
 
+// The third nodes of the neighbours that lean away by less than 45 degrees; returns how many.
+std::size_t SurfaceCollider::flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const {
+  if (face.is_segment()) return 0;
+  const TriangleNodes x = places(face, time);
+  const Vec3 normal = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (face.across[i] < 0) continue;
+    const Vec3 node = place(face.across[i]) + time * settings_.step * velocity(face.across[i]);
+    const Vec3 &from = x[i], &to = x[(i + 1) % 3];
+    if (normal.dot((from - to).cross(node - to).normalized()) > std::sqrt(0.5)) out[count++] = node;
+  }
+  return count;
+}
+
 void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
   Pair pair;
   pair.slots = {box.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
@@ -299,13 +342,19 @@ void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
   const double widest = settings_.margin + (pair.watched || time > 0 ? 0 : settings_.step * fastest) + pair.spin + fall;
   const Vec3 centre = box.position + time * settings_.step * box.velocity;
   TriangleContacts found;
-  box_triangle(centre, box.rotation, box.half, places(face, time), {pair.radii + widest, box.half_size}, found);
+  std::array<Vec3, 3> beyond;
+  const std::size_t flat = flat_neighbours(face, time, beyond);
+  box_triangle(centre, box.rotation, box.half, places(face, time), {pair.radii + widest, box.half_size}, found,
+               std::span(beyond).first(flat));
   for (int i = 0; i < found.count; ++i) {
     const TriangleContact& c = found.points[static_cast<std::size_t>(i)];
     if (c.feature >= 8 && c.feature < 11) continue;  // nodes touch bodies as the particles that they are
     const Vec3 weights = without_twin(face, c.weights);
     if (face.is_segment() && ((c.feature >= 11 && (c.feature - 11) % 3 != 0) || is_one_node(weights))) continue;
     if (!owns(face, weights) || !is_nearest(face, weights, c.normal, lean_of_boxes)) continue;
+    // the far side of a thin part of a solid is no wall for a corner that is through it
+    const bool on_face = c.feature < 8 && (weights.array() > 0).all();
+    if (on_face && surfaces_.is_closed(face.surface) && is_inwards(face, weights, c.normal)) continue;
     pair.weights = {1, -weights[0], -weights[1], -weights[2]};
     const Vec3 arm = c.position - 0.5 * c.gap * c.normal - centre;
     const double closed = std::max(0.0, -time * settings_.step * c.normal.dot(parting(pair)));

@@ -6,7 +6,8 @@
 // the step: what is turned aside within it may pass through what it was not heading for.
 //
 // Sides: two points that have passed each other in the last step, which an unconverged solve may let happen, are told to go back.
-// Where they were follows from positions and velocities alone: a step ends with x += h v.
+// Where they were follows from positions and velocities alone: a step ends with x += h v. Closed surfaces say themselves what is
+// inside, however it got there: it is pushed out, at the speed of any penetration.
 //
 // Nodes touch bodies as the particles that they are (narrowphase.hpp); what is here is what lies between them.
 #pragma once
@@ -46,6 +47,7 @@ class SurfaceCollider {
     bool edges = false;    // two on each side
     bool turns = false;    // end 0 is a round body, touched off its centre
     bool within = false;   // both points lie inside their surfaces, so that a change of sides shows
+    bool inside = false;   // of a closed surface: the points belong on the other sides
     bool watched = false;  // it is fast, and its motion leads past
     bool meets = false;    // ends without weight belong to the key
   };
@@ -60,6 +62,7 @@ class SurfaceCollider {
   bool owns(const SurfaceFace& face, const Vec3& weights) const;
   bool is_nearest(const SurfaceFace& face, const Vec3& weights, const Vec3& direction, double lean) const;
   bool is_ridge(const SurfaceEdge& edge, const Vec3& direction) const;
+  bool is_inwards(const SurfaceFace& face, const Vec3& weights, const Vec3& direction) const;
 
   Vec3 apart(const Pair& pair, double time) const;
   Vec3 parting(const Pair& pair) const;
@@ -69,6 +72,7 @@ class SurfaceCollider {
   void add_standing(const Pair& pair);
   void add_meeting(Pair pair, double time);
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
+  std::size_t flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const;
   void box_face(const Proxy& box, const SurfaceFace& face);
   void convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;

@@ -203,6 +203,10 @@ bool Surfaces::edges_may_meet() const {
          std::any_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.self_collision; });
 }
 
+bool Surfaces::all_closed() const {
+  return std::all_of(surfaces_.begin(), surfaces_.end(), [](const Surface& s) { return s.closed; });
+}
+
 std::size_t Surfaces::bytes() const {
   return bytes_of(faces) + bytes_of(edges) + bytes_of(surface_of_) + bytes_of(interior_) + bytes_of(rings_.start) +
          bytes_of(rings_.entries);

@@ -51,6 +51,8 @@ class Surfaces {
     return static_cast<std::size_t>(s) < interior_.size() && interior_[static_cast<std::size_t>(s)] != 0;
   }
   bool edges_may_meet() const;  // of two surfaces, or of one that collides with itself
+  bool all_closed() const;
+  bool is_closed(std::int32_t surface) const { return surfaces_[static_cast<std::size_t>(surface)].closed; }
   std::int32_t surface_of(Slot node) const { return surface_of_[static_cast<std::size_t>(node)]; }
   // The group within which a surface's features do not touch; -1 where it collides with itself.
   std::int32_t contact_group(const World& world, Slot node) const {

@@ -25,8 +25,9 @@ void add(TriangleContacts& out, const TriangleReach& reach, const Vec3& on_trian
 // In the box's frame, its centre at 0.
 class BoxTriangle {
  public:
-  BoxTriangle(const Vec3& half, const TriangleNodes& nodes, const TriangleReach& reach, TriangleContacts& out)
-      : half_(half), nodes_(nodes), reach_(reach), out_(out), rounding_(1e-9 * half.maxCoeff()) {}
+  BoxTriangle(const Vec3& half, const TriangleNodes& nodes, std::span<const Vec3> beyond, const TriangleReach& reach,
+              TriangleContacts& out)
+      : half_(half), nodes_(nodes), beyond_(beyond), reach_(reach), out_(out), rounding_(1e-9 * half.maxCoeff()) {}
 
   void run() {
     const Vec3 low = nodes_[0].cwiseMin(nodes_[1]).cwiseMin(nodes_[2]), high = nodes_[0].cwiseMax(nodes_[1]).cwiseMax(nodes_[2]);
@@ -45,6 +46,7 @@ class BoxTriangle {
  private:
   const Vec3& half_;
   const TriangleNodes& nodes_;
+  std::span<const Vec3> beyond_;
   const TriangleReach& reach_;
   TriangleContacts& out_;
   double rounding_;  // m
@@ -153,8 +155,11 @@ double BoxTriangle::overlap() const {
 }
 
 double BoxTriangle::overlap_along(const Vec3& axis) const {
-  const double a = axis.dot(nodes_[0]), b = axis.dot(nodes_[1]), c = axis.dot(nodes_[2]);
-  return axis.cwiseAbs().dot(half_) + std::min(std::max({a, b, c}), -std::min({a, b, c}));
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  const auto note = [&](const Vec3& x) { low = std::min(low, axis.dot(x)), high = std::max(high, axis.dot(x)); };
+  for (const Vec3& x : nodes_) note(x);
+  for (const Vec3& x : beyond_) note(x);
+  return axis.cwiseAbs().dot(half_) + std::min(high, -low);
 }
 
 }  // namespace
@@ -171,11 +176,14 @@ void sphere_triangle(const Vec3& centre, double radius, const TriangleNodes& tri
 }
 
 void box_triangle(const Vec3& centre, const Mat3& rotation, const Vec3& half, const TriangleNodes& triangle,
-                  const TriangleReach& reach, TriangleContacts& out) {
+                  const TriangleReach& reach, TriangleContacts& out, std::span<const Vec3> beyond) {
   out.count = 0;
-  TriangleNodes local;
-  for (std::size_t i = 0; i < 3; ++i) local[i] = rotation.transpose() * (triangle[i] - centre);
-  BoxTriangle(half, local, reach, out).run();
+  const auto local_of = [&](const Vec3& x) -> Vec3 { return rotation.transpose() * (x - centre); };
+  const TriangleNodes local{local_of(triangle[0]), local_of(triangle[1]), local_of(triangle[2])};
+  std::array<Vec3, 3> behind;
+  const std::size_t count = std::min(beyond.size(), behind.size());
+  std::transform(beyond.begin(), beyond.begin() + static_cast<std::ptrdiff_t>(count), behind.begin(), local_of);
+  BoxTriangle(half, local, std::span(behind).first(count), reach, out).run();
   for (int i = 0; i < out.count; ++i) {
     TriangleContact& c = out.points[static_cast<std::size_t>(i)];
     c.position = centre + rotation * c.position;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "core/types.hpp"
 
@@ -36,12 +37,13 @@ struct TriangleReach {
 void sphere_triangle(const Vec3& centre, double radius, const TriangleNodes& triangle, const TriangleReach& reach,
                      TriangleContacts& out);
 
-// Corners of the box over the face and the edges of the triangle, nodes of the triangle at the box, edges across edges. The
+// `beyond`: points (m) by which the surface goes on about flat behind the triangle's edges, so that the way over those is no way
+// out. Corners of the box over the face and the edges of the triangle, nodes of the triangle at the box, edges across edges. The
 // smallest gap of two that are apart is their distance, exactly up to rounding; no point of two that overlap is deeper than the
 // shortest way out. Directions may lean 0.05 rad out of the range of their features, so that flat contacts keep their points. Box
 // edge 4 k + i runs along axis k; bit 0 of i is set on the positive side of axis k + 1, bit 1 on that of k + 2. Triangle edge i
 // runs from node i to i + 1. All modulo 3.
 void box_triangle(const Vec3& centre, const Mat3& rotation, const Vec3& half, const TriangleNodes& triangle,
-                  const TriangleReach& reach, TriangleContacts& out);
+                  const TriangleReach& reach, TriangleContacts& out, std::span<const Vec3> beyond = {});
 
 }  // namespace unibody

@@ -61,6 +61,7 @@ void add_surface(const Value& entry, Scene& scene, const std::string& name, Id f
     for (std::size_t k = begin; k < out.size(); ++k)
       for (Id& id : out[k]) id += first;
   };
+  surface.closed = shape.closed;
   if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
   if (const Value* drag = entry.find("drag")) surface.drag = drag->number(not_negative, "");
 }

@@ -52,6 +52,7 @@ struct MeshShape {
   std::function<Id(Id node)> patch = [](Id node) { return node / 256; };  // what a partition moves as one
   std::function<Id(const Value&)> number;                                 // of a node as pins name it
   Id triangle_count = 0;                                                  // to be touched and drawn
+  bool closed = false;                                                    // they bound a solid
   std::function<std::array<Id, 3>(Id triangle)> triangle;
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> triangles_of;  // those at a node
 };

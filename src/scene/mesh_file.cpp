@@ -32,7 +32,7 @@ void fail_at(const std::string& path, std::int64_t line, const std::string& foun
 
 std::string quote(std::string_view text) {
   constexpr std::size_t longest = 60;
-  return "'" + std::string(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
+  return std::string("'").append(text.substr(0, longest)).append(text.size() > longest ? "...'" : "'");
 }
 
 }  // namespace unibody

@@ -77,6 +77,7 @@ struct Surface {
   // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of = nullptr;
   bool self_collision = false;  // cells touch others of the same surface
+  bool closed = false;          // around a solid: cells are counterclockwise from outside, and what is inside belongs outside
   double drag = 0;              // 1, coefficient of the air's resistance to a triangle's motion along its normal
 };
 

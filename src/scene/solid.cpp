@@ -54,7 +54,8 @@ void read_solid(const Value& entry, Scene& scene) {
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
-  const MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
+  MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
+  shape.closed = true;
   if (!(shape.mass(0) > 0)) need(entry, "density", "").fail_expected("a mass > 0 of each node");
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   Vec3 spin = Vec3::Zero();

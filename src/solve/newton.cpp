@@ -30,6 +30,7 @@ class Newton {
     check(SNESSetFunction(snes_, residual_, residual, this));
     check(SNESSetJacobian(snes_, jacobian_, jacobian_, jacobian, this));
     check(SNESSetDivergenceTolerance(snes_, -1));
+    check(SNESSetForceIteration(snes_, PETSC_TRUE));  // polish() needs a Jacobian
     if (has_points_ && (settings.linear == LinearSolver::cg || (settings.linear == LinearSolver::automatic && n > large)))
       iterate_by_multigrid();
     else
@@ -95,11 +96,24 @@ class Newton {
     check(SNESGetConvergedReasonString(snes_, &reason));
     result.iterations = static_cast<int>(iterations), result.reason = reason;
     result.unknowns = get(u_);
-    const Eigen::VectorXd rest = problem_.residual(result.unknowns);
-    result.residual = rest.lpNorm<Eigen::Infinity>();
+    result.residual = problem_.residual(result.unknowns).lpNorm<Eigen::Infinity>();
     result.converged = result.residual <= settings_.tolerance * problem_.scale();
-    result.correction = iterations > 0 ? correction(rest) : rest;
+    polish(result);
     return result;
+  }
+
+  // What is stiff has a residual's floor that soft motions lie below: a small residual is no small error. Newton steps by the
+  // last Jacobian go on for as long as each is less than half of the one before.
+  void polish(NewtonResult& result) {
+    constexpr int most = 20;
+    result.correction = correction(problem_.residual(result.unknowns));
+    for (int i = 0; result.converged && i < most; ++i) {
+      const Eigen::VectorXd next = result.unknowns - result.correction, rest = problem_.residual(next);
+      const Eigen::VectorXd left = correction(rest);
+      if (!(left.norm() < 0.5 * result.correction.norm())) return;
+      result.unknowns = next, result.correction = left, result.residual = rest.lpNorm<Eigen::Infinity>();
+      ++result.iterations;
+    }
   }
 
   void iterate_by_multigrid() {

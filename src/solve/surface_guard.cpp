@@ -94,7 +94,7 @@ void SurfaceGuard::list_points(std::span<const Vec3> spins) {
 }
 
 void SurfaceGuard::list_features(std::span<const SolverBody> bodies, const Halo& halo) {
-  constexpr std::uint8_t point = 1, face = 2, edge = 4;
+  constexpr std::uint8_t none = 0, point = 1, face = 2, edge = 4;
   filters_.clear();
   const auto add = [&](std::int32_t group, std::uint8_t kind, std::uint8_t accepts) {
     filters_.push_back({group, kind, accepts});
@@ -104,12 +104,12 @@ void SurfaceGuard::list_features(std::span<const SolverBody> bodies, const Halo&
   for (const Point& p : points_) add(surfaces_.is_node(p.slot) ? group_of(p.slot) : -1, point, face);
   double sizes = 0;
   for (const SurfaceFace& f : surfaces_.faces) {
-    add(group_of(f.nodes[0]), face, point);
+    add(group_of(f.nodes[0]), face, surfaces_.is_closed(f.surface) ? none : point);
     sizes += 2 * surface_slack(world_, f.nodes);
   }
   face_size_ = std::max(1e-6, sizes / static_cast<double>(std::max<std::size_t>(1, surfaces_.faces.size())));
   if (surfaces_.edges_may_meet())
-    for (const SurfaceEdge& e : surfaces_.edges) add(group_of(e.nodes[0]), edge, edge);
+    for (const SurfaceEdge& e : surfaces_.edges) add(group_of(e.nodes[0]), edge, surfaces_.is_closed(e.surface) ? none : edge);
 }
 
 // Features are looked up by boxes of about one size, that of a face, so that they share a level of the grid; after the first
@@ -262,6 +262,7 @@ void SurfaceGuard::draw_together(bool stop) {
 }
 
 std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) {
+  if (surfaces_.all_closed()) return 0;
   start_ = world_.velocity;
   for (std::size_t i = 0; i < world_.homes; ++i) world_.velocity[i] = Eigen::Map<const Vec3>(bodies[i].v);
   halo.update(Halo::velocity);

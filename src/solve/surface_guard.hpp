@@ -8,6 +8,9 @@
 // Nodes that are held keep their velocities. Where some nodes of a face are held, at different ones, and others free, the pair is
 // drawn to the mean of the held ones and may pass still if they turn the face by much.
 //
+// The surface of a solid is not held: what gets in is pushed out by contacts, and what is out of its place already would be kept
+// there. Nodes of a solid are, by others' surfaces.
+//
 // Round bodies count by their centres, dynamic boxes by their corners, on the straight way that they go while the box turns; what
 // holds a corner back acts on the box's centre, and does not turn it. Corners of boxes that are held are left to contacts: sheets
 // drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the start of the

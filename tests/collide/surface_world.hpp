@@ -50,6 +50,31 @@ struct SurfaceWorld {
     surfaces.push_back(std::move(s));
     return first;
   }
+  // A box of 2 x 2 x 2 cells a side, closed, about the origin; returns the id of its first node.
+  Id add_closed_box(const Vec3& half, double radius, const Vec3& position, const Mat3& turn) {
+    std::vector<Vec3> nodes;
+    std::array<Id, 27> number;
+    for (Id k = 0; k < 27; ++k) {
+      const Vec3 at(static_cast<double>(k % 3) - 1, static_cast<double>(k / 3 % 3) - 1, static_cast<double>(k / 9) - 1);
+      number[static_cast<std::size_t>(k)] = at.isZero() ? -1 : static_cast<Id>(nodes.size());
+      if (!at.isZero()) nodes.emplace_back(position + turn * at.cwiseProduct(half));
+    }
+    Cells cells;
+    const std::array<Id, 3> stride{1, 3, 9};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (Id side = 0; side < 2; ++side)
+        for (Id quad = 0; quad < 4; ++quad) {
+          const Id u = stride[(axis + 1) % 3], v = stride[(axis + 2) % 3];
+          const Id corner = 2 * side * stride[axis] + quad % 2 * u + quad / 2 * v;
+          std::array<Id, 4> loop{corner, corner + u, corner + u + v, corner + v};  // counterclockwise from the positive side
+          for (Id& k : loop) k = number[static_cast<std::size_t>(k)];
+          if (side == 0) std::swap(loop[1], loop[3]);
+          cells.push_back({loop[0], loop[1], loop[2]}), cells.push_back({loop[0], loop[2], loop[3]});
+        }
+    const Id first = add_surface(nodes, cells, radius);
+    surfaces.back().closed = true;
+    return first;
+  }
   Body& operator[](Id id) { return bodies[static_cast<std::size_t>(id)]; }
 
   template <class IsGuest>

@@ -1,10 +1,14 @@
 // Runs by the solver `newton`: conservation, energy, the statics of one huge step, and the air.
 #include <gtest/gtest.h>
 
+#include <Eigen/SparseCholesky>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <sstream>
 
 #include "solve/elastic_bench.hpp"
+#include "solve/elastic_problem.hpp"
 #include "solve/reference.hpp"
 
 namespace unibody::small_worlds {
@@ -141,6 +145,137 @@ TEST(Newton, TheAirIsThatOfTheIterativeSolvers) {
       for (std::size_t i = 0; i < places.size(); ++i) EXPECT_LT((run.world().position[i] - places[i]).norm(), 1e-9) << i;
     }
   }
+}
+
+namespace {
+
+// The lowest mode of small vibrations about rest, by inverse iteration: frequency (rad/s) and shape (of the nodes that move,
+// three entries each; largest 1).
+struct Mode {
+  double omega;
+  Eigen::VectorXd shape;
+};
+Mode lowest_mode(Experiment& run) {
+  run.simulation->detect();  // which makes the constraints and holds what is pinned
+  const World& world = run.world();
+  // At rest and with a step of 1 s the problem's Jacobian is (M + K) / m.
+  const ElasticProblem problem(world, run.simulation->constraints, predict_bodies(world, Vec3::Zero(), 1), 1);
+  std::vector<PetscInt> rows, columns;
+  std::vector<double> values;
+  problem.pattern(rows, columns);
+  problem.jacobian(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(problem.size())), values);
+  Eigen::VectorXd mass(static_cast<Eigen::Index>(problem.size()));
+  Eigen::Index n = 0;
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (world.properties[i].motion == Motion::dynamic) mass.segment<3>(n).setConstant(world.properties[i].mass), n += 3;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t k = 0; k < rows.size(); ++k) entries.emplace_back(rows[k], columns[k], values[k] * mass.mean());
+  Eigen::SparseMatrix<double> K(n, n);
+  K.setFromTriplets(entries.begin(), entries.end());
+  K.diagonal() -= mass;
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(K);
+  Eigen::VectorXd shape = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 1; i < n; i += 3) shape[i] = 1;  // across, to the y axis: the lowest bending
+  for (int k = 0; k < 5000; ++k) {                       // a bar's two bendings may be near each other
+    const Eigen::VectorXd momentum = mass.cwiseProduct(shape);  // solve() does not know of aliases
+    shape = factor.solve(momentum);
+    shape /= shape.lpNorm<Eigen::Infinity>();
+    const Eigen::VectorXd force = K * shape, inertia = mass.cwiseProduct(shape);
+    const double square = shape.dot(force) / shape.dot(inertia);
+    if ((force - square * inertia).norm() < 1e-6 * force.norm()) return {std::sqrt(square), shape};
+  }
+  ADD_FAILURE() << "no mode found";
+  return {0, shape};
+}
+
+}  // namespace
+
+// F7: f1 = 1.8751^2 / (2 pi L^2) sqrt(EI / (rho A)) of a slender bar, without its shear and rotary inertia, which take off some
+// 1.7 (h / L)^2 = .2 % here (Timoshenko). Cubes of linear tetrahedra are too stiff, by a term of second order in their size:
+// omega^2 is.
+TEST(Newton, TheFirstBendingFrequencyConvergesWithOrderTwo) {
+  constexpr double side = 0.05, length = 1, density = 1000;
+  std::vector<double> square;  // omega^2
+  for (const int across : {2, 4, 8}) {
+    std::ostringstream cells;
+    cells << '[' << 10 * across << ", " << across << ", " << across << ']';
+    Experiment run(scene_from_text(
+        "gravity: [0, 0, 0]\n" + by_newton +
+        block_text("[1, 0.05, 0.05]", cells.str(),
+                   "position: [0.5, 0, 0]\n    density: 1000\n    youngs_modulus: 1.0e5\n    poissons_ratio: 0\n    pins: "
+                   "[{within: {min: [0, -1, -1], max: [0, 1, 1]}}]")));
+    square.push_back(std::pow(lowest_mode(run).omega, 2));
+  }
+  EXPECT_NEAR(std::log2((square[0] - square[1]) / (square[1] - square[2])), 2, 0.2);
+  const double slender = 1.8751 * 1.8751 / (length * length) * std::sqrt(young * side * side / 12 / density);
+  EXPECT_NEAR(std::sqrt(square[2] + (square[2] - square[1]) / 3) / slender, 1, 0.01);
+}
+
+// A step takes a mode w = omega q + i q' to w / (1 + i h omega): it falls by 1 / (1 + (h omega)^2) in energy and turns late.
+TEST(Newton, AModeRingsAndFadesAsImplicitEulerHasIt) {
+  Experiment run(scene_from_text(
+      "gravity: [0, 0, 0]\ntime: {step: 0.1}\n" + by_newton +
+      block_text("[1, 0.2, 0.4]", "[5, 2, 2]",
+                 "position: [0.5, 0, 0]\n    " + law + "\n    pins: [{within: {min: [0, -1, -1], max: [0, 1, 1]}}]")));
+  const Mode mode = lowest_mode(run);
+  constexpr double size = 1e-6;  // m; the rest of the law is of second order in it
+  World& world = run.simulation->world;
+  const std::vector<Vec3> rest = world.position;
+  Eigen::Index n = 0;
+  std::vector<Eigen::Index> first(world.size(), -1);
+  for (std::size_t i = 0; i < world.size(); ++i)
+    if (world.properties[i].motion == Motion::dynamic) {
+      world.position[i] += size * mode.shape.segment<3>(n);
+      first[i] = n, n += 3;
+    }
+  const double turn = 0.1 * mode.omega;
+  ASSERT_GT(turn, 0.1);
+  std::complex<double> w = 1;
+  for (int k = 0; k < 12; ++k) {
+    run.step();
+    w /= std::complex<double>(1, turn);
+    for (std::size_t i = 0; i < world.size(); ++i) {
+      if (first[i] < 0) continue;
+      const Vec3 expected = rest[i] + size * w.real() * mode.shape.segment<3>(first[i]);
+      EXPECT_LT((world.position[i] - expected).norm(), 1e-4 * size) << k;
+    }
+  }
+}
+
+// A load far below the round-off of the stiffest rows bends the beam in proportion all the same.
+TEST(Newton, ASmallLoadIsNotLostInTheFloorOfTheResidual) {
+  const auto deflection = [](const char* force) {
+    std::ostringstream text;
+    text << "gravity: [0, 0, 0]\ntime: {step: 1.0e+4}\n"
+         << by_newton
+         << block_text(
+                "[1, 0.2, 0.2]", "[8, 2, 2]",
+                std::string("position: [0.5, 0, 0]\n    density: 1000\n    youngs_modulus: 1.0e5\n    poissons_ratio: 0.499\n"
+                            "    pins: [{within: {min: [0, -1, -1], max: [0, 1, 1]}}]\n    loads: [{within: {min: [1, -1, "
+                            "-1], max: [1, 1, 1]}, force: [0, 0, ") +
+                    force + "]}]");
+    Experiment run(scene_from_text(text.str()));
+    run.step();
+    EXPECT_TRUE(run.last.converged) << force;
+    double lowest = 0;
+    for (const Vec3& x : run.world().position) lowest = std::min(lowest, x.z() + 0.1);
+    return lowest;
+  };
+  const double usual = deflection("-0.1");
+  EXPECT_LT(usual, -1e-6);
+  for (const auto& [force, part] : {std::pair{"-1.0e-3", 1e-2}, {"-1.0e-5", 1e-4}})
+    EXPECT_NEAR(deflection(force) / usual, part, 1e-3 * part) << force;
+}
+
+// St. Venant-Kirchhoff has equilibria with elements turned inside out: a step that ends in one has not converged.
+TEST(Newton, AnInvertedEquilibriumIsNoSolution) {
+  Experiment run(beam("[8, 2, 2]", 1e4, -9.8));
+  const ElasticMesh mesh = mesh_at_rest(run);
+  run.step();
+  int inverted = 0;
+  for (const auto& cell : mesh.cells) inverted += ElasticMesh::edges(cell, run.world().position).determinant() < 0;
+  EXPECT_GT(inverted, 0);
+  EXPECT_FALSE(run.last.converged);
 }
 
 }  // namespace unibody::small_worlds
