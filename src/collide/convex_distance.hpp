@@ -13,9 +13,9 @@ struct ConvexBody {
   Shape shape;
   const ConvexFunctions* functions = nullptr;
   Mat3 rotation = Mat3::Identity();
-  Vec3 centre = Vec3::Zero();  // m
-  double rounding = 0;         // m
-  double size = 0;             // m, of its smallest extent: what lengths are compared with
+  Vec3 centre = Vec3::Zero();   // m
+  double rounding = 0;          // m
+  double size = 0;              // m, of its smallest extent: what lengths are compared with
   const Vec3* nodes = nullptr;  // m
 
   Vec3 support(const Vec3& direction) const {  // m, of the core

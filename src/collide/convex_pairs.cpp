@@ -4,13 +4,14 @@
 // face gives a steadier manifold. The points are the corners of what both solids turn to each other, cut to where they lie over
 // each other: two faces, a face and an edge, two edges that run along each other; each with its own gap along the normal. The
 // nearest points come on top where no corner says as much.
+#include "collide/convex_pairs.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "collide/convex_distance.hpp"
-#include "collide/convex_pairs.hpp"
-#include "collide/shape_pairs.hpp"
 #include "collide/mesh_triangles.hpp"
+#include "collide/shape_pairs.hpp"
 #include "collide/sweep.hpp"
 #include "collide/triangle_distance.hpp"
 
@@ -19,7 +20,7 @@ namespace unibody {
 namespace {
 
 constexpr std::uint32_t nearest_feature = 1u << 16;
-constexpr double steepest = 0.3;        // cosine between the normal and a face that counts as turned to the other solid
+constexpr double steepest = 0.3;          // cosine between the normal and a face that counts as turned to the other solid
 constexpr double along_each_other = 0.1;  // sine of the angle between two edges
 
 // Height over the plane across the normal as a linear function of the place in it.
@@ -50,8 +51,8 @@ Outline outline_of(const ConvexBody& body, const SupportFeature& feature, const 
   Vec3 world[SupportFeature::capacity];
   for (int k = 0; k < feature.count; ++k) {
     world[k] = body.nodes ? feature.corners[k] : Vec3(body.centre + body.rotation * feature.corners[k]);
-    result.corners[k] = {plane.u.dot(world[k]), plane.v.dot(world[k]), static_cast<std::uint8_t>((k + feature.count - 1) % feature.count),
-                         static_cast<std::uint8_t>(k)};
+    result.corners[k] = {plane.u.dot(world[k]), plane.v.dot(world[k]),
+                         static_cast<std::uint8_t>((k + feature.count - 1) % feature.count), static_cast<std::uint8_t>(k)};
   }
   result.count = feature.count;
   const Flat& first = result.corners[0];
@@ -233,7 +234,7 @@ bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, dou
   if (cores == Cores::far) return false;
   double gap = gap_along(body, face, up);
   Vec3 normal = up;
-  if (cores == Cores::apart && height <= 0) {  // its centre has gone through
+  if (cores == Cores::apart && height <= 0) {          // its centre has gone through
     if (-distance.normal.dot(up) < 0.9) return false;  // past its border
     out.normal = up;
     out.add(body.support(-up) - (body.rounding + 0.5 * gap) * up, gap, nearest_feature);

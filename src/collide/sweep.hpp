@@ -2,8 +2,9 @@
 //
 // The motion between the two is taken as a straight line at the present velocities; turning within the step is ignored. Under
 // that the tests are exact: a quadratic for spheres and discs, a convex root for a sphere and a box and for any two
-// convex solids, and the 15 axes with their times of entry and exit for two boxes. They end where the motion is not foreseen: a body turned aside by a third one within the
-// step may pass through what it was not heading for, and a fast spinning box may be missed by up to h r |w|.
+// convex solids, and the 15 axes with their times of entry and exit for two boxes. They end where the motion is not foreseen: a
+// body turned aside by a third one within the step may pass through what it was not heading for, and a fast spinning box may be
+// missed by up to h r |w|.
 #pragma once
 
 #include "collide/narrowphase.hpp"

@@ -237,9 +237,8 @@ void Output::write_shapes() {
                rows_of(own, "triangles", H5T_STD_I64LE, H5T_NATIVE_INT64, s.triangles);
       });
   for (std::size_t i = 0; i < counts[2]; ++i)
-    write("compound_" + std::to_string(i), [&](const h5::Handle& own) {
-      return rows_of(own, "parts", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, part_rows(i));
-    });
+    write("compound_" + std::to_string(i),
+          [&](const h5::Handle& own) { return rows_of(own, "parts", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, part_rows(i)); });
   throw_if_any(good ? "" : "cannot write " + path_ + ": is the disk full?");
 }
 

@@ -117,7 +117,7 @@ Generated read_generated(const Value& entry, BodyTemplate& body, const Generator
   const Takes takes = type ? type->takes : Takes::shape;
   const Value* shape = entry.find("shape");
   if (takes == Takes::shape) {
-    if (!shape) entry.fail_missing("shape", "a map with a shape as its key: " + one_of({shape_names.begin(), shape_names.end()}));
+    if (!shape) entry.fail_missing("shape", "a map with the key " + one_of({shape_names.begin(), shape_names.end()}));
     const Shape solid = read_shape(*shape, scene);
     if (type && (solid.kind == ShapeKind::plane || solid.kind == ShapeKind::mesh))
       shape->fail("a " + shape->children[0].first + " in a " + std::string(type->key), "a shape that can move");

@@ -57,7 +57,8 @@ SolidMoments check_closed(TriangleMesh& mesh, const Value& value, const std::str
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
     moments = solid_moments(mesh.nodes, mesh.triangles);
   }
-  if (!(moments.volume > 0 && moments.inertia.minCoeff() > 0)) value.fail("a mesh without volume", "a closed surface around a solid");
+  if (!(moments.volume > 0 && moments.inertia.minCoeff() > 0))
+    value.fail("a mesh without volume", "a closed surface around a solid");
   return moments;
 }
 
@@ -73,7 +74,8 @@ Compound::Part read_part(const Value& value, const Scene& scene) {
 }
 
 // z = heights at (cells + 1)^2 nodes over a rectangle about the origin; triangles face up.
-TriangleMesh height_field(const std::array<double, 2>& size, const std::array<Id, 2>& cells, const std::function<double(Id, Id)>& z) {
+TriangleMesh height_field(const std::array<double, 2>& size, const std::array<Id, 2>& cells,
+                          const std::function<double(Id, Id)>& z) {
   TriangleMesh mesh;
   const Id nx = cells[0] + 1, ny = cells[1] + 1;
   for (Id j = 0; j < ny; ++j)
@@ -106,8 +108,9 @@ std::function<double(Id, Id)> hills(double height, std::uint64_t seed, const std
   return [=](Id i, Id j) {
     double sum = 0;
     for (const Wave& w : waves)
-      sum += std::sin(2 * std::numbers::pi * (w.x * static_cast<double>(i) / static_cast<double>(cells[0]) +
-                                              w.y * static_cast<double>(j) / static_cast<double>(cells[1]) + w.phase));
+      sum += std::sin(2 * std::numbers::pi *
+                      (w.x * static_cast<double>(i) / static_cast<double>(cells[0]) +
+                       w.y * static_cast<double>(j) / static_cast<double>(cells[1]) + w.phase));
     return height * sum / 8;
   };
 }

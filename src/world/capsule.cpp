@@ -15,9 +15,7 @@ double half_segment(const Shape& s) { return s.size.z() - s.size.x(); }
 Shape make(std::span<const double> v) { return {ShapeKind::capsule, Vec3(v[0], v[0], v[0] + 0.5 * v[1])}; }
 
 double bounding(const Shape& s) { return s.size.z(); }
-Vec3 extents(const Shape& s, const Mat3& rotation) {
-  return (half_segment(s) * rotation.col(2).cwiseAbs()).array() + radius(s);
-}
+Vec3 extents(const Shape& s, const Mat3& rotation) { return (half_segment(s) * rotation.col(2).cwiseAbs()).array() + radius(s); }
 double tube_volume(const Shape& s) { return 2 * std::numbers::pi * radius(s) * radius(s) * half_segment(s); }
 double caps_volume(const Shape& s) { return 4 * std::numbers::pi / 3 * radius(s) * radius(s) * radius(s); }
 double solid_volume(const Shape& s) { return tube_volume(s) + caps_volume(s); }

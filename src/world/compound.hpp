@@ -15,13 +15,13 @@ struct Compound {
     Quat turn;    // its axes -> the body's
   };
   std::vector<Part> parts;
-  Vec3 size = Vec3::Zero();  // m, the largest of each coordinate
-  double radius = 0;         // m, of a sphere about the centre that holds it
-  double smallest = 0;       // m, the smallest length of its parts
-  double volume = 0;         // m^3
-  Vec3 inertia = Vec3::Zero();      // m^2, principal moments per mass
-  Quat frame = Quat::Identity();    // principal axes -> axes in which the parts were given
-  Vec3 centre = Vec3::Zero();       // m, the centre of mass among the parts as given
+  Vec3 size = Vec3::Zero();       // m, the largest of each coordinate
+  double radius = 0;              // m, of a sphere about the centre that holds it
+  double smallest = 0;            // m, the smallest length of its parts
+  double volume = 0;              // m^3
+  Vec3 inertia = Vec3::Zero();    // m^2, principal moments per mass
+  Quat frame = Quat::Identity();  // principal axes -> axes in which the parts were given
+  Vec3 centre = Vec3::Zero();     // m, the centre of mass among the parts as given
 };
 
 // Of one density throughout; where parts overlap their mass counts twice. Or with the moments given, of a solid that the parts

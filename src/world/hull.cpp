@@ -62,8 +62,7 @@ class Builder {
     const Facet base = facet(a, b, c);
     const auto off_plane = [&](const Vec3& x) { return std::abs(base.normal.dot(x) - base.offset); };
     const std::int32_t d = furthest(off_plane);
-    if (!(off_line(at(c)) > flat_) || !(off_plane(at(d)) > flat_))
-      throw std::invalid_argument("points that lie in one plane");
+    if (!(off_line(at(c)) > flat_) || !(off_plane(at(d)) > flat_)) throw std::invalid_argument("points that lie in one plane");
     const bool below = base.normal.dot(at(d)) < base.offset;
     const std::int32_t e = below ? b : c, f = below ? c : b;
     facets_ = {facet(a, e, f), facet(a, d, e), facet(e, d, f), facet(f, d, a)};
@@ -96,9 +95,8 @@ void merge_faces(Hull& hull, const std::vector<Triangle>& triangles, double tole
     const Vec3 n = cross.normalized();
     const auto same = [&](const Hull::Face& f) {
       const double offset = f.normal.dot(hull.corners[hull.face_corners[f.first]]);
-      return f.normal.dot(n) > 0 && std::all_of(t.begin(), t.end(), [&](std::int32_t i) {
-               return std::abs(f.normal.dot(at(i)) - offset) <= tolerance;
-             });
+      return f.normal.dot(n) > 0 &&
+             std::all_of(t.begin(), t.end(), [&](std::int32_t i) { return std::abs(f.normal.dot(at(i)) - offset) <= tolerance; });
     };
     if (std::any_of(hull.faces.begin(), hull.faces.end(), same)) continue;
     const double offset = n.dot(at(t[0]));

@@ -40,9 +40,7 @@ class TreeBuilder {
     if (count <= leaf) return;
     Eigen::Index axis = 0;
     (high - low).maxCoeff(&axis);
-    const auto key = [&](std::int32_t t) {
-      return std::pair(corner(t, 0)[axis] + corner(t, 1)[axis] + corner(t, 2)[axis], t);
-    };
+    const auto key = [&](std::int32_t t) { return std::pair(corner(t, 0)[axis] + corner(t, 1)[axis] + corner(t, 2)[axis], t); };
     const auto begin = mesh_.order.begin() + first;
     std::nth_element(begin, begin + count / 2, begin + count, [&](std::int32_t s, std::int32_t t) { return key(s) < key(t); });
     build(2 * branch + 1, first, count / 2);
@@ -90,7 +88,9 @@ MeshShape make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::arra
 void MeshShape::find(const Vec3& low, const Vec3& high, std::vector<std::int32_t>& found) const {
   const std::size_t before = found.size();
   std::vector<std::size_t> waiting{0};
-  const auto apart = [&](const Vec3& l, const Vec3& h) { return (l.array() > high.array()).any() || (h.array() < low.array()).any(); };
+  const auto apart = [&](const Vec3& l, const Vec3& h) {
+    return (l.array() > high.array()).any() || (h.array() < low.array()).any();
+  };
   while (!waiting.empty()) {
     const std::size_t k = waiting.back();
     waiting.pop_back();

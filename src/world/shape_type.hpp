@@ -22,8 +22,8 @@ struct SupportFeature {
 
 // A convex solid is a core and all that is within a radius of it. Directions, in the body frame, need not be of length 1.
 struct ConvexFunctions {
-  double (*rounding)(const Shape& shape);                                                     // m, the radius
-  Vec3 (*support)(const Shape& shape, const Vec3& direction);                                 // m, the core's furthest point
+  double (*rounding)(const Shape& shape);                                               // m, the radius
+  Vec3 (*support)(const Shape& shape, const Vec3& direction);                           // m, the core's furthest point
   void (*feature)(const Shape& shape, const Vec3& direction, SupportFeature& feature);  // of the core
 };
 

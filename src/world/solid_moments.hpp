@@ -10,9 +10,9 @@
 namespace unibody {
 
 struct SolidMoments {
-  double volume = 0;            // m^3; negative where the triangles face inwards
-  Vec3 centre = Vec3::Zero();   // m, of mass
-  Vec3 inertia = Vec3::Zero();  // m^2, principal moments about the centre, per mass
+  double volume = 0;             // m^3; negative where the triangles face inwards
+  Vec3 centre = Vec3::Zero();    // m, of mass
+  Vec3 inertia = Vec3::Zero();   // m^2, principal moments about the centre, per mass
   Quat axes = Quat::Identity();  // principal axes -> those of the nodes: of all choices the least turn
 };
 

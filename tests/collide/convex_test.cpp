@@ -19,9 +19,12 @@ Shape octahedron() { return hull_of({{0.3, 0, 0}, {-0.3, 0, 0}, {0, 0.2, 0}, {0,
 Shape wedge() { return hull_of({{0, 0, 0}, {0.4, 0, 0}, {0, 0.3, 0}, {0, 0, 0.5}, {0.4, 0, 0.5}, {0, 0.3, 0.5}}); }
 
 std::vector<Shape> solids() {
-  return {{ShapeKind::sphere, {0.2, 0, 0}},       {ShapeKind::box, {0.2, 0.3, 0.15}},
-          {ShapeKind::capsule, {0.1, 0.1, 0.35}}, {ShapeKind::cylinder, {0.2, 0.2, 0.3}},
-          octahedron(),                           wedge()};
+  return {{ShapeKind::sphere, {0.2, 0, 0}},
+          {ShapeKind::box, {0.2, 0.3, 0.15}},
+          {ShapeKind::capsule, {0.1, 0.1, 0.35}},
+          {ShapeKind::cylinder, {0.2, 0.2, 0.3}},
+          octahedron(),
+          wedge()};
 }
 
 // Written anew, from each shape's definition.
@@ -144,8 +147,14 @@ TEST(Convex, FacesGiveAllOfTheirCorners) {
       EXPECT_EQ(on_side.points.size(), 2u);
       const Pair capsule = points_of({ShapeKind::capsule, {0.1, 0.1, 0.35}}, under, 0.1 + gap, lying);
       EXPECT_EQ(capsule.points.size(), 2u);
-      const Shape cube = hull_of({{.1, .1, .1}, {-.1, .1, .1}, {.1, -.1, .1}, {-.1, -.1, .1},
-                                  {.1, .1, -.1}, {-.1, .1, -.1}, {.1, -.1, -.1}, {-.1, -.1, -.1}});
+      const Shape cube = hull_of({{.1, .1, .1},
+                                  {-.1, .1, .1},
+                                  {.1, -.1, .1},
+                                  {-.1, -.1, .1},
+                                  {.1, .1, -.1},
+                                  {-.1, .1, -.1},
+                                  {.1, -.1, -.1},
+                                  {-.1, -.1, -.1}});
       const Pair cubed = points_of(cube, under, 0.1 + gap);
       EXPECT_EQ(cubed.points.size(), 4u);
       for (const Pair& p : {standing, on_side, capsule, cubed}) {

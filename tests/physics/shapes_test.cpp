@@ -88,9 +88,10 @@ TEST(Shapes, CompoundOfBoxesFallsAsTheBox) {
 TEST(Restitution, BallBouncesToTheHeightsOfItsRestitution) {
   for (const std::string name : {"gauss_seidel", "accelerated_jacobi"})
     for (const double e : {0.5, 0.8}) {
-      Scene scene = scene_from_text("bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 1.1]}\n"
-                                    "  - {shape: {plane: {normal: [0, 0, 1]}}}\nmaterials: {m: {friction: 0.5, restitution: " +
-                                    std::to_string(e) + "}}\nsolver: {name: " + name + "}\n");
+      Scene scene = scene_from_text(
+          "bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 1.1]}\n"
+          "  - {shape: {plane: {normal: [0, 0, 1]}}}\nmaterials: {m: {friction: 0.5, restitution: " +
+          std::to_string(e) + "}}\nsolver: {name: " + name + "}\n");
       scene.time.substeps = 32;
       Experiment run(scene);
       int bounces = 0;
@@ -119,9 +120,10 @@ TEST(Restitution, ObliqueImpactTurnsASphere) {
   const double r = 0.1, e = 0.6, v_n = 2;
   for (const double mu : {0.1, 0.9}) {
     const double v_t = 3;
-    Scene scene = scene_from_text("bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 0.1]}\n"
-                                  "  - {shape: {plane: {normal: [0, 0, 1]}}}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: " +
-                                  std::to_string(mu) + ", restitution: 0.6}}\nsolver: {iterations: 200, tolerance: 0}\n");
+    Scene scene = scene_from_text(
+        "bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 0.1]}\n"
+        "  - {shape: {plane: {normal: [0, 0, 1]}}}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: " +
+        std::to_string(mu) + ", restitution: 0.6}}\nsolver: {iterations: 200, tolerance: 0}\n");
     Experiment run(scene);
     const std::size_t ball = run.slot(0);
     run.world().velocity[ball] = Vec3(v_t, 0, -v_n);

@@ -32,7 +32,8 @@ TEST(SolidMoments, OfABoxAnywhere) {
   const Vec3 half(0.2, 0.3, 0.5), far(100, -200, 300);
   const Quat turn(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()));
   std::vector<Vec3> points;
-  for (int k = 0; k < 8; ++k) points.push_back(far + turn * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).cwiseProduct(half));
+  for (int k = 0; k < 8; ++k)
+    points.push_back(far + turn * Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).cwiseProduct(half));
   points.push_back(far);  // inside: no corner
   const Hull hull = make_hull(points);
   EXPECT_EQ(hull.corners.size(), 8u);
