@@ -56,7 +56,7 @@ std::vector<Hull> convex_pieces(const TriangleMesh& mesh, int cells) {
   for (const auto& [cell, list] : points) {
     try {
       pieces.push_back(make_hull(list));
-    } catch (const std::invalid_argument&) {  // a sliver in this cell: its neighbours hold the rest
+    } catch (const std::invalid_argument&) {  // a corner of a triangle in this cell: its neighbours hold the rest
     }
   }
   return pieces;

@@ -38,7 +38,7 @@ Shape add_hull(const Value& value, const std::vector<Vec3>& points) {
   try {
     return shape_library().add(make_hull(points));
   } catch (const std::invalid_argument& fault) {
-    value.fail(fault.what(), "points that span a solid, at most 48 of them on a face");
+    value.fail(fault.what(), "points that span a solid");
   }
 }
 

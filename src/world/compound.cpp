@@ -27,17 +27,16 @@ Compound make_compound(std::span<const Compound::Part> parts) {
 Compound make_compound(std::span<const Compound::Part> parts, const SolidMoments& moments) {
   Compound c;
   c.volume = moments.volume, c.centre = moments.centre, c.inertia = moments.inertia, c.frame = moments.axes;
-  c.smallest = HUGE_VAL;
   const Quat back = c.frame.conjugate();
   for (const auto& p : parts) {
     const Compound::Part part{p.shape, back * (p.place - c.centre), (back * p.turn * frame_of(p.shape)).normalized()};
     const Vec3 reach = part.place.cwiseAbs() + bounding_half_extents(part.shape, part.turn);
     c.size = c.size.cwiseMax(reach);
     c.radius = std::max(c.radius, part.place.norm() + bounding_radius(part.shape));
-    c.smallest = std::min(c.smallest, smallest_size(part.shape));
     c.parts.push_back(part);
   }
   c.radius = std::min(c.radius, c.size.norm());
+  c.smallest = 2 * c.size.minCoeff();
   return c;
 }
 

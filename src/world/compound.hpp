@@ -17,7 +17,7 @@ struct Compound {
   std::vector<Part> parts;
   Vec3 size = Vec3::Zero();       // m, the largest of each coordinate
   double radius = 0;              // m, of a sphere about the centre that holds it
-  double smallest = 0;            // m, the smallest length of its parts
+  double smallest = 0;            // m, the shortest edge of the box that holds it
   double volume = 0;              // m^3
   Vec3 inertia = Vec3::Zero();    // m^2, principal moments per mass
   Quat frame = Quat::Identity();  // principal axes -> axes in which the parts were given

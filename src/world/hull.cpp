@@ -14,6 +14,7 @@ namespace unibody {
 namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
+constexpr std::size_t most_corners = 48;
 
 // Triangles of the hull, by adding one point after the other. Points within `rounding` of a face belong to it.
 class Builder {
@@ -111,7 +112,10 @@ void merge_faces(Hull& hull, const std::vector<Triangle>& triangles, double tole
       return std::atan2(v.dot(d), u.dot(d));
     };
     std::sort(on.begin(), on.end(), [&](std::uint32_t i, std::uint32_t j) { return angle(i) < angle(j); });
-    if (on.size() > 48) throw std::invalid_argument("a face of " + std::to_string(on.size()) + " corners");
+    if (const std::size_t all = on.size(); all > most_corners) {
+      for (std::size_t k = 0; k < most_corners; ++k) on[k] = on[k * all / most_corners];
+      on.resize(most_corners);
+    }
     hull.faces.push_back({n, static_cast<std::uint32_t>(hull.face_corners.size()), static_cast<std::uint32_t>(on.size())});
     hull.face_corners.insert(hull.face_corners.end(), on.begin(), on.end());
   }

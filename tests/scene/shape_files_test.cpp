@@ -69,7 +69,7 @@ TEST(ShapeFiles, RestitutionOfAPairIsTheSmallerUnlessListed) {
 
 TEST(ShapeFiles, BadShapesAreRefused) {
   const TextFile open(block(true));
-  const std::string hull = "FILE:2: key 'bodies[0].shape.hull", solid = "points that span a solid, at most 48 of them on a face";
+  const std::string hull = "FILE:2: key 'bodies[0].shape.hull", solid = "points that span a solid";
   EXPECT_EQ(fault_of(body_of("capsule: {radius: 0.1}")),
             "FILE:2: key 'bodies[0].shape.capsule.length': found nothing, expected a number > 0 (m)");
   EXPECT_EQ(fault_of(body_of("cylinder: {radius: 0, length: 1}")),
