@@ -87,13 +87,42 @@ class Builder {
   std::vector<Facet> facets_;
 };
 
-// Faces of all corners in one plane, in the order of their angle.
+// Of corners in one plane those on its outline, counterclockwise (Andrew's monotone chain): rounding may have left some inside
+// it.
+std::vector<std::uint32_t> outline_in_plane(const std::vector<Vec3>& corners, std::vector<std::uint32_t> on, const Vec3& u,
+                                            const Vec3& v) {
+  const auto place = [&](std::uint32_t i) { return std::pair(u.dot(corners[i]), v.dot(corners[i])); };
+  std::sort(on.begin(), on.end(), [&](std::uint32_t i, std::uint32_t j) { return place(i) < place(j); });
+  const auto turns_right = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+    const auto [pu, pv] = place(i);
+    const auto [qu, qv] = place(j);
+    const auto [ru, rv] = place(k);
+    return (qu - pu) * (rv - pv) - (qv - pv) * (ru - pu) <= 0;
+  };
+  std::vector<std::uint32_t> outline;
+  for (const bool back : {false, true}) {
+    const std::size_t start = outline.size();
+    for (const std::uint32_t i : on) {
+      while (outline.size() >= start + 2 && turns_right(outline[outline.size() - 2], outline.back(), i)) outline.pop_back();
+      outline.push_back(i);
+    }
+    outline.pop_back();  // the first of the other half
+    if (!back) std::reverse(on.begin(), on.end());
+  }
+  return outline;
+}
+
+// Faces of all corners in one plane.
 void merge_faces(Hull& hull, const std::vector<Triangle>& triangles, double tolerance) {
   const auto at = [&](std::int32_t i) -> const Vec3& { return hull.corners[static_cast<std::size_t>(i)]; };
   for (const Triangle& t : triangles) {
     const Vec3 cross = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
-    if (!(cross.norm() > tolerance * tolerance)) continue;
+    const double longest = std::max({(at(t[1]) - at(t[0])).norm(), (at(t[2]) - at(t[1])).norm(), (at(t[0]) - at(t[2])).norm()});
+    if (!(cross.norm() > 10 * tolerance * longest)) continue;  // a sliver, whose normal means nothing: it lies in another face
     const Vec3 n = cross.normalized();
+    if (std::any_of(hull.corners.begin(), hull.corners.end(),
+                    [&](const Vec3& x) { return n.dot(x - at(t[0])) > 10 * tolerance; }))
+      continue;
     const auto same = [&](const Hull::Face& f) {
       const double offset = f.normal.dot(hull.corners[hull.face_corners[f.first]]);
       return f.normal.dot(n) > 0 &&
@@ -106,12 +135,8 @@ void merge_faces(Hull& hull, const std::vector<Triangle>& triangles, double tole
     for (std::uint32_t i = 0; i < hull.corners.size(); ++i)
       if (std::abs(n.dot(hull.corners[i]) - offset) <= tolerance) on.push_back(i), middle += hull.corners[i];
     middle /= static_cast<double>(on.size());
-    const Vec3 u = (at(t[0]) - middle).normalized(), v = n.cross(u);
-    const auto angle = [&](std::uint32_t i) {
-      const Vec3 d = hull.corners[i] - middle;
-      return std::atan2(v.dot(d), u.dot(d));
-    };
-    std::sort(on.begin(), on.end(), [&](std::uint32_t i, std::uint32_t j) { return angle(i) < angle(j); });
+    const Vec3 u = (at(t[0]) - middle).normalized();
+    on = outline_in_plane(hull.corners, on, u, n.cross(u));
     if (const std::size_t all = on.size(); all > most_corners) {
       for (std::size_t k = 0; k < most_corners; ++k) on[k] = on[k * all / most_corners];
       on.resize(most_corners);

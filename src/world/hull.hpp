@@ -25,8 +25,8 @@ struct Hull {
   Vec3 centre = Vec3::Zero();               // m, the centre of mass among the points as given
 };
 
-// Points are in m. Throws std::invalid_argument with what was found where they span no volume: fewer than four, or all within 1e-6
-// of their extent of one plane. Of a face with more than 48 corners every so manieth is listed.
+// Points are in m. Throws std::invalid_argument with what was found where they span no volume: fewer than four, or all within
+// 1e-6 of their extent of one plane. Of a face with more than 48 corners every so manieth is listed.
 Hull make_hull(std::span<const Vec3> points);
 
 }  // namespace unibody
