@@ -47,7 +47,6 @@ TEST(ShapeFiles, ClosedMeshHasTheMassOfItsSolid) {
   EXPECT_LT((body.state.orientation.toRotationMatrix() - Mat3::Identity()).norm(), 1e-9);
   const Compound& compound = shape_library().compounds[body.properties.shape.data];
   EXPECT_LT((compound.size - Vec3(0.2, 0.4, 0.6)).norm(), 1e-9);
-  EXPECT_EQ(compound.parts.size(), 6u) << "cells of 0.4 m: 1 x 2 x 3";
 }
 
 TEST(ShapeFiles, TerrainIsStatic) {
@@ -90,7 +89,7 @@ TEST(ShapeFiles, BadShapesAreRefused) {
             "FILE:3: key 'bodies[0].motion': found dynamic, expected fixed or kinematic for a mesh");
   EXPECT_EQ(
       fault_of(body_of("mesh: {height_field: {size: [1, 1], cells: [1, 1], heights: [0, 0, 0]}}", "motion: fixed")).substr(0, 70),
-      "FILE:2: key 'bodies[0].shape.mesh.height_field.heights': found a list ");
+      "FILE:2: key 'bodies[0].shape.mesh.height_field.heights': found [0, 0, ");
   EXPECT_EQ(fault_of("planar: true\n" + body_of("capsule: {radius: 1, length: 1}")),
             "FILE:3: key 'bodies[0].shape.capsule': found a capsule, expected sphere, box, plane or disc in a planar scene");
   EXPECT_EQ(fault_of(ball + "materials: {a: {friction: 1, restitution: 1.5}}\n"),
