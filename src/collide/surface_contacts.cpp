@@ -184,6 +184,9 @@ void SurfaceCollider::add_meeting(Pair pair, double time) {
 void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast) {
   std::copy(face.nodes.begin(), face.nodes.end(), pair.slots.begin() + 1);
   const auto set_weights = [&](const Vec3& w) { pair.weights = {1, -w[0], -w[1], -w[2]}; };
+  // a solid's own nodes are all inside of its faces on the other side
+  const bool own = surfaces_.is_node(pair.slots[0]) && surfaces_.surface_of(pair.slots[0]) == face.surface;
+  const bool closed = surfaces_.is_closed(face.surface) && !own;
   if (travel(std::span(pair.slots).first(1), face.nodes) > fast) {
     const ContinuousHit hit = point_meets_triangle(path(pair.slots[0]), path(face.nodes[0]), path(face.nodes[1]),
                                                    path(face.nodes[2]), continuous(pair.radii));
@@ -191,7 +194,7 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
     if (hit.hit && hit.time > 0) {
       const Vec3 weights = without_twin(face, {hit.weights[1], hit.weights[2], hit.weights[3]});
       set_weights(weights);
-      const bool leaves = surfaces_.is_closed(face.surface) && is_inwards(face, weights, apart(pair, 0));
+      const bool leaves = closed && is_inwards(face, weights, apart(pair, 0));
       if (!leaves) return add_meeting(pair, hit.time);
     }
   }
@@ -205,7 +208,7 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
   pair.within = !at_node && (edge < 0 || face.across[static_cast<std::size_t>(edge)] >= 0 || face.is_segment());
   const Vec3 between = apart(pair, 0);
   const double distance = between.norm();
-  if (pair.within && surfaces_.is_closed(face.surface)) {
+  if (pair.within && closed) {
     pair.within = false;
     const double deepest = (pair.turns ? 1 : 4) * pair.radii;  // beyond it another face may be the way out
     pair.inside = is_inwards(face, weights, between);
@@ -242,7 +245,7 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
   Pair pair;
   pair.slots = {e->nodes[0], e->nodes[1], f->nodes[0], f->nodes[1]}, pair.edges = true;
   pair.radii = radius(e->nodes[0]) + radius(f->nodes[0]);
-  const bool closed = surfaces_.is_closed(e->surface) || surfaces_.is_closed(f->surface);
+  const bool closed = e->surface != f->surface && (surfaces_.is_closed(e->surface) || surfaces_.is_closed(f->surface));
   const auto stand_out = [&](const Vec3& towards) { return is_ridge(*f, towards) && is_ridge(*e, -towards); };
   if (travel(e->nodes, f->nodes) > pair.radii) {
     const ContinuousHit hit =

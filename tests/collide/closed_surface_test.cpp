@@ -125,5 +125,18 @@ TEST(ClosedSurface, ABoxBesideIsPushedToTheSide) {
   EXPECT_GT(touching, 0);
 }
 
+// The nodes of a thin plate are inside of its faces on the other side, as they should be.
+TEST(ClosedSurface, AThinSolidDoesNotTouchItself) {
+  SurfaceWorld s;
+  s.add_closed_box(Vec3(0.5, 0.4, 0.015), r, Vec3::Zero(), Mat3::Identity());
+  s.surfaces[0].self_collision = true;
+  for (Body& node : s.bodies) node.properties.group = -1;
+  s.settings.has_past = true;
+  for (const double speed : {0.0, 2.0}) {  // along the plate, fast enough to be followed
+    for (Body& node : s.bodies) node.state.velocity = Vec3(node.state.position.z() > 0 ? speed : 0, 0, 0);
+    for (const SurfaceContact& c : s.contacts().surface) ADD_FAILURE() << c.gap << ": " << c.normal.transpose();
+  }
+}
+
 }  // namespace
 }  // namespace unibody

@@ -1,0 +1,203 @@
+// Elastic equilibria against published figures and closed forms, on two meshes, one twice as fine as the other.
+//
+// Linear tetrahedra are too stiff, by a share that falls with the square of their size. Extrapolated from two meshes, the
+// stiffness is off by terms of fourth order: about a sixteenth of what the coarse one is too stiff.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "solve/elastic_bench.hpp"
+#include "solve/reference.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+using Cells = std::array<Id, 3>;
+using Map = std::function<Vec3(const Vec3& share)>;  // of the way along each axis, 0 to 1
+
+// Cells of six tetrahedra. Their diagonals are each other's mirror images about the middles of the axes that `mirrored` names, so
+// that a shape which is its own mirror image has a mesh that is so too.
+ElasticMesh lattice(const Cells& cells, const std::array<bool, 3>& mirrored, const Map& place) {
+  ElasticMesh mesh{{}, {}, {}};
+  const Cells stride{1, cells[0] + 1, (cells[0] + 1) * (cells[1] + 1)};
+  for (Id k = 0; k <= cells[2]; ++k)
+    for (Id j = 0; j <= cells[1]; ++j)
+      for (Id i = 0; i <= cells[0]; ++i) {
+        const auto share = [&](Id n, std::size_t axis) { return static_cast<double>(n) / static_cast<double>(cells[axis]); };
+        mesh.rest.push_back(place({share(i, 0), share(j, 1), share(k, 2)}));
+      }
+  std::array<std::size_t, 3> path{0, 1, 2};
+  do {
+    for (Id cell = 0; cell < cells[0] * cells[1] * cells[2]; ++cell) {
+      const Cells at{cell % cells[0], cell / cells[0] % cells[1], cell / cells[0] / cells[1]};
+      std::array<Id, 4> tet{};
+      std::array<Id, 3> step{};
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool back = mirrored[axis] && 2 * at[axis] < cells[axis];
+        tet[0] += (at[axis] + back) * stride[axis], step[axis] = back ? -stride[axis] : stride[axis];
+      }
+      for (std::size_t n = 0; n < 3; ++n) tet[n + 1] = tet[n] + step[path[n]];
+      if (ElasticMesh::edges(tet, mesh.rest).determinant() < 0) std::swap(tet[2], tet[3]);
+      mesh.cells.push_back(tet);
+    }
+  } while (std::next_permutation(path.begin(), path.end()));
+  return mesh;
+}
+
+using Where = std::function<bool(const Vec3& rest)>;
+struct Load {
+  Where where;
+  Vec3 force;  // N, spread over the nodes there
+};
+
+// What the nodes move (m) until a body of these materials rests, held where `held` says.
+std::vector<Vec3> equilibrium(const ElasticMesh& mesh, double young, double poisson, const Where& held,
+                              const std::vector<Load>& loads) {
+  constexpr double step = 1e4;  // s, far longer than any period
+  std::vector<Body> bodies;
+  for (std::size_t i = 0; i < mesh.rest.size(); ++i) {
+    Body body = testing::body(static_cast<Id>(i), ShapeKind::particle, Vec3(1e-3, 0, 0), mesh.rest[i]);
+    body.properties.mass = 1e-9 * young;
+    bodies.push_back(body);
+  }
+  for (const Load& load : loads) {
+    const auto count = std::count_if(mesh.rest.begin(), mesh.rest.end(), load.where);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      if (load.where(mesh.rest[i])) bodies[i].properties.force += load.force / static_cast<double>(count);
+  }
+  World world = testing::world_of(bodies);
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (!held(mesh.rest[i])) continue;
+    BodyProperties properties = world.properties[i];
+    properties.motion = Motion::pinned;
+    world.properties.set(i, properties);
+  }
+  const ReferenceStep found = reference_step(world, constraints_of(mesh, young, poisson), Vec3::Zero(), step);
+  EXPECT_TRUE(found.converged) << found.reason;
+  std::vector<Vec3> moved;
+  for (const Vec3& v : found.velocity) moved.emplace_back(step * v);
+  return moved;
+}
+
+Where across(Eigen::Index axis, double at) {
+  return [=](const Vec3& x) { return std::abs(x[axis] - at) < 1e-9; };
+}
+
+Vec3 mean(const ElasticMesh& mesh, const std::vector<Vec3>& moved, const Where& where) {
+  Vec3 sum = Vec3::Zero();
+  int count = 0;
+  for (std::size_t i = 0; i < moved.size(); ++i)
+    if (where(mesh.rest[i])) sum += moved[i], ++count;
+  return sum / count;
+}
+
+// Displacements of a coarse mesh and one of half its size against the exact one.
+void expect_limit(double coarse, double fine, double exact, const std::string& what) {
+  const double excess = exact / coarse - 1, limit = 1 / (1 / fine - (1 / coarse - 1 / fine) / 3);
+  EXPECT_LT(std::abs(exact / fine - 1), 0.5 * std::abs(excess)) << what << ": the fine mesh is no better";
+  EXPECT_NEAR(exact / limit, 1, excess / 16) << what << ": " << coarse << ", " << fine << ", limit " << limit;
+}
+
+// A bar from x = 0 along x, held there.
+struct Bar {
+  double length, width, height;  // m, along x, y and z
+
+  ElasticMesh mesh(const Cells& cells) const {
+    return lattice(cells, {},
+                   [this](const Vec3& s) { return Vec3(length * s.x(), width * (s.y() - 0.5), height * (s.z() - 0.5)); });
+  }
+  Vec3 tip(const Cells& cells, double young, double poisson, const Vec3& force) const {
+    const ElasticMesh m = mesh(cells);
+    return mean(m, equilibrium(m, young, poisson, across(0, 0), {{across(0, length), force}}), across(0, length));
+  }
+};
+
+}  // namespace
+
+// F6, MacNeal & Harder 1985: a bar of 6 x .2 x .1, E = 1e7, nu = .3, unit loads; scaled from loads so small that strains are.
+TEST(PublishedFigures, MacNealsStraightBeam) {
+  const Bar bar{6, 0.2, 0.1};
+  constexpr double load = 0.05;
+  const std::array<double, 3> published{3.0e-5, 0.1081, 0.4321};
+  const auto tip = [&](Id n, Eigen::Index axis) {
+    return bar.tip({30 * n, n, n}, 1e7, 0.3, load * Vec3::Unit(axis))[axis] / load;
+  };
+  EXPECT_NEAR(tip(2, 0) / published[0], 1, 0.005);
+  for (const Eigen::Index axis : {1, 2})
+    expect_limit(tip(2, axis), tip(4, axis), published[static_cast<std::size_t>(axis)], "axis " + std::to_string(axis));
+}
+
+// F8: the elastica, a slender cantilever under a dead load P; a = P L^2 / EI, where its end is: down and back over L.
+TEST(PublishedFigures, TheElastica) {
+  constexpr double thick = 1.0 / 32, young = 1e6;
+  const Bar bar{1, thick, thick};
+  for (const auto& [a, down, back] : {std::tuple(1.0, 0.30172, 0.05643), {3.0, 0.60325, 0.25442}}) {
+    const Vec3 force(0, 0, a * young * std::pow(thick, 4) / 12);
+    const Vec3 coarse = bar.tip({128, 1, 4}, young, 0, force), fine = bar.tip({256, 1, 8}, young, 0, force);
+    EXPECT_GT(coarse.z() / down, 0.8);
+    expect_limit(coarse.z(), fine.z(), down, "down");
+    expect_limit(-coarse.x(), -fine.x(), back, "back");
+  }
+}
+
+// F10: Cook's membrane, plane stress, E = 1, nu = 1/3, unit load up the right side, whose middle rises by 23.96.
+TEST(PublishedFigures, CooksMembrane) {
+  constexpr double load = 1e-4;
+  const auto rise = [&](Id n) {
+    const ElasticMesh mesh = lattice({n, n, 2}, {false, false, true}, [](const Vec3& s) {
+      const double x = 48 * s.x();
+      return Vec3(x, (1 - s.y()) * 44 * x / 48 + s.y() * (44 + 16 * x / 48), s.z());
+    });
+    const auto moved = equilibrium(mesh, 1, 1.0 / 3, across(0, 0), {{across(0, 48), Vec3(0, load, 0)}});
+    const auto middle = [](const Vec3& x) { return (x.head<2>() - Eigen::Vector2d(48, 52)).norm() < 1e-9; };
+    return mean(mesh, moved, middle).y() / load;
+  };
+  expect_limit(rise(16), rise(32), 23.96, "rise");
+}
+
+// F12: a round bar under a couple T turns by T L / G J; held against no end, one of St. Venant-Kirchhoff's law becomes shorter.
+TEST(PublishedFigures, TorsionOfARoundBar) {
+  constexpr double radius = 1, length = 6, young = 1e6, poisson = 0.3, strain = 0.01;
+  struct Found {
+    double twist, longer;
+  };
+  const auto turn = [&](Id n) {
+    const ElasticMesh mesh = lattice({n, n, 2 * n}, {true, true, false}, [](const Vec3& s) {
+      const double a = 2 * s.x() - 1, b = 2 * s.y() - 1, norm = std::hypot(a, b);
+      const double grow = norm > 0 ? radius * std::max(std::abs(a), std::abs(b)) / norm : 0;
+      return Vec3(grow * a, grow * b, length * s.z());
+    });
+    // On the rim of the end face, along its tangent: of even nodes' angles, the sum is a couple.
+    const double torque = young / (2 * (1 + poisson)) * std::numbers::pi / 2 * std::pow(radius, 3) * strain;
+    std::vector<Load> loads;
+    const auto end = across(2, length);
+    int rim = 0;
+    for (const Vec3& x : mesh.rest) rim += end(x) && x.head<2>().norm() > radius - 1e-9;
+    for (const Vec3& x : mesh.rest)
+      if (end(x) && x.head<2>().norm() > radius - 1e-9)
+        loads.push_back({[x](const Vec3& y) { return y == x; }, torque / (radius * rim) * Vec3(-x.y(), x.x(), 0)});
+    const auto moved = equilibrium(mesh, young, poisson, across(2, 0), loads);
+    const auto turned = [&](double z) {
+      double cross = 0, dot = 0;
+      for (std::size_t i = 0; i < moved.size(); ++i) {
+        if (!across(2, z)(mesh.rest[i])) continue;
+        const Eigen::Vector2d before = mesh.rest[i].head<2>(), after = before + moved[i].head<2>();
+        cross += before.x() * after.y() - before.y() * after.x(), dot += before.dot(after);
+      }
+      return std::atan2(cross, dot);
+    };
+    const double low = length / 4, high = 3 * length / 4;
+    return Found{(turned(high) - turned(low)) / (high - low) * radius / strain,
+                 (mean(mesh, moved, across(2, high)) - mean(mesh, moved, across(2, low))).z() / (high - low)};
+  };
+  const Found coarse = turn(4), fine = turn(8);
+  expect_limit(coarse.twist, fine.twist, 1, "twist");
+  const double shorter = (1 - poisson) / (4 * (1 + poisson)) * std::pow(fine.twist * strain, 2);
+  EXPECT_LT(fine.longer, -0.5 * shorter);
+  EXPECT_GT(fine.longer, -1.5 * shorter);
+}
+
+}  // namespace unibody::small_worlds
