@@ -35,6 +35,8 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
   collide_settings_.gravity = scene.gravity;
   collide_settings_.planar = scene.planar;
   collide_settings_.friction = scene.friction;
+  if (std::any_of(scene.restitution.begin(), scene.restitution.end(), [](double e) { return e > 0; }))
+    collide_settings_.restitution = scene.restitution;
   collide_settings_.material_count = scene.materials.size();
 }
 

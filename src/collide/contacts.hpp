@@ -45,11 +45,12 @@ struct SurfaceContact {
 };
 
 struct Contacts {
-  std::vector<Manifold> manifolds;  // ascending (id_a, id_b)
+  std::vector<Manifold> manifolds;  // ascending (id_a, id_b); of bodies of many parts several in a row, in the parts' order
   std::vector<ContactPoint> points;
+  std::vector<double> bounce;           // m/s, of each point: the speed at which the bodies must part; empty: nothing bounces
   std::vector<SurfaceContact> surface;  // ascending keys
 
-  void clear() { manifolds.clear(), points.clear(), surface.clear(); }
+  void clear() { manifolds.clear(), points.clear(), bounce.clear(), surface.clear(); }
 };
 
 // Takes away the manifolds for which unwanted(manifold), with their points.

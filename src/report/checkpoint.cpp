@@ -20,6 +20,7 @@ const std::string format = "unibody checkpoint 2";
 
 // A body as one row of the data set "bodies": reals, then the small numbers, which doubles hold exactly.
 constexpr Id body_columns = 30;
+constexpr std::uint64_t kinds = 256;  // a shape is one number: its kind and, times this, its place in the library
 using BodyRow = std::array<double, body_columns>;
 
 BodyRow to_row(const BodyProperties& p, const BodyState& s) {
@@ -31,7 +32,7 @@ BodyRow to_row(const BodyProperties& p, const BodyState& s) {
   put(s.velocity), put(s.angular_velocity);
   put(p.shape.size), put(p.inertia), put(p.force), put(p.torque);
   *at++ = p.mass;
-  *at++ = static_cast<double>(p.shape.kind);
+  *at++ = static_cast<double>(static_cast<std::uint64_t>(p.shape.kind) + kinds * std::uint64_t{p.shape.data});
   *at++ = static_cast<double>(p.motion);
   *at++ = p.material;
   *at++ = p.group;
@@ -48,7 +49,9 @@ Body from_row(Id id, const BodyRow& row) {
   take(b.state.velocity), take(b.state.angular_velocity);
   take(b.properties.shape.size), take(b.properties.inertia), take(b.properties.force), take(b.properties.torque);
   b.properties.mass = *at++;
-  b.properties.shape.kind = static_cast<ShapeKind>(*at++);
+  const auto shape = static_cast<std::uint64_t>(*at++);
+  b.properties.shape.kind = static_cast<ShapeKind>(shape % kinds);
+  b.properties.shape.data = static_cast<std::uint32_t>(shape / kinds);
   b.properties.motion = static_cast<Motion>(*at++);
   b.properties.material = static_cast<std::int32_t>(*at++);
   b.properties.group = static_cast<std::int32_t>(*at++);

@@ -97,6 +97,11 @@ void read_solver(const Value& value, Scene& scene) {
 
 void read_gravity(const Value& value, Scene& scene) { scene.gravity = read_vector(value, scene, "m/s^2"); }
 
+double read_restitution(const Value& map, double otherwise) {
+  const Value* e = map.find("restitution");
+  return e ? e->number({0, 1}, "") : otherwise;
+}
+
 double read_friction(const Value& map) {
   const Value* friction = map.find("friction");
   if (!friction) map.fail_missing("friction", "a number >= 0");
@@ -106,7 +111,7 @@ double read_friction(const Value& map) {
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
 void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
-  pair.map({"between", "friction"});
+  pair.map({"between", "friction", "restitution"});
   const Value* between = pair.find("between");
   if (!between) pair.fail_missing("between", "a list of 2 materials");
   if (between->kind != Value::Kind::list || between->entries.size() != 2) between->fail_expected("a list of 2 materials");
@@ -115,24 +120,32 @@ void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
   if (!listed.emplace(std::min(a, b), std::max(a, b)).second)
     between->fail(between->found() + " a second time", "each pair once");
   const std::size_t n = scene.materials.size();
-  scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
+  if (pair.find("friction") || !pair.find("restitution"))
+    scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
+  scene.restitution[a * n + b] = scene.restitution[b * n + a] = read_restitution(pair, scene.restitution[a * n + b]);
 }
 
-// Names with their friction, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials.
+// Names with their friction, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials;
+// its restitution is the smaller of the two.
 void read_materials(const Value& value, Scene& scene) {
   if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
   scene.materials.clear();
-  std::vector<double> own;
+  std::vector<double> own, bounce;
   for (const auto& [name, material] : value.children) {
     if (name == "pairs") continue;
     scene.materials.push_back(name);
-    own.push_back(read_friction(material.map({"friction"})));
+    own.push_back(read_friction(material.map({"friction", "restitution"})));
+    bounce.push_back(read_restitution(material, 0));
   }
   if (own.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
   const std::size_t n = own.size();
   scene.friction.assign(n * n, 0);
+  scene.restitution.assign(n * n, 0);
   for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < n; ++b) scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
+    for (std::size_t b = 0; b < n; ++b) {
+      scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
+      scene.restitution[a * n + b] = std::min(bounce[a], bounce[b]);
+    }
   Pairs listed;
   if (const Value* pairs = value.find("pairs"))
     for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed);

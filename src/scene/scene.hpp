@@ -94,8 +94,9 @@ struct Scene {
   SolverSettings solver;
   OutputSettings output;
   std::vector<std::string> materials{"default"};
-  std::vector<double> friction{0.5};  // materials x materials, row major, symmetric: Coulomb's mu of each pair
-  std::vector<BodyGroup> groups;      // in the order of the file; ids run on from group to group
+  std::vector<double> friction{0.5};   // materials x materials, row major, symmetric: Coulomb's mu of each pair
+  std::vector<double> restitution{0};  // the same: Newton's e, of speeds before and after an impact
+  std::vector<BodyGroup> groups;       // in the order of the file; ids run on from group to group
 
   std::vector<ConstraintGroup> constraint_groups;
   std::vector<Pin> pins;                // ascending ids
