@@ -1,6 +1,7 @@
 #include "options.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <fstream>
@@ -30,6 +31,14 @@ bool on_off(const std::string& option, const std::string& value) {
   if (value == "on") return true;
   if (value == "off") return false;
   throw InputError("option " + option + ": found '" + value + "', expected on or off");
+}
+
+int count_of(const std::string& option, const std::string& value) {
+  int count = 0;
+  const char* end = value.data() + value.size();
+  const auto [last, error] = std::from_chars(value.data(), end, count);
+  if (error == std::errc() && last == end && count >= 1) return count;
+  throw InputError("option " + option + ": found '" + value + "', expected a whole number, 1 or more");
 }
 
 // Whether the word behind one of PETSc's options is its value: nobody but PETSc knows which of them take one. Once the scene is
@@ -68,6 +77,14 @@ Options parse_options(int argc, char** argv) {
       if (const std::string kind = value(); kind != "metis") options.random_partition = seed_of(kind);
     } else if (word == "-rebalance") {
       options.rebalance = on_off(word, value());
+    } else if (word == "-error_estimate") {
+      const bool told = i + 1 < argc && std::isdigit(static_cast<unsigned char>(argv[i + 1][0])) != 0 &&
+                        !std::string_view(argv[i + 1]).ends_with(".yaml");
+      options.error_estimate = told ? count_of(word, value()) : 1;
+    } else if (word == "-dump_fclib") {
+      options.dump_fclib = value();
+    } else if (word == "-dump_step") {
+      options.dump_step = count_of(word, value());
     } else if (std::any_of(std::begin(petsc_prefixes), std::end(petsc_prefixes), [&](auto p) { return word.starts_with(p); })) {
       options.petsc.push_back(word);
       if (word == "-options_file") {
@@ -86,6 +103,8 @@ Options parse_options(int argc, char** argv) {
     }
   }
   if (options.scene.empty() && !options.help) throw InputError("no scene is given: unibody SCENE [options], -help explains");
+  if (options.dump_step >= 0 && options.dump_fclib.empty())
+    throw InputError("option -dump_step: expected -dump_fclib FILE with it");
   return options;
 }
 
@@ -103,6 +122,12 @@ Simulates the scene file SCENE and writes its results into a folder.
   -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
                          No result depends on it
   -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it
+  -error_estimate [N]    how wrong the run is: in every N-th frame (default: every one) the last step is solved on from where its
+                         iterations ended, until it converges, and then taken back. Three columns of report.csv tell its distance
+                         to the converged step, and how well that one is known. The run itself stays the same, bit for bit
+  -dump_fclib FILE       write one frame's last step as a frictional contact problem in FCLIB's HDF5 form, with its solution;
+                         rigid bodies alone, in space
+  -dump_step N           of that frame (default: the last)
   -help                  this text
 
 PETSc options that begin with -log_, -options_, -malloc, -memory_, -vec_, -info or -on_error are passed on to PETSc,

@@ -19,6 +19,9 @@ struct Options {
   std::vector<Override> overrides;                // -set
   std::optional<std::uint64_t> random_partition;  // seed; none: METIS
   bool rebalance = true;
+  int error_estimate = 0;          // the error of every so many frames; 0: of none
+  std::string dump_fclib;          // where a frame's contact problem goes; empty: nowhere
+  int dump_step = -1;              // the frame; -1: the last
   std::vector<std::string> petsc;  // the rest
 };
 

@@ -13,6 +13,7 @@
 #include "core/phases.hpp"
 #include "partition/balance.hpp"
 #include "report/checkpoint.hpp"
+#include "report/fclib_file.hpp"
 #include "report/joint_report.hpp"
 #include "report/output.hpp"
 #include "report/progress.hpp"
@@ -162,6 +163,45 @@ std::string describe_bad_body(const Scene& scene, const Simulation& simulation, 
   throw RunError(text.data());
 }
 
+// The columns of -error_estimate; without a step that was asked for it, empty cells.
+void add_error_columns(const StepReport& step, std::vector<NamedValue>& columns) {
+  const StepError error = step.error.value_or(StepError{});
+  const bool known = step.error.has_value();
+  columns.push_back({"error_estimate (m)", error.distance, known});
+  columns.push_back({"error_relative (1)", error.relative, known});
+  columns.push_back({"error_reference_residual (m)", error.reference_residual, known});
+}
+
+// Throws InputError where the scene or its solver cannot do what an option asks for.
+void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std::int64_t first_frame) {
+  if (options.error_estimate > 0 && scene.solver.name == "newton")
+    throw InputError("option -error_estimate: found solver.name newton, expected an iterative solver (newton converges)");
+  if (options.dump_fclib.empty()) return;
+  if (!scene.constraint_groups.empty() || !scene.attachments.empty())
+    throw InputError("option -dump_fclib: found cloths, threads or solids in " + scene.path + ", expected rigid bodies alone");
+  if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
+  if (options.dump_step > scene.time.frames || (options.dump_step >= 0 && options.dump_step <= first_frame))
+    throw InputError("option -dump_step: found " + std::to_string(options.dump_step) + ", expected a frame of the run, " +
+                     std::to_string(first_frame + 1) + " to " + std::to_string(scene.time.frames));
+  check_fclib_path(comm, options.dump_fclib, options.overwrite);
+}
+
+// Whether there was anything to write.
+bool dump_problem(MPI_Comm comm, const Scene& scene, const Options& options, std::int64_t frame, const ContactProblem& problem) {
+  int contacts = static_cast<int>(problem.contacts.size());
+  MPI_Bcast(&contacts, 1, MPI_INT, 0, comm);
+  if (contacts == 0) {
+    int rank = 0;
+    MPI_Comm_rank(comm, &rank);
+    if (rank == 0)
+      std::fprintf(stderr, "unibody: -dump_fclib: frame %lld has no contacts: no file\n", static_cast<long long>(frame));
+    return false;
+  }
+  const std::string text = "Unibody, last step of frame " + std::to_string(frame) + " of " + scene.path;
+  write_fclib(comm, options.dump_fclib, problem, scene.title, text);
+  return true;
+}
+
 std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options) {
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
@@ -182,6 +222,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   if (options.restart.empty()) simulation.make_constraints();
   simulation.move_homes(balance.homes(simulation.world, {}, &simulation.constraints, scene.joints, simulation.joints));
 
+  check_wishes(comm, scene, options, summary.first_frame);
   prepare_output_directory(comm, options.output, options.overwrite, options.restart);
   const std::string checkpoint_path = options.output + "/checkpoint.h5";
   simulation.detect();  // guests are there
@@ -193,6 +234,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
          joint_columns(comm, scene.joints.size(), simulation.slots_of_joints(), simulation.joint_states(), step.joint_residual))
       columns.push_back(std::move(column));
     if (simulation.has_attachments()) columns.push_back({"residual_attachment (m)", step.attachment_residual});
+    if (options.error_estimate > 0) add_error_columns(step, columns);
     if (!simulation.has_surfaces()) return columns;
     columns.push_back({"held_pairs (1)", static_cast<double>(held)});
     if (!scene.output.crossings) return columns;
@@ -224,6 +266,10 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   for (const BodyGroup& group : scene.groups) summary.dynamic_bodies += group.is_static ? 0 : group.count;
   Progress progress(rank, summary.first_frame, scene.time.frames, summary.dynamic_bodies);
   FrameTimes times(comm, clock);
+  const std::int64_t dumped_frame =
+      options.dump_fclib.empty() ? -1 : (options.dump_step >= 0 ? options.dump_step : scene.time.frames);
+  ContactProblem problem;
+  bool dumped = false;
   for (std::int64_t frame = summary.first_frame + 1; frame <= scene.time.frames; ++frame) {
     if (balance.due()) {
       simulation.move_homes(
@@ -236,7 +282,10 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
     StepReport last;
     std::int64_t held = 0;
     for (int s = 0; s < scene.time.substeps; ++s) {
-      const StepReport step = last = simulation.step();
+      const bool last_step = s + 1 == scene.time.substeps;
+      const StepWishes wishes{last_step && options.error_estimate > 0 && frame % options.error_estimate == 0,
+                              last_step && frame == dumped_frame ? &problem : nullptr};
+      const StepReport step = last = simulation.step(wishes);
       // Before anything looks for contacts among such bodies.
       if (const Id bad = first_bad_body(comm, simulation.world); bad >= 0)
         stop_at_bad_body(comm, scene, simulation, bad, frame, s);
@@ -251,6 +300,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
         measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
     report.imbalance = balance.imbalance(simulation.world, simulation.contacts, constraint_count(simulation.constraints));
     write(frame);
+    if (frame == dumped_frame) dumped = dump_problem(comm, scene, options, frame, std::exchange(problem, {}));
     times.frame_done(report);
     report_file.append(report);
     progress.frame_done(report);
@@ -266,6 +316,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   if (frames) summary.files.insert(summary.files.end(), {"frames.h5", "frames.xdmf"});
   if (joint_files) summary.files.insert(summary.files.end(), {"joints.csv", "joints.h5"});
   if (scene.output.checkpoint_every >= 0 && scene.time.frames > summary.first_frame) summary.files.push_back("checkpoint.h5");
+  if (dumped) summary.files.push_back(options.dump_fclib);
   summary.files.push_back("summary.json");
   write_summary(comm, options.output + "/summary.json", scene, summary);
   if (rank == 0) {

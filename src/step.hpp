@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,9 +19,18 @@
 #include "solve/colouring.hpp"
 #include "solve/drag.hpp"
 #include "solve/solver.hpp"
+#include "solve/step_error.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
+
+struct ContactProblem;
+
+// What a step is asked for beside itself. None of it changes what the step does. Collective: the same on every rank.
+struct StepWishes {
+  bool error = false;                 // StepReport::error; iterative solvers only
+  ContactProblem* problem = nullptr;  // filled in, on rank 0, with the frictional contact problem of the rigid bodies
+};
 
 struct StepReport {
   int iterations = 0;
@@ -29,8 +39,9 @@ struct StepReport {
   std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
   double attachment_residual = 0;                                    // m, the same of attachments
   double joint_residual = 0;                                         // m, the same of joints
-  std::int64_t held = 0;     // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
-  std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
+  std::int64_t held = 0;           // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
+  std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
+  std::optional<StepError> error;  // where it was wished for
 };
 
 // This rank's part of a running scene. All members are collective.
@@ -40,7 +51,7 @@ class Simulation {
   ~Simulation();
 
   // Takes the simulation one step of time.step / time.substeps further.
-  StepReport step();
+  StepReport step(const StepWishes& wishes = {});
 
   // Guests and contacts at the present state: of the state that step() left, and what the next step() starts from.
   void detect();
@@ -78,12 +89,15 @@ class Simulation {
   void build_constraints();
   void build_system();
   void fill_places(std::span<const std::int32_t> counts);
-  StepReport solve();
+  StepReport solve(const StepWishes& wishes);
   StepReport solve_by_newton();
   void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
-  SolveReport run_stage(Stage::Kind kind, int iterations);
+  SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
   void measure_solution(StepReport& report);
+  std::vector<ContactBatch::Impulse> total_impulses(std::span<const ContactBatch::Impulse> kept, bool apart) const;
+  StepError estimate_error(const SolvedStep& solved);
+  void fill_problem(const SolvedStep& solved, ContactProblem& problem) const;
   bool any_over_ranks(bool here) const;
   bool is_alone() const;
   Stages stages() const;
@@ -93,7 +107,7 @@ class Simulation {
   std::vector<double> turning_of_joints() const;
   void steady_turning();
   bool turns_too_fast(std::span<const double> found) const;
-  StepReport solve_steadily();
+  StepReport solve_steadily(const StepWishes& wishes);
   bool has_constraints() const { return constraints_of_all_ > 0 || has_joints(); }  // beside contacts
   bool needs_surfaces() const { return has_surfaces() || drag_.any(); }
   double time() const { return static_cast<double>(steps_done) * step_; }  // s

@@ -107,6 +107,13 @@ void SurfaceBatch::keep_impulses(bool joint) {
   }
 }
 
+void SurfaceBatch::join_stages() {
+  for (Block& block : blocks_) {
+    block.lambda.n += block.kept.n, block.lambda.s += block.kept.s, block.lambda.t += block.kept.t;
+    block.y = block.lambda, block.kept = Impulse{};
+  }
+}
+
 SurfaceBatch::Velocity SurfaceBatch::parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies) {
   const Vec4d zero = broadcast(0);
   Vec3x4 u{zero, zero, zero};

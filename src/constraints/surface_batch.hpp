@@ -37,6 +37,9 @@ class SurfaceBatch {
   // Between the stages: the second starts from zero and adds to the first's multipliers, or, if `joint`, goes on from them.
   void keep_impulses(bool joint);
 
+  // After the stages: what follows goes on from the multipliers of both together.
+  void join_stages();
+
   // One Jacobi sweep, as ContactBatch's.
   void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums);
 

@@ -67,7 +67,7 @@ std::string report_row(const FrameReport& report) {
     line.append(line.empty() ? "" : ",").append(text.data());
   };
   for (const Column& c : columns) put(c.value(report));
-  for (const NamedValue& c : report.constraint_columns) put(c.value);
+  for (const NamedValue& c : report.constraint_columns) c.known ? put(c.value) : static_cast<void>(line.append(","));
   return line;
 }
 

@@ -36,6 +36,7 @@ std::vector<Stretch> measure_stretch(MPI_Comm comm, const World& world, const Co
 struct NamedValue {
   std::string name;  // with its unit
   double value = 0;
+  bool known = true;  // false: an empty cell
 };
 
 // stretch_max and stretch_rms of each material with links or membranes, then the natural residual of each type of constraint that

@@ -1,0 +1,240 @@
+#!/usr/bin/python3
+"""-dump_fclib and -error_estimate: problems with known answers, FCLIB's own reader, the same bytes on any number of ranks."""
+import csv
+import ctypes
+import sys
+import unittest
+
+import h5py
+import numpy as np
+
+from unibody_runs import SOURCE, SCENES, ProgramTest, comparable, contents, unibody
+
+sys.path.insert(0, str(SOURCE / "scripts" / "rivals"))
+from fclib import Problem  # noqa: E402
+
+# A ball just above the ground, sliding to where it is stopped or held by friction.
+BALL = """
+    time: {step: 0.01, frames: 1}
+    gravity: [0, 0, -10]
+    materials: {stone: {friction: 0.5}}
+    solver: {iterations: 400, tolerance: 0, stages: joint}
+    bodies:
+      - shape: {plane: {normal: [0, 0, 1]}}
+      - {shape: {sphere: {radius: 0.1}}, mass: 2, position: [0, 0, 0.104], velocity: [3, 0, -1]}
+"""
+
+PILE = """
+    time: {step: 0.01, frames: 25}
+    materials: {stone: {friction: 0.4}}
+    bodies:
+      - container: {size: [0.6, 0.6]}
+      - {shape: {box: {size: [0.2, 0.1, 0.1]}}, motion: kinematic, position: [-0.2, 0, 0.06], velocity: [0.3, 0.1, 0], angular_velocity: [0, 0, 1]}
+      - pile:
+          count: 20
+          columns: [2, 2]
+          mix:
+            - {shape: {box: {size: [0.2, 0.15, 0.1]}}}
+            - {shape: {sphere: {radius: 0.07}}}
+        density: 1000
+        velocity: [0, 0, -2]
+        position: [0, 0, 0.15]
+"""
+
+# Boxes that meet each other and the ground in the first step, whose problem is the same whatever the solver does.
+BLOCK = """
+    time: {step: 0.01, frames: 1}
+    materials: {stone: {friction: 0.4}}
+    solver: {stages: joint, tolerance: 0}
+    bodies:
+      - shape: {plane: {normal: [0, 0, 1]}}
+      - lattice: {count: 12, columns: [2, 2], spacing: [0.105, 0.105, 0.103], height: 0.055, jitter: 0.002}
+        shape: {box: {size: [0.1, 0.1, 0.1]}}
+        mass: 1
+        velocity: [0.5, 0, -2]
+"""
+
+CLOTH = """
+    time: {step: 0.016, frames: 8}
+    bodies:
+      - shape: {plane: {normal: [0, 0, 1]}}
+      - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0.4, 0.4, 0.4], velocity: [0, 0, -3]}
+    cloths:
+      - {name: sheet, grid: {size: [1, 1], nodes: [8, 8]}, mass: 0.4, thickness: 0.02, links: {}, position: [0.4, 0.4, 0.25]}
+"""
+
+
+class Matrix(ctypes.Structure):
+    _fields_ = [(n, ctypes.c_int) for n in ("nzmax", "m", "n")] + [("p", ctypes.POINTER(ctypes.c_int)), (
+        "i", ctypes.POINTER(ctypes.c_int)), ("x", ctypes.POINTER(ctypes.c_double)), ("nz", ctypes.c_int), ("info", ctypes.c_void_p)]
+
+
+class Info(ctypes.Structure):
+    _fields_ = [(n, ctypes.c_char_p) for n in ("title", "description", "math_info")]
+
+
+def record(matrices, vectors):
+    fields = [(n, ctypes.POINTER(Matrix)) for n in matrices] + [(n, ctypes.POINTER(ctypes.c_double)) for n in vectors]
+    return type("Record", (ctypes.Structure,), {"_fields_": fields + [("spacedim", ctypes.c_int), ("info", ctypes.POINTER(Info))]})
+
+
+Local, Global = record("WVR", ("mu", "q", "s")), record("MHG", ("mu", "f", "b", "w"))
+
+
+class Solution(ctypes.Structure):
+    _fields_ = [(n, ctypes.POINTER(ctypes.c_double)) for n in "vurl"]
+
+
+def dense(matrix):
+    """Of a matrix in compressed columns, as FCLIB holds it."""
+    full = np.zeros((matrix.m, matrix.n))
+    for column in range(matrix.n):
+        for k in range(matrix.p[column], matrix.p[column + 1]):
+            full[matrix.i[k], column] += matrix.x[k]
+    return full
+
+
+class ContactProblem(ProgramTest):
+    def dump(self, text, name, *options, ranks=1, frame=None):
+        path = self.folder / f"{name}.h5"
+        step = ["-dump_step", frame] if frame else []
+        self.good(self.scene(text), name, "-dump_fclib", path, *step, *options, ranks=ranks)
+        return path
+
+    def test_a_ball_that_lands(self):
+        path = self.dump(BALL, "ball")
+        problem, mu = Problem(path), 0.5
+        m, h, g = 2, 0.01, 10
+        arm = 0.1 + 0.004 / 2  # contacts lie half way across the gap
+        np.testing.assert_allclose(problem.dense(), np.diag([1 / m] + 2 * [1 / m + arm**2 / (0.4 * m * 0.1**2)]), atol=1e-12)
+        np.testing.assert_allclose(problem.mu, [mu])
+        # The normal velocity that the gap leaves room for is added; the tangential one has its size, along axes of the file's own.
+        self.assertAlmostEqual(problem.q[0], -1 - g * h + 0.004 / h, places=12)
+        self.assertAlmostEqual(np.hypot(*problem.q[1:]), 3, places=12)
+        normal = m * (1 + g * h - 0.004 / h)
+        np.testing.assert_allclose(problem.r[0], normal, rtol=1e-9)
+        np.testing.assert_allclose(problem.r[1:], -mu * normal * problem.q[1:] / 3, atol=1e-9)  # it slides on
+        self.assertLess(problem.measures(problem.r)["residual"], 1e-9)
+        # What is no solution is told from one: without friction, pulled, and not at all.
+        for wrong in ([normal, 0, 0], [-normal, 0, 0], [0, 0, 0]):
+            self.assertGreater(problem.measures(np.array(wrong, float))["residual"], 0.1)
+
+    # The dynamics hold for what the step did, whatever its iterations; the two forms are one problem.
+    def test_both_forms_hold_the_step(self):
+        for solver in ("accelerated_jacobi", "gauss_seidel"):
+            with self.subTest(solver=solver):
+                with h5py.File(self.dump(PILE, solver, "-set", f"solver.name={solver}", "-set", "solver.iterations=10")) as file:
+                    matrix = lambda at: dense(Stored(file[at]))  # noqa: E731
+                    M, H, W = matrix("fclib_global/M"), matrix("fclib_global/H"), matrix("fclib_local/W")
+                    f, w, q = file["fclib_global/vectors/f"][:], file["fclib_global/vectors/w"][:], file["fclib_local/vectors/q"][:]
+                    v, u, r = (file[f"solution/{name}"][:] for name in "vur")
+                    self.assertGreater(len(r), 60)
+                    scale = np.abs(f).max()
+                    np.testing.assert_allclose(M @ v, H @ r + f, atol=1e-11 * scale)
+                    np.testing.assert_allclose(u, H.T @ v + w, atol=1e-12)
+                    np.testing.assert_allclose(W, H.T @ np.linalg.solve(M, H), atol=1e-9 * np.abs(W).max())
+                    np.testing.assert_allclose(q, H.T @ np.linalg.solve(M, f) + w, atol=1e-10)
+                    self.assertGreater(np.abs(w.reshape(-1, 3)[:, 1:]).max(), 0.1, "nothing touches the kinematic box")
+
+    def test_the_residual_falls_with_iterations(self):
+        problems = [Problem(self.dump(BLOCK, f"i{n}", "-set", f"solver.iterations={n}")) for n in (10, 100, 1000)]
+        for other in problems[1:]:
+            np.testing.assert_array_equal(other.values, problems[0].values)
+            np.testing.assert_array_equal(other.q, problems[0].q)
+        residuals = [p.measures(p.r)["residual"] for p in problems]
+        self.assertEqual(residuals, sorted(residuals, reverse=True))
+        self.assertLess(residuals[-1], residuals[0] / 100)
+
+    def test_the_same_file_on_any_number_of_ranks(self):
+        for solver in ("accelerated_jacobi", "gauss_seidel"):
+            files = [self.dump(PILE, f"{solver}_{n}", "-set", f"solver.name={solver}", ranks=n, frame=20) for n in (1, 2, 3)]
+            self.assertTrue(contents(files[0]) == contents(files[1]) == contents(files[2]), solver)
+            with h5py.File(files[0]) as file:
+                self.assertEqual(sorted(map(tuple, file["unibody/contacts"][:])), list(map(tuple, file["unibody/contacts"][:])))
+
+    def test_fclib_reads_it(self):
+        try:
+            library = ctypes.CDLL("libfclib.so.0")
+        except OSError:
+            self.skipTest("libfclib0 is not installed")
+        path = self.dump(PILE, "pile", "-set", "solver.stages=joint", "-set", "solver.iterations=1000")
+        name, kept = str(path).encode(), Problem(path)
+        for function, kind in (("local", Local), ("global", Global), ("solution", Solution)):
+            getattr(library, f"fclib_read_{function}").restype = ctypes.POINTER(kind)
+        library.fclib_read_guesses.restype = ctypes.POINTER(Solution)
+        library.fclib_merit_local.restype = ctypes.c_double
+        local, whole, solution = (getattr(library, f"fclib_read_{f}")(name) for f in ("local", "global", "solution"))
+        number = ctypes.c_int()
+        guess = library.fclib_read_guesses(name, ctypes.byref(number))
+        n = 3 * len(kept.mu)
+        np.testing.assert_array_equal(dense(local.contents.W[0]), kept.dense())
+        np.testing.assert_array_equal(local.contents.q[:n], kept.q)
+        np.testing.assert_array_equal(local.contents.mu[:n // 3], kept.mu)
+        self.assertEqual((local.contents.spacedim, whole.contents.spacedim, number.value), (3, 3, 1))
+        self.assertIn(b"frame 25", local.contents.info[0].description)
+        np.testing.assert_array_equal(solution.contents.r[:n], kept.r)
+        np.testing.assert_array_equal(guess[0].r[:n], kept.r)
+        M, H = dense(whole.contents.M[0]), dense(whole.contents.H[0])
+        v, f = (np.array(a[:len(M)]) for a in (solution.contents.v, whole.contents.f))
+        np.testing.assert_allclose(M @ v, H @ kept.r + f, atol=1e-11 * np.abs(f).max())
+        # Its own measure knows our solution from none.
+        ours = library.fclib_merit_local(local, 0, solution)
+        for k in range(n):
+            solution.contents.r[k] = 0
+        self.assertLess(ours, 1e-2 * library.fclib_merit_local(local, 0, solution))
+
+    def test_what_it_cannot_do_is_said_at_once(self):
+        pile, cloth, path = self.scene(PILE, "pile.yaml"), self.scene(CLOTH, "cloth.yaml"), self.folder / "x.h5"
+        newton = self.scene(CLOTH.split("bodies")[0] + "cloths" + CLOTH.split("cloths")[1], "newton.yaml")
+        path.with_name("there.h5").write_text("")
+        cases = {
+            "-dump_step: expected -dump_fclib": (pile, "-dump_step", 3),
+            "-dump_step: found 'x', expected a whole number": (pile, "-dump_fclib", path, "-dump_step", "x"),
+            "-dump_step: found 26, expected a frame of the run, 1 to 25": (pile, "-dump_fclib", path, "-dump_step", 26),
+            "-dump_fclib: found cloths": (cloth, "-dump_fclib", path),
+            "-dump_fclib: cannot write": (pile, "-dump_fclib", self.folder / "none" / "x.h5"),
+            "there.h5' exists": (pile, "-dump_fclib", path.with_name("there.h5")),
+            "-error_estimate: found '0', expected a whole number": (pile, "-error_estimate", 0),
+            "-error_estimate: found solver.name newton": (newton, "-error_estimate", "-set", "solver.name=newton"),
+        }
+        for text, arguments in cases.items():
+            with self.subTest(text):
+                run = unibody(*arguments, "-output", self.folder / "out", ranks=1)
+                self.assertEqual(run.code, 2, run.err)
+                self.assertIn(text, run.err)
+                self.assertFalse((self.folder / "out").exists() or path.exists())
+
+
+class Stored:
+    """A matrix of the file with the fields of FCLIB's."""
+
+    def __init__(self, group):
+        self.m, self.n = int(group["m"][0]), int(group["n"][0])
+        self.p, self.i, self.x = group["p"][:], group["i"][:], group["x"][:]
+
+
+class ErrorEstimate(ProgramTest):
+    def test_every_third_frame_and_nothing_else_changes(self):
+        soft = ("-set", "time.frames=8", "-set", "time.substeps=2")
+        for name, scene, options in (("pile", self.scene(PILE, "pile.yaml"), ()), ("cloth", self.scene(CLOTH, "cloth.yaml"), ()),
+                                     ("solid", SCENES / "soft_block_on_floor.yaml", soft)):
+            for solver in ("accelerated_jacobi", "gauss_seidel"):
+                with self.subTest(scene=name, solver=solver):
+                    options = (*options, "-set", f"solver.name={solver}")
+                    plain, asked = f"{name}_{solver}_plain", f"{name}_{solver}"
+                    state = self.good(scene, plain, *options, ranks=1).state
+                    for n in (1, 3):
+                        run = self.good(scene, f"{asked}_{n}", *options, "-error_estimate", 3, ranks=n)
+                        self.assertEqual(run.state, state)
+                    self.assertEqual(*(comparable(self.folder / f"{asked}_{n}" / "report.csv") for n in (1, 3)))
+                    self.assertNotIn("error", (self.folder / plain / "report.csv").read_text())
+                    with open(self.folder / f"{asked}_1" / "report.csv", newline="") as file:
+                        rows = list(csv.DictReader(file))
+                    told = [row["error_estimate (m)"] for row in rows]
+                    self.assertEqual([k + 1 for k, cell in enumerate(told) if cell], list(range(3, len(rows) + 1, 3)))
+                    self.assertTrue(all(float(cell) >= 0 for cell in told if cell))
+                    self.assertGreater(max(float(cell) for cell in told if cell), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

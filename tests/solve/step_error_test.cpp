@@ -1,0 +1,169 @@
+// The error that a step tells of itself, against steps that converge, from the same state.
+#include "solve/step_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include "report/state_hash.hpp"
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+std::string with_solver(const std::string& bodies, const std::string& solver) { return bodies + "\nsolver: {" + solver + "}\n"; }
+
+// Cubes, which keep their spin within a step, without friction, whose steps have one solution.
+const std::string cubes = R"(
+materials: {ice: {friction: 0}}
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}, material: ice}
+  - pile:
+      count: 24
+      columns: [2, 2]
+      seed: 3
+      mix: [{shape: {box: {size: [0.2, 0.2, 0.2]}}}]
+    density: 1000
+    velocity: [0, 0, -3]
+    material: ice)";
+
+const std::string rope = R"(
+threads:
+  - {name: rope, points: [[0, 0, 0], [1, 0, 0]], segments: 12, mass: 0.3, radius: 0.005, pins: [{node: 0}]})";
+
+const std::string boxes_and_cloth = R"(
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {shape: {box: {size: [0.3, 0.2, 0.1]}}, mass: 1, position: [0.4, 0.4, 0.4], velocity: [0, 0, -3]}
+  - {shape: {box: {size: [0.3, 0.2, 0.1]}}, mass: 1, position: [0.4, 0.45, 0.55], velocity: [0.5, 0, -3]}
+cloths:
+  - name: sheet
+    grid: {size: [1, 1], nodes: [9, 9]}
+    mass: 0.4
+    thickness: 0.02
+    links: {}
+    position: [0.4, 0.4, 0.25]
+    pins: [{node: [0, 0]}, {node: [8, 0]}, {node: [0, 8]}, {node: [8, 8]}])";
+
+const std::string solid = R"(
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {shape: {sphere: {radius: 0.1}}, mass: 2, position: [0.2, 0.2, 0.62], velocity: [0, 0, -2]}
+solids:
+  - {name: block, block: {size: [0.4, 0.4, 0.4], cells: [2, 2, 2]}, density: 500, youngs_modulus: 1.0e+5, poissons_ratio: 0.3, thickness: 0.01, position: [0.2, 0.2, 0.25]})";
+
+Experiment from(Experiment& start, const std::string& text) {
+  Experiment e(scene_from_text(text));
+  Simulation &to = *e.simulation, &of = *start.simulation;
+  to.world = of.world, to.multipliers = of.multipliers, to.steps_done = of.steps_done;
+  to.make_constraints();
+  to.constraint_multipliers = of.constraint_multipliers;
+  return e;
+}
+
+StepError error_of_next_step(Experiment& e) { return e.simulation->step({.error = true}).error.value(); }
+
+// m, of the states that the two steps ended with.
+double distance(const World& one, const World& other, double h) {
+  double sum = 0, mass = 0;
+  for (std::size_t i = 0; i < one.homes; ++i) {
+    const BodyProperties& body = one.properties[i];
+    if (!body.is_dynamic()) continue;
+    const double turning = one.has_rotations && body.shape.kind != ShapeKind::particle
+                               ? body.inertia.x() * (one.angular_velocity[i] - other.angular_velocity[i]).squaredNorm()
+                               : 0;
+    sum += body.mass * (one.velocity[i] - other.velocity[i]).squaredNorm() + turning, mass += body.mass;
+  }
+  return h * std::sqrt(sum / mass);
+}
+
+}  // namespace
+
+TEST(StepError, FallsWithIterations) {
+  Experiment start(scene_from_text(with_solver(cubes, "iterations: 30")));
+  start.steps(15);
+  for (const std::string solver : {"accelerated_jacobi", "gauss_seidel", "jacobi"}) {
+    double last = HUGE_VAL, first = 0;
+    for (const int iterations : {4, 16, 64, 256}) {
+      Experiment e = from(
+          start,
+          with_solver(cubes, "name: " + solver + ", tolerance: 0, stages: joint, iterations: " + std::to_string(iterations)));
+      const StepError error = error_of_next_step(e);
+      EXPECT_LT(error.distance, last) << solver << ", iterations: " << iterations;
+      EXPECT_LT(error.reference_residual, 1e-5) << solver;
+      if (iterations == 4) first = error.distance;
+      last = error.distance;
+    }
+    EXPECT_GT(first, 1e-4) << solver << ": nothing is pressed together, such a step tells nothing";
+    EXPECT_LT(last, solver == "jacobi" ? first / 2 : first / 10) << solver;
+  }
+}
+
+TEST(StepError, IsTheDistanceToAnotherRunThatConverges) {
+  Experiment start(scene_from_text(with_solver(cubes, "iterations: 30")));
+  start.steps(15);
+  Experiment converged =
+      from(start, with_solver(cubes, "name: accelerated_jacobi, tolerance: 0, stages: joint, iterations: 40000"));
+  converged.step();
+  ASSERT_LT(converged.last.residual, 1e-11);
+  for (const std::string solver : {"name: accelerated_jacobi", "name: gauss_seidel", "name: gauss_seidel, stages: joint",
+                                   "name: accelerated_jacobi, stages: position"}) {
+    Experiment e = from(start, with_solver(cubes, solver + ", iterations: 12"));
+    const StepError error = error_of_next_step(e);
+    const double found = distance(e.world(), converged.world(), e.h());
+    EXPECT_GT(found, 1e-4) << solver;
+    EXPECT_LT(error.reference_residual, 1e-4 * found) << solver;
+    EXPECT_NEAR(error.distance, found, 1e-6 * found) << solver;
+    EXPECT_GT(error.relative, 0) << solver;
+  }
+}
+
+// A rope: the total form converges to implicit Euler, of which Newton's method has the step to round-off.
+TEST(StepError, IsTheDistanceToNewtonsStep) {
+  Experiment start(scene_from_text(with_solver(rope, "name: gauss_seidel, form: total, iterations: 40")));
+  start.steps(10);
+  Experiment converged = from(start, with_solver(rope, "name: newton"));
+  converged.step();
+  ASSERT_TRUE(converged.last.converged);
+  Experiment e = from(start, with_solver(rope, "name: gauss_seidel, form: total, iterations: 6"));
+  const StepError error = error_of_next_step(e);
+  const double found = distance(e.world(), converged.world(), e.h());
+  EXPECT_GT(found, 1e-5);
+  EXPECT_NEAR(error.distance, found, 1e-6 * found);
+}
+
+TEST(StepError, LeavesTheRunAsItIs) {
+  for (const std::string& bodies : {cubes, boxes_and_cloth, solid})
+    for (const std::string solver :
+         {"name: accelerated_jacobi, iterations: 12", "name: gauss_seidel, iterations: 8", "name: jacobi, iterations: 12",
+          "name: gauss_seidel, iterations: 8, form: total", "name: accelerated_jacobi, iterations: 12, friction: postprocess",
+          "name: accelerated_jacobi, iterations: 12, stages: joint, gap: reevaluated"}) {
+      Experiment plain(scene_from_text(with_solver(bodies, solver))), asked(scene_from_text(with_solver(bodies, solver)));
+      double largest = 0;
+      for (int step = 0; step < 12; ++step) {
+        plain.step();
+        if (step % 3 == 0)
+          largest = std::max(largest, error_of_next_step(asked).distance);
+        else
+          asked.step();
+      }
+      EXPECT_EQ(state_hash(MPI_COMM_SELF, asked.world()), state_hash(MPI_COMM_SELF, plain.world())) << bodies << solver;
+      EXPECT_GT(largest, 1e-8) << "each step converged by itself: nothing was solved on";
+    }
+}
+
+TEST(RanksStepError, IsTheSameOnAnyNumberOfRanks) {
+  for (const std::string& bodies : {cubes, boxes_and_cloth, solid})
+    for (const std::string solver : {"name: accelerated_jacobi, iterations: 12", "name: gauss_seidel, iterations: 8"}) {
+      Experiment alone(scene_from_text(with_solver(bodies, solver)));
+      Experiment together(scene_from_text(with_solver(bodies, solver)), MPI_COMM_WORLD);
+      alone.steps(15), together.steps(15);
+      const StepError one = error_of_next_step(alone), other = error_of_next_step(together);
+      EXPECT_GT(one.distance, 0);
+      EXPECT_EQ(one.distance, other.distance) << bodies << solver;
+      EXPECT_EQ(one.relative, other.relative);
+      EXPECT_EQ(one.reference_residual, other.reference_residual);
+      EXPECT_EQ(one.iterations, other.iterations);
+    }
+}
+
+}  // namespace unibody::small_worlds
