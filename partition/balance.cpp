@@ -19,6 +19,7 @@ constexpr double cell_in_radii = 4;
 
 // Work of a constraint beside that of a contact point.
 constexpr float cost_of_a_constraint = 0.5f;
+constexpr float cost_of_a_joint = 8;
 
 double mean_bounding_radius(MPI_Comm comm, const World& world, std::span<const Patch> patches) {
   double sum[2] = {0, 0}, total[2] = {0, 0};
@@ -59,7 +60,8 @@ std::vector<PatchLink> Balance::links(const ConstraintSet& constraints) const {
   return result;
 }
 
-std::vector<int> Balance::homes(const World& world, const Contacts& contacts, const ConstraintSet* constraints) const {
+std::vector<int> Balance::homes(const World& world, const Contacts& contacts, const ConstraintSet* constraints,
+                                std::span<const Joint> joints, const JointList& joints_here) const {
   int ranks = 1;
   MPI_Comm_size(comm_, &ranks);
   if (seed_) {
@@ -86,8 +88,18 @@ std::vector<int> Balance::homes(const World& world, const Contacts& contacts, co
             cost[static_cast<std::size_t>(s)] += cost_of_a_constraint / static_cast<float>(c.ids.size());
     });
   }
+  std::vector<PlaceLink> tied;  // where both bodies are known here: at the start a few are not
+  for (const std::int64_t number : joints_here) {
+    const auto& ids = joints[static_cast<std::size_t>(number)].ids;
+    const Slot ends[2] = {world.find(ids[0]), ids[1] < 0 ? -1 : world.find(ids[1])};
+    for (const Slot s : ends)
+      if (s >= 0 && world.is_home(s)) cost[static_cast<std::size_t>(s)] += cost_of_a_joint / 2;
+    if (ends[0] >= 0 && ends[1] >= 0 && !world.is_static(ends[0]) && !world.is_static(ends[1]))
+      tied.push_back({world.position[static_cast<std::size_t>(ends[0])], world.position[static_cast<std::size_t>(ends[1])],
+                      cost_of_a_joint});
+  }
   const double cell = cell_in_radii * mean_bounding_radius(comm_, world, patches);
-  return partition_bodies(comm_, {world.position.data(), world.homes}, cost, cell, patches, between);
+  return partition_bodies(comm_, {world.position.data(), world.homes}, cost, cell, patches, between, tied);
 }
 
 double Balance::imbalance(const World& world, const Contacts& contacts, std::size_t constraint_count) {

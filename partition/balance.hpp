@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collide/contacts.hpp"
+#include "joints/joint.hpp"
 #include "partition/partition.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
@@ -24,7 +25,8 @@ class Balance {
 
   // Collective. New homes of this rank's home bodies; before the first step contacts are empty. `constraints`: those that touch
   // this rank's bodies.
-  std::vector<int> homes(const World& world, const Contacts& contacts, const ConstraintSet* constraints = nullptr) const;
+  std::vector<int> homes(const World& world, const Contacts& contacts, const ConstraintSet* constraints = nullptr,
+                         std::span<const Joint> joints = {}, const JointList& joints_here = {}) const;
 
   // Collective. Largest work of a rank over the mean, 1 when even; work is counted (points evaluated, bodies moved), not timed,
   // so that the report is the same on each run.

@@ -21,10 +21,11 @@ struct Velocity {  // of bodies that do not turn
   static Velocity of(const SolverBody& b) { return {{b.v[0], b.v[1], b.v[2]}}; }
   void to(SolverBody& b) const { std::copy_n(v, 3, b.v); }
 };
-struct Count {
-  std::int32_t value;
-  static Count of(std::int32_t v) { return {v}; }
-  void to(std::int32_t& v) const { v = value; }
+template <class T>
+struct Plain {
+  T value;
+  static Plain of(T v) { return {v}; }
+  void to(T& v) const { v = value; }
 };
 
 void sort_unique(std::vector<Slot>& v) {
@@ -35,19 +36,38 @@ void sort_unique(std::vector<Slot>& v) {
 }  // namespace
 
 void Cut::set_constraints(const World& world, const ConstraintBatches& constraints) {
-  constrained_.clear(), by_group_.clear();
+  constrained_.clear(), by_group_.clear(), by_joint_colour_.clear();
   if (halo_.size() == 1) return;
   for (std::size_t g = 0; g < constraints.group_count(); ++g) {
     std::map<int, Traffic> of_group;
     constraints.for_each_stencil(g, [&](std::span<const Slot> ends) { share(world, ends, of_group); });
-    for (const auto& [rank, traffic] : of_group) {
-      Traffic& all = constrained_.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
-      all.send.insert(all.send.end(), traffic.send.begin(), traffic.send.end());
-      all.receive.insert(all.receive.end(), traffic.receive.begin(), traffic.receive.end());
-    }
+    add_constrained(of_group);
     by_group_.push_back(sorted(std::move(of_group)));
   }
-  for (auto& [rank, traffic] : constrained_) sort_unique(traffic.send), sort_unique(traffic.receive);
+}
+
+void Cut::set_joints(const World& world, std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
+                     std::int32_t by_colour) {
+  if (halo_.size() == 1) return;
+  std::vector<std::map<int, Traffic>> of_colour(static_cast<std::size_t>(std::max(1, by_colour)));
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto colour = by_colour > 0 ? joints[static_cast<std::size_t>(list[i])].colour : 0;
+    share(world, std::array{slots[i].a, slots[i].b}, of_colour[static_cast<std::size_t>(colour)]);
+  }
+  for (auto& traffic : of_colour) {
+    add_constrained(traffic);
+    by_joint_colour_.push_back(sorted(std::move(traffic)));
+  }
+}
+
+// To what all constraints beside contacts share.
+void Cut::add_constrained(const std::map<int, Traffic>& more) {
+  for (const auto& [rank, traffic] : more) {
+    Traffic& all = constrained_.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
+    all.send.insert(all.send.end(), traffic.send.begin(), traffic.send.end());
+    all.receive.insert(all.receive.end(), traffic.receive.begin(), traffic.receive.end());
+    sort_unique(all.send), sort_unique(all.receive);
+  }
 }
 
 // Slots of a range ascend with ids: the same order on both sides.
@@ -147,7 +167,8 @@ void Cut::run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) co
 
 void Cut::exchange(std::span<SolverBody> bodies) const { run(all_, bodies); }
 
-void Cut::exchange(std::span<std::int32_t> values) const { run<std::int32_t, Count>(all_, values); }
+void Cut::exchange(std::span<std::int32_t> values) const { run<std::int32_t, Plain<std::int32_t>>(all_, values); }
+void Cut::exchange(std::span<double> values) const { run<double, Plain<double>>(all_, values); }
 
 void Cut::exchange_colour(std::size_t colour, std::span<SolverBody> bodies) const {
   if (colour < by_colour_.size()) run(by_colour_[colour], bodies);
@@ -155,6 +176,10 @@ void Cut::exchange_colour(std::size_t colour, std::span<SolverBody> bodies) cons
 
 void Cut::exchange_group(std::size_t group, std::span<SolverBody> bodies) const {
   if (group < by_group_.size()) run(by_group_[group], bodies);
+}
+
+void Cut::exchange_joints(std::size_t colour, std::span<SolverBody> bodies) const {
+  if (colour < by_joint_colour_.size()) run(by_joint_colour_[colour], bodies);
 }
 
 }  // namespace unibody

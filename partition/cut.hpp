@@ -14,6 +14,7 @@
 #include "collide/contacts.hpp"
 #include "constraints/attachment_batch.hpp"
 #include "core/phases.hpp"
+#include "joints/joint_batch.hpp"
 #include "partition/halo.hpp"
 #include "solve/system.hpp"
 #include "world/world.hpp"
@@ -29,15 +30,23 @@ class Cut {
   // Finds the bodies shared by the constraints other than contacts, and by each of their groups: once, until slots move. Local.
   void set_constraints(const World& world, const ConstraintBatches& constraints);
 
+  // The same of joints; by_colour: the number of colours that Gauss-Seidel takes them by, or 0. After set_constraints.
+  void set_joints(const World& world, std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
+                  std::int32_t by_colour);
+
   // Finds the shared bodies of this step's contacts and attachments, and adds those of the other constraints. Local.
   void build(const World& world, const Contacts& contacts, std::span<const AttachedNode> attached = {});
 
   // Refreshes every shared guest from its home: one message to and from each neighbour.
   void exchange(std::span<SolverBody> bodies) const;
   void exchange(std::span<std::int32_t> values) const;
+  void exchange(std::span<double> values) const;
 
   // The same for the bodies that one group of the other constraints ties.
   void exchange_group(std::size_t group, std::span<SolverBody> bodies) const;
+
+  // The same for the bodies that the joints of one colour tie.
+  void exchange_joints(std::size_t colour, std::span<SolverBody> bodies) const;
 
   // The same for the bodies that the manifolds of one colour touch; colour[m] of every manifold, set before by set_colours.
   void set_colours(std::span<const std::int32_t> colour, std::size_t colours);
@@ -67,6 +76,7 @@ class Cut {
   };
   // Adds what the ranks of a constraint's bodies have to tell each other.
   void share(const World& world, std::span<const Slot> ends, std::map<int, Traffic>& traffic) const;
+  void add_constrained(const std::map<int, Traffic>& more);
   static std::vector<Traffic> sorted(std::map<int, Traffic> traffic);
   void run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) const;
   template <typename T, typename Record>
@@ -78,7 +88,7 @@ class Cut {
   std::map<std::uint32_t, Ends> ends_;
   std::map<int, Traffic> constrained_;  // by rank: what constraints other than contacts share
   std::vector<Traffic> all_;
-  std::vector<std::vector<Traffic>> by_colour_, by_group_;
+  std::vector<std::vector<Traffic>> by_colour_, by_group_, by_joint_colour_;
   bool rotates_ = true;                    // else velocities are all that travels
   mutable std::vector<std::byte> buffer_;  // of one exchange: what comes, then what goes
   mutable std::vector<MPI_Request> requests_;

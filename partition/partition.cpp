@@ -58,15 +58,20 @@ struct Graph {
   std::vector<idx_t> begin, neighbour, edge_weight, node_weight;
 };
 
-// Patches are neighbours where constraints tie them together.
+// Patches are neighbours where constraints tie them together, cells where joints do.
 using Links = std::map<std::pair<std::size_t, std::size_t>, float>;
+struct CellLink {
+  Cell a, b;
+  float weight;
+};
 
-Links links_between(const std::vector<Cell>& cells, std::span<const PatchLink> links) {
+Links links_between(const std::vector<Cell>& cells, std::span<const CellLink> links) {
   Links result;
-  const auto find = [&](const Patch& p) {
-    return static_cast<std::size_t>(std::lower_bound(cells.begin(), cells.end(), cell_of(p), before) - cells.begin());
+  const auto find = [&](const Cell& cell) {
+    const auto at = std::lower_bound(cells.begin(), cells.end(), cell, before);
+    return at != cells.end() && same_place(*at, cell) ? static_cast<std::size_t>(at - cells.begin()) : cells.size();
   };
-  for (const PatchLink& link : links) {
+  for (const CellLink& link : links) {
     const std::size_t a = find(link.a), b = find(link.b);
     if (a == b || a >= cells.size() || b >= cells.size()) continue;
     result[{a, b}] += link.weight, result[{b, a}] += link.weight;
@@ -81,7 +86,8 @@ Graph graph_of(const std::vector<Cell>& cells, const Links& links) {
   const float unit = std::max(1e-30f, heaviest / 1000);
   for (const Cell& c : cells) g.node_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(c.weight / unit))));
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    g.begin.push_back(static_cast<idx_t>(g.neighbour.size()));
+    const std::size_t first = g.neighbour.size();
+    g.begin.push_back(static_cast<idx_t>(first));
     for (auto it = links.lower_bound({i, 0}); it != links.end() && it->first.first == i; ++it) {
       g.neighbour.push_back(static_cast<idx_t>(it->first.second));
       g.edge_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(it->second / unit))));
@@ -94,15 +100,22 @@ Graph graph_of(const std::vector<Cell>& cells, const Links& links) {
         const auto it = std::lower_bound(cells.begin(), cells.end(), other, before);
         if (it == cells.end() || !same_place(*it, other)) continue;
         const auto j = static_cast<std::size_t>(it - cells.begin());
+        const idx_t weight = std::min(g.node_weight[i], g.node_weight[j]);
+        const auto linked =
+            std::find(g.neighbour.begin() + static_cast<std::ptrdiff_t>(first), g.neighbour.end(), static_cast<idx_t>(j));
+        if (linked != g.neighbour.end()) {
+          g.edge_weight[static_cast<std::size_t>(linked - g.neighbour.begin())] += weight;
+          continue;
+        }
         g.neighbour.push_back(static_cast<idx_t>(j));
-        g.edge_weight.push_back(std::min(g.node_weight[i], g.node_weight[j]));
+        g.edge_weight.push_back(weight);
       }
   }
   g.begin.push_back(static_cast<idx_t>(g.neighbour.size()));
   return g;
 }
 
-std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const PatchLink> links, int ranks) {
+std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const CellLink> links, int ranks) {
   std::vector<idx_t> part(cells.size());
   if (cells.size() <= static_cast<std::size_t>(ranks)) {  // METIS wants more nodes than parts
     std::iota(part.begin(), part.end(), 0);
@@ -150,7 +163,8 @@ void rename_parts(const std::vector<Cell>& cells, std::vector<idx_t>& part, int 
 }  // namespace
 
 std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double edge,
-                                  std::span<const Patch> patches, std::span<const PatchLink> links) {
+                                  std::span<const Patch> patches, std::span<const PatchLink> links,
+                                  std::span<const PlaceLink> joints) {
   int rank = 0, size = 1;
   MPI_Comm_rank(comm, &rank);
   MPI_Comm_size(comm, &size);
@@ -169,9 +183,10 @@ std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions
   std::vector<Cell> all;
   for (const auto& list : exchange_all(comm, to, tag_cells)) all.insert(all.end(), list.begin(), list.end());
 
-  std::vector<std::vector<PatchLink>> links_to(static_cast<std::size_t>(size));
-  links_to[0].assign(links.begin(), links.end());
-  std::vector<PatchLink> all_links;
+  std::vector<std::vector<CellLink>> links_to(static_cast<std::size_t>(size));
+  for (const PatchLink& link : links) links_to[0].push_back({cell_of(link.a), cell_of(link.b), link.weight});
+  for (const PlaceLink& link : joints) links_to[0].push_back({cell_at(link.a, edge), cell_at(link.b, edge), link.weight});
+  std::vector<CellLink> all_links;
   for (const auto& list : exchange_all(comm, links_to, tag_links)) all_links.insert(all_links.end(), list.begin(), list.end());
 
   int failed = 0;

@@ -26,11 +26,18 @@ struct PatchLink {
   float weight = 0;  // cost of its constraints
 };
 
+// Joints between two loose bodies, which may be far apart.
+struct PlaceLink {
+  Vec3 a, b;         // m
+  float weight = 0;  // cost
+};
+
 // Collective. The home rank of each of this rank's bodies. cost: work a body causes in a step, in any unit.
 // cell: m, edge of a cell. patches: of each body; empty: all are loose. Ranks keep as much of what they have as the new parts
 // allow.
 std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double cell,
-                                  std::span<const Patch> patches = {}, std::span<const PatchLink> links = {});
+                                  std::span<const Patch> patches = {}, std::span<const PatchLink> links = {},
+                                  std::span<const PlaceLink> joints = {});
 
 // A body's home by a hash of its id: the worst partition there is, for tests.
 int random_home(Id id, std::uint64_t seed, int ranks);

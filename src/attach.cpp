@@ -55,16 +55,7 @@ void leave_out_attached(const Scene& scene, const World& world, double time, Con
   const std::vector<Id> holder = holders(scene, world, time);
   if (holder.empty()) return;
   const auto holds = [&](Id body, Slot node) { return node >= 0 && holder[static_cast<std::size_t>(node)] == body; };
-  std::vector<Manifold> manifolds;
-  std::vector<ContactPoint> points;
-  for (Manifold m : contacts.manifolds) {
-    if (holds(m.id_a, m.slot_b) || holds(m.id_b, m.slot_a)) continue;
-    const auto from = contacts.points.begin() + m.first;
-    m.first = static_cast<std::uint32_t>(points.size());
-    points.insert(points.end(), from, from + m.count);
-    manifolds.push_back(m);
-  }
-  contacts.manifolds = std::move(manifolds), contacts.points = std::move(points);
+  leave_out(contacts, [&](const Manifold& m) { return holds(m.id_a, m.slot_b) || holds(m.id_b, m.slot_a); });
   std::erase_if(contacts.surface, [&](const SurfaceContact& c) {
     return std::any_of(c.slots.begin(), c.slots.end(), [&](Slot s) { return holds(c.ids[0], s); });
   });

@@ -14,6 +14,7 @@
 #include "partition/balance.hpp"
 #include "report/checkpoint.hpp"
 #include "report/fclib_file.hpp"
+#include "report/joint_report.hpp"
 #include "report/output.hpp"
 #include "report/progress.hpp"
 #include "report/report.hpp"
@@ -65,6 +66,13 @@ std::string physics_of(const Scene& scene) {
   for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << '\n';
   for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
   for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
+  for (const Joint& j : scene.joints) {
+    text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
+         << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' '
+         << static_cast<int>(j.motor) << ' ' << j.target << ' ' << j.strength << ' ' << j.friction;
+    for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
+    text << '\n';
+  }
   for (const ConstraintGroup& group : scene.constraint_groups)  // all of a group follow one law: two bodies show it
     for (const Id id : {group.first, group.first + group.count / 2}) {
       ConstraintSet constraints;
@@ -101,6 +109,7 @@ std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, 
   simulation.multipliers = checkpoint.read_multipliers(simulation.world);
   simulation.make_constraints();
   simulation.constraint_multipliers = checkpoint.read_constraint_multipliers(simulation.constraints);
+  simulation.joint_impulses = checkpoint.read_joint_impulses(simulation.joints);
   return checkpoint.frame();
 }
 
@@ -211,7 +220,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   simulation.set_tolerance_from_bodies();
   Balance balance(comm, options.random_partition, options.rebalance, scene.constraint_groups);
   if (options.restart.empty()) simulation.make_constraints();
-  simulation.move_homes(balance.homes(simulation.world, {}, &simulation.constraints));
+  simulation.move_homes(balance.homes(simulation.world, {}, &simulation.constraints, scene.joints, simulation.joints));
 
   check_wishes(comm, scene, options, summary.first_frame);
   prepare_output_directory(comm, options.output, options.overwrite, options.restart);
@@ -220,6 +229,9 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   const auto further_columns = [&](const StepReport& step, std::int64_t held) {
     auto columns = constraint_columns(comm, scene, simulation.world, simulation.constraints, step.constraint_residuals);
     for (NamedValue& column : strain_columns(comm, scene, simulation.world, simulation.constraints))
+      columns.push_back(std::move(column));
+    for (NamedValue& column :
+         joint_columns(comm, scene.joints.size(), simulation.slots_of_joints(), simulation.joint_states(), step.joint_residual))
       columns.push_back(std::move(column));
     if (simulation.has_attachments()) columns.push_back({"residual_attachment (m)", step.attachment_residual});
     if (options.error_estimate > 0) add_error_columns(step, columns);
@@ -234,14 +246,20 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   std::optional<Output> frames;
   if (scene.output.every > 0)
     frames.emplace(comm, options.output, scene.output, scene.body_count(), simulation.world, scene.surfaces);
+  std::optional<JointFiles> joint_files;
+  if (scene.output.joints && simulation.has_joints()) joint_files.emplace(comm, options.output, scene.joints);
   const auto write = [&](std::int64_t frame) {
     const PhaseClock::Scope scope(clock, Phase::output);
     const double time = static_cast<double>(frame) * scene.time.step;
     if (frames && frame % scene.output.every == 0) frames->write(frame, time, simulation.world);
+    if (joint_files && frame % std::max(1, scene.output.every) == 0)
+      joint_files->write(frame, time, simulation.joints, simulation.slots_of_joints(), simulation.joint_states());
     const int every = scene.output.checkpoint_every;
     if (frame > summary.first_frame && every >= 0 && ((every > 0 && frame % every == 0) || frame == scene.time.frames))
       write_checkpoint(comm, checkpoint_path, fingerprint(physics_of(scene)), frame, time, scene.body_count(), simulation.world,
-                       simulation.multipliers, simulation.constraints, simulation.constraint_multipliers);
+                       simulation.multipliers, simulation.constraints, simulation.constraint_multipliers,
+                       joint_row_block(comm, static_cast<std::int64_t>(scene.joints.size()), simulation.joints,
+                                       simulation.slots_of_joints(), simulation.joint_impulses));
   };
   write(summary.first_frame);
 
@@ -254,7 +272,8 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   bool dumped = false;
   for (std::int64_t frame = summary.first_frame + 1; frame <= scene.time.frames; ++frame) {
     if (balance.due()) {
-      simulation.move_homes(balance.homes(simulation.world, simulation.contacts, &simulation.constraints));
+      simulation.move_homes(
+          balance.homes(simulation.world, simulation.contacts, &simulation.constraints, scene.joints, simulation.joints));
       balance.changed();
     }
     FrameReport report;
@@ -295,6 +314,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
   summary.phases = times.phases;
   summary.files = {"report.csv"};
   if (frames) summary.files.insert(summary.files.end(), {"frames.h5", "frames.xdmf"});
+  if (joint_files) summary.files.insert(summary.files.end(), {"joints.csv", "joints.h5"});
   if (scene.output.checkpoint_every >= 0 && scene.time.frames > summary.first_frame) summary.files.push_back("checkpoint.h5");
   if (dumped) summary.files.push_back(options.dump_fclib);
   summary.files.push_back("summary.json");

@@ -11,11 +11,8 @@
 #include "core/room.hpp"
 #include "partition/migrate.hpp"
 #include "partition/migrate_constraints.hpp"
+#include "partition/migrate_joints.hpp"
 #include "solve/free_motion.hpp"
-#include "solve/friction_postprocess.hpp"
-#include "solve/recall.hpp"
-#include "solve/reference.hpp"
-#include "solve/surface_guard.hpp"
 
 namespace unibody {
 
@@ -34,6 +31,8 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
   collide_settings_.gravity = scene.gravity;
   collide_settings_.planar = scene.planar;
   collide_settings_.friction = scene.friction;
+  if (std::any_of(scene.restitution.begin(), scene.restitution.end(), [](double e) { return e > 0; }))
+    collide_settings_.restitution = scene.restitution;
   collide_settings_.material_count = scene.materials.size();
 }
 
@@ -68,6 +67,7 @@ void Simulation::detect() {
   const Scratch::Frame frame(scratch_);
   Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_);
   leave_out_attached(scene_, world, time(), contacts);
+  leave_out_jointed(scene_.joints, joints, contacts);
 }
 
 // A single cloth or thread, whose nodes touch nothing.
@@ -81,8 +81,7 @@ StepReport Simulation::step(const StepWishes& wishes) {
   detect();
   const PhaseClock::Scope scope(clock_, Phase::solve);
   const Scratch::Frame frame(scratch_);
-  predict();
-  const StepReport report = solve(wishes);
+  const StepReport report = solve_steadily(wishes);
   finalise();
   system_ = System(&scratch_);
   detected_ = false;
@@ -93,9 +92,11 @@ StepReport Simulation::step(const StepWishes& wishes) {
 void Simulation::move_homes(std::span<const int> home) {
   const PhaseClock::Scope scope(clock_, Phase::partition);
   auto records = constraint_records(world, constraints, constraint_multipliers, home, halo_.size());
+  const auto of_joints = joint_records(world, scene_.joints, joints, joint_impulses, home, halo_.size());
   migrate(halo_.comm(), world, multipliers, home);
   make_constraints();
   constraint_multipliers = take_constraint_records(halo_.comm(), constraints, std::move(records));
+  if (has_joints()) joint_impulses = take_joint_records(halo_.comm(), joints, of_joints);
   detected_ = false;
 }
 
@@ -104,6 +105,8 @@ void Simulation::make_constraints() {
   constraints = unibody::build_constraints(scene_, world);
   for_each_type(constraints,
                 [&](auto type, const auto& list) { std::get<type.value>(constraint_multipliers).assign(list.size(), {}); });
+  joints = joints_here(scene_.joints, world);
+  joint_impulses.assign(joints.size(), {});
   std::vector<Id> wanted = partners(world, constraints);
   const auto add = [&](const std::vector<Id>& more) {
     std::vector<Id> both;
@@ -112,6 +115,7 @@ void Simulation::make_constraints() {
   };
   if (needs_surfaces()) add(surfaces_.partners(world));
   if (has_attachments()) add(partners(world, scene_.attachments));
+  if (has_joints()) add(partners(scene_.joints, joints, world));
   halo_.reset(world, wanted);
   colours_ = {};
   constraints_of_all_ = static_cast<std::int64_t>(constraint_count(constraints));
@@ -131,6 +135,10 @@ void Simulation::build_constraints() {
   constraint_batches_->build(constraints, world, static_cast<Slot>(world.size()), solver_.sweeps_by_colour, scene_.solver,
                              colours_);
   cut_.set_constraints(world, *constraint_batches_);
+  if (has_joints()) {
+    joint_slots_ = joint_slots(scene_.joints, joints, world, static_cast<Slot>(world.size()));
+    cut_.set_joints(world, scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour ? scene_.joint_colours : 0);
+  }
   if (drag_.any()) drag_.build(world, surfaces_);
 }
 
@@ -191,6 +199,7 @@ void Simulation::build_system() {
   attached_ = attached_nodes(scene_, world, time());
   cut_.build(world, contacts, attached_);
   if (drag_.any()) cut_.exchange(system_.bodies);
+  steady_turning();
   system_.counted.assign(n, 1);
   for (std::size_t m = 0; m < n; ++m) system_.counted[m] = counts_here(world, contacts.manifolds[m]);
   std::pmr::vector<std::uint32_t> order(n, &scratch_);
@@ -204,6 +213,9 @@ void Simulation::build_system() {
     count_ends(contacts.surface, counts);
     count_ends(attached_, counts);
     constraint_batches_->count(counts);
+    for (std::size_t i = 0; i < joints.size(); ++i)
+      for (const Slot s : {joint_slots_[i].a, joint_slots_[i].b})
+        counts[static_cast<std::size_t>(s)] += JointBatch::parts_of(scene_.joints[static_cast<std::size_t>(joints[i])]);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
     groups.resize(n);
@@ -219,6 +231,7 @@ void Simulation::build_system() {
                          scene_.solver, step_);
   build_surface_contacts(counts);
   build_attachments(counts);
+  build_joints(counts);
 }
 
 // With Gauss-Seidel they share masses among themselves alone.
@@ -252,6 +265,20 @@ void Simulation::build_attachments(std::span<const std::int32_t> counts_of_all) 
                                 step_, world.homes);
 }
 
+void Simulation::build_joints(std::span<const std::int32_t> counts) {
+  if (!has_joints()) return;
+  joint_batch_.build(scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour, scene_.joint_colours, world, system_.bodies,
+                     system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_);
+}
+
+std::vector<JointState> Simulation::joint_states() const {
+  std::vector<JointState> states;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    states.push_back(
+        joint_state(scene_.joints[static_cast<std::size_t>(joints[i])], joint_slots_[i], world, joint_impulses[i], step_));
+  return states;
+}
+
 void Simulation::fill_places(std::span<const std::int32_t> counts) {
   system_.step = step_;
   system_.places.clear();
@@ -262,158 +289,6 @@ void Simulation::fill_places(std::span<const std::int32_t> counts) {
     const double sharers = counts.empty() ? 1 : counts[i];
     system_.places[i] = Vec4d{x.x(), x.y(), x.z(), sharers * system_.bodies[i].inverse_mass};
   }
-}
-
-// Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
-SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance) {
-  Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
-  if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
-  system_.contacts.start_stage(stage);
-  system_.surface.start_stage(stage);
-  system_.before_iteration = nullptr;
-  system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
-  system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;
-  if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
-    system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
-  const SolveReport report = solver(system_, cut_, iterations, tolerance);
-  if (system_.before_iteration) system_.before_iteration();
-  return report;
-}
-
-namespace {
-
-double position_share(const SolverSettings& settings) { return settings.warm_start >= 0 ? settings.warm_start : automatic_share; }
-
-}  // namespace
-
-// Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
-void Simulation::warm_start(double share_of_contacts) {
-  const bool jacobi = !solver_.sweeps_by_colour;
-  const double share = constraints_of_all_ == 0 ? 0 : position_share(scene_.solver);
-  if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, scene_.solver.warm_start);
-  if (jacobi && (!is_alone() || has_attachments())) system_.wrenches.assign(world.size() + 1, Wrench{});
-  if (constraints_of_all_ > 0 && (jacobi || share > 0)) system_.impulses.assign(world.size() + 1, Vec4d{});
-  if (share_of_contacts <= 0) {
-    system_.contacts.set_impulses({});
-    if (share <= 0) return;
-  } else {
-    const Scratch::Frame frame(scratch_);
-    std::pmr::vector<ContactBatch::Impulse> start(contacts.points.size(), &scratch_);
-    recall(multipliers, world, contacts, share_of_contacts * step_, start);
-    system_.contacts.set_impulses(start);
-  }
-  const Scratch::Frame frame(scratch_);
-  const bool borrowed = !jacobi && share_of_contacts > 0 && system_.wrenches.empty();
-  if (borrowed) system_.wrenches.assign(world.size() + 1, Wrench{});
-  if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
-  if (share > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.impulses);
-  system_.apply_wrenches();
-  if (borrowed) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
-  if (!jacobi) system_.impulses.clear();
-  cut_.exchange(system_.bodies);
-}
-
-Stages Simulation::stages() const {
-  if (scene_.solver.stages != Stages::automatic) return scene_.solver.stages;
-  return constraints_of_all_ > 0 && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
-}
-
-// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
-// A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
-// old multipliers that must stay below 1/2: an unconverged position stage that starts from more gains energy.
-// Constraints other than contacts, attachments too, belong to the position stage; where there are no contacts, it is the only
-// one.
-StepReport Simulation::solve(const StepWishes& wishes) {
-  build_system();
-  if (!solver_.solve) return solve_by_newton();
-  const SolverSettings& settings = scene_.solver;
-  const bool two_stages = stages() != Stages::position &&
-                          (constraints_of_all_ == 0 || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
-  const bool wished = wishes.error || wishes.problem;
-  SolvedStep solved;
-  if (wished) solved.predicted.assign(system_.bodies.begin(), system_.bodies.end()), solved.velocity_before = world.velocity;
-  StepReport report;
-  warm_start(stages() != Stages::position ? 1 : position_share(settings));
-  std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
-  if (two_stages) {
-    report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
-    system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
-    system_.surface.keep_impulses(stages() == Stages::joint);
-  }
-  report.iterations +=
-      run_stage(Stage::Kind::position, solver_.solve, settings.iterations - report.iterations, tolerance_).iterations;
-  const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
-  measure_solution(report);
-  if (wished) {
-    solved.solved.assign(system_.bodies.begin(), system_.bodies.end());
-    solved.impulses = total_impulses(impulses, two_stages && stages() != Stages::joint);
-  }
-  if (wishes.problem) fill_problem(solved, *wishes.problem);
-  if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
-  if (settings.friction == FrictionModel::postprocess)
-    report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
-  report.sliding += system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
-  report.sliding += system_.surface.sliding();
-  remember(multipliers, world, contacts, impulses, step_);
-  if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
-  MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
-  if (wishes.error) report.error = estimate_error(solved);
-  return report;
-}
-
-namespace {
-
-// Whether a tetrahedron ends the step turned inside out: St. Venant-Kirchhoff has equilibria there, of no solid.
-bool inverts(const World& world, const ConstraintList<Tetrahedron>& solids, std::span<const Vec3> velocity, double step) {
-  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<Tetrahedron>& c) {
-    const auto place = [&](std::size_t e) -> Vec3 {
-      const auto slot = static_cast<std::size_t>(world.find(c.ids[e]));
-      return world.position[slot] + step * velocity[slot];
-    };
-    const Vec3 origin = place(0);
-    return (place(1) - origin).cross(place(2) - origin).dot(place(3) - origin) < 0;
-  });
-}
-
-}  // namespace
-
-// One flexible body alone on one rank, as read_scene() and run() see to. The rows hold to round-off by construction where the
-// impulses are eliminated: what says how far off the step is, is how far the next iteration would move the nodes.
-StepReport Simulation::solve_by_newton() {
-  const ReferenceStep step = reference_step(world, constraints, std::span(system_.bodies).first(world.size()), step_);
-  for (std::size_t i = 0; i < world.size(); ++i)
-    for (int k = 0; k < 3; ++k) system_.bodies[i].v[k] = step.velocity[i][k];
-  constraint_multipliers = step.multipliers;
-  constraint_batches_->set_multipliers(constraint_multipliers, 1);
-  StepReport report;
-  report.iterations = step.iterations;
-  measure_solution(report);
-  report.residual = std::max(report.residual, step_ * step.correction);
-  report.converged = step.converged && !inverts(world, std::get<ConstraintList<Tetrahedron>>(constraints), step.velocity, step_);
-  return report;
-}
-
-bool Simulation::any_over_ranks(bool here) const {
-  int any = here;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, halo_.comm());
-  return any != 0;
-}
-
-void Simulation::measure_solution(StepReport& report) {
-  report.residual = std::max(system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies));
-  if (constraints_of_all_ > 0) {
-    report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
-    for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);
-    MPI_Allreduce(MPI_IN_PLACE, report.constraint_residuals.data(), static_cast<int>(report.constraint_residuals.size()),
-                  MPI_DOUBLE, MPI_MAX, halo_.comm());
-  }
-  if (has_attachments()) {
-    report.attachment_residual = system_.attachment_rows.residual(system_.bodies);
-    MPI_Allreduce(MPI_IN_PLACE, &report.attachment_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
-    report.residual = std::max(report.residual, report.attachment_residual);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
-  report.converged = report.residual <= tolerance_;
 }
 
 // q = q_l (+) h v for home bodies, and for kinematic ones on every rank.
@@ -432,7 +307,8 @@ std::size_t Simulation::bytes() const {
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
          bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
          bytes_of(contacts.surface) + bytes_of(attached_) + drag_.bytes() + surfaces_.bytes() + halo_.bytes() + scratch_.bytes() +
-         constraint_batches_->bytes();
+         constraint_batches_->bytes() + joint_batch_.bytes() + bytes_of(joints) + bytes_of(joint_impulses) +
+         bytes_of(joint_slots_);
 }
 
 }  // namespace unibody

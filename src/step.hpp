@@ -12,6 +12,7 @@
 #include "constraints/multipliers.hpp"
 #include "core/phases.hpp"
 #include "core/scratch.hpp"
+#include "joints/joint_set.hpp"
 #include "partition/cut.hpp"
 #include "partition/halo.hpp"
 #include "scene/scene.hpp"
@@ -37,6 +38,7 @@ struct StepReport {
   bool converged = false;                                            // the residual is within the tolerance
   std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
   double attachment_residual = 0;                                    // m, the same of attachments
+  double joint_residual = 0;                                         // m, the same of joints
   std::int64_t held = 0;           // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
   std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
   std::optional<StepError> error;  // where it was wished for
@@ -68,10 +70,15 @@ class Simulation {
   Contacts contacts;                             // valid after detect()
   ConstraintSet constraints;                     // all that touch this rank's home bodies
   ConstraintMultipliers constraint_multipliers;  // of each of them; history, checkpointed
+  JointList joints;                              // all that touch this rank's home bodies
+  std::vector<JointImpulses> joint_impulses;     // of each of them; history, checkpointed
 
   bool has_surfaces() const { return !is_alone() && !scene_.surfaces.empty(); }  // that may touch something
   const Surfaces& surfaces() const { return surfaces_; }  // where they may touch anything, or feel the air; else empty
   bool has_attachments() const { return !scene_.attachments.empty(); }  // to dynamic bodies
+  bool has_joints() const { return !scene_.joints.empty(); }
+  std::vector<JointState> joint_states() const;  // of each of `joints`, after a step
+  std::span<const JointSlots> slots_of_joints() const { return joint_slots_; }
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
   void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"
@@ -96,6 +103,12 @@ class Simulation {
   Stages stages() const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
+  void build_joints(std::span<const std::int32_t> counts);
+  std::vector<double> turning_of_joints() const;
+  void steady_turning();
+  bool turns_too_fast(std::span<const double> found) const;
+  StepReport solve_steadily(const StepWishes& wishes);
+  bool has_constraints() const { return constraints_of_all_ > 0 || has_joints(); }  // beside contacts
   bool needs_surfaces() const { return has_surfaces() || drag_.any(); }
   double time() const { return static_cast<double>(steps_done) * step_; }  // s
   void finalise();
@@ -108,8 +121,11 @@ class Simulation {
   Surfaces surfaces_;
   Drag drag_;
   std::vector<AttachedNode> attached_;  // of this step, to dynamic bodies
+  std::vector<JointSlots> joint_slots_;
+  std::vector<double> turning_;  // h^2 K of each slot (kg m^2) that this step is steadied for
   const Solver& solver_;
-  Scratch scratch_;           // of collision detection, then of the solve
+  Scratch scratch_;  // of collision detection, then of the solve
+  JointBatch joint_batch_;
   System system_{&scratch_};  // within step()
   double step_ = 0, tolerance_ = 0;
   bool detected_ = false, constraints_made_ = false;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/restitution.hpp"
 #include "core/room.hpp"
 
 namespace unibody {
@@ -17,7 +18,10 @@ Bounds swept_bounds_of(const Proxy& p, const CollideSettings& settings) {
     return {Vec3::Constant(-infinity), Vec3::Constant(infinity)};
   }
   Vec3 extent = Vec3::Constant(p.half.x());
-  if (p.kind == ShapeKind::box) extent = p.rotation.cwiseAbs() * p.half;
+  if (p.kind == ShapeKind::box)
+    extent = p.rotation.cwiseAbs() * p.half;
+  else if (!is_round(p.shape()))
+    extent = bounding_half_extents(p.shape(), p.rotation);
   const double reach = settings.margin / 2 + settings.step * p.speed + p.spin_reach + p.fall;
   extent.array() += reach;
   Bounds bounds{p.position - extent, p.position + extent};
@@ -59,6 +63,7 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   const auto pairs = broad_phase_.sort(pairs_, others + edges_.size());
   for (const IndexPair& pair : pairs)
     if (pair.second < bodies) collide_bodies(proxies_[pair.first], proxies_[pair.second], settings, contacts);
+  if (!settings.restitution.empty()) set_bounces(world, settings, contacts);
   if (!surfaces) return;
   SurfaceCollider collider(world, *surfaces, settings, contacts.surface);
   for (const IndexPair& pair : pairs)
@@ -67,15 +72,14 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
 }
 
 void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts) {
-  PairManifold found;
-  collide_pair(a, b, settings, found);
-  if (found.count == 0) return;
-  make_room(contacts.manifolds, contacts.manifolds.size() + 1);
-  make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
   const double friction = settings.friction[a.material * settings.material_count + b.material];
-  contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
-                                static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count)});
-  contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
+  collide_parts(a, b, settings, [&](const PairManifold& found) {
+    make_room(contacts.manifolds, contacts.manifolds.size() + 1);
+    make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
+    contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
+                                  static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count)});
+    contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
+  });
 }
 
 // Nodes meet the faces of others, and those of their own surface if it collides with itself.

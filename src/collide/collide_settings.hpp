@@ -12,6 +12,7 @@ struct CollideSettings {
   bool planar = false;
   bool has_past = false;              // positions are those that the present velocities have led to
   std::vector<double> friction{0.5};  // n x n by material
+  std::vector<double> restitution;    // the same; empty: 0 for all
   std::size_t material_count = 1;
 };
 

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "core/types.hpp"
 
@@ -43,11 +45,27 @@ struct SurfaceContact {
 };
 
 struct Contacts {
-  std::vector<Manifold> manifolds;  // ascending (id_a, id_b)
+  std::vector<Manifold> manifolds;  // ascending (id_a, id_b); of bodies of many parts several in a row, in the parts' order
   std::vector<ContactPoint> points;
+  std::vector<double> bounce;           // m/s, of each point: the speed at which the bodies must part; empty: nothing bounces
   std::vector<SurfaceContact> surface;  // ascending keys
 
-  void clear() { manifolds.clear(), points.clear(), surface.clear(); }
+  void clear() { manifolds.clear(), points.clear(), bounce.clear(), surface.clear(); }
 };
+
+// Takes away the manifolds for which unwanted(manifold), with their points.
+template <class Unwanted>
+void leave_out(Contacts& contacts, Unwanted&& unwanted) {
+  std::vector<Manifold> manifolds;
+  std::vector<ContactPoint> points;
+  for (Manifold m : contacts.manifolds) {
+    if (unwanted(m)) continue;
+    const auto from = contacts.points.begin() + m.first;
+    m.first = static_cast<std::uint32_t>(points.size());
+    points.insert(points.end(), from, from + m.count);
+    manifolds.push_back(m);
+  }
+  contacts.manifolds = std::move(manifolds), contacts.points = std::move(points);
+}
 
 }  // namespace unibody

@@ -30,11 +30,12 @@ struct Cell {
 // Rows and columns in the order of ShapeKind.
 constexpr Cell round_with_round{round_round, sweep_round_round}, round_with_box{round_box, sweep_round_box},
     round_with_plane{round_plane, nullptr}, box_with_box{two_boxes, sweep_box_box}, box_with_plane{box_plane, nullptr},
-    nothing{none, nullptr};
+    solid_with_solid{convex_convex, sweep_convex}, solid_with_plane{convex_plane, nullptr}, nothing{none, nullptr};
 
 constexpr Cell flip(Cell c) { return {c.function, c.sweep, true}; }
 
-constexpr Cell table[5][5] = {
+constexpr std::size_t listed = 5;  // kinds; all others are convex solids
+constexpr Cell table[listed][listed] = {
     /* sphere */ {round_with_round, round_with_box, round_with_plane, round_with_round, round_with_round},
     /* box    */ {flip(round_with_box), box_with_box, box_with_plane, flip(round_with_box), flip(round_with_box)},
     /* plane  */ {flip(round_with_plane), flip(box_with_plane), nothing, flip(round_with_plane), flip(round_with_plane)},
@@ -42,29 +43,11 @@ constexpr Cell table[5][5] = {
     /* point  */ {round_with_round, round_with_box, round_with_plane, round_with_round, round_with_round},
 };
 
-// Drops points beyond the margin, keeps at most 8 of them, and puts them in the order of their features.
-void tidy(PairManifold& m, double margin) {
-  ContactPoint* p = m.points;
-  m.count = static_cast<int>(std::remove_if(p, p + m.count, [&](const ContactPoint& q) { return !(q.gap <= margin); }) - p);
-  for (int i = 1; i < m.count; ++i) {  // few: by insertion
-    const ContactPoint q = p[i];
-    int hole = i;
-    for (; hole > 0 && q.feature < p[hole - 1].feature; --hole) p[hole] = p[hole - 1];
-    p[hole] = q;
-  }
-  const auto same = [](const ContactPoint& a, const ContactPoint& b) { return a.feature == b.feature; };
-  m.count = static_cast<int>(std::unique(p, p + m.count, same) - p);
-  while (m.count > PairManifold::kept) {  // of the two points that are nearest to each other, the shallower goes
-    int remove = 0;
-    double nearest = HUGE_VAL;
-    for (int i = 0; i < m.count; ++i)
-      for (int j = i + 1; j < m.count; ++j) {
-        const double d = (p[i].position - p[j].position).squaredNorm();
-        if (d < nearest) nearest = d, remove = p[j].gap >= p[i].gap ? j : i;
-      }
-    std::move(p + remove + 1, p + m.count, p + remove);
-    --m.count;
-  }
+Cell cell_of(ShapeKind a, ShapeKind b) {
+  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+  if (i < listed && j < listed) return table[i][j];
+  if (b == ShapeKind::plane) return solid_with_plane;
+  return a == ShapeKind::plane ? flip(solid_with_plane) : solid_with_solid;
 }
 
 // The manifold where the bodies are.
@@ -103,6 +86,30 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
 
 }  // namespace
 
+void tidy(PairManifold& m, double margin) {
+  ContactPoint* p = m.points;
+  m.count = static_cast<int>(std::remove_if(p, p + m.count, [&](const ContactPoint& q) { return !(q.gap <= margin); }) - p);
+  for (int i = 1; i < m.count; ++i) {  // few: by insertion
+    const ContactPoint q = p[i];
+    int hole = i;
+    for (; hole > 0 && q.feature < p[hole - 1].feature; --hole) p[hole] = p[hole - 1];
+    p[hole] = q;
+  }
+  const auto same = [](const ContactPoint& a, const ContactPoint& b) { return a.feature == b.feature; };
+  m.count = static_cast<int>(std::unique(p, p + m.count, same) - p);
+  while (m.count > PairManifold::kept) {  // of the two points that are nearest to each other, the shallower goes
+    int remove = 0;
+    double nearest = HUGE_VAL;
+    for (int i = 0; i < m.count; ++i)
+      for (int j = i + 1; j < m.count; ++j) {
+        const double d = (p[i].position - p[j].position).squaredNorm();
+        if (d < nearest) nearest = d, remove = p[j].gap >= p[i].gap ? j : i;
+      }
+    std::move(p + remove + 1, p + m.count, p + remove);
+    --m.count;
+  }
+}
+
 Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& settings) {
   const BodyProperties& body = world.properties[slot];
   Proxy p;
@@ -111,11 +118,13 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.velocity = world.velocity[slot];
   p.rotation = world.orientation_of(slot).toRotationMatrix();
   p.kind = body.shape.kind;
-  p.half = p.kind == ShapeKind::box ? body.shape.size : Vec3::Constant(body.shape.size.x());
+  const bool turns = !is_round(body.shape) && p.kind != ShapeKind::plane;  // so that it shows
+  p.half = turns ? body.shape.size : Vec3::Constant(body.shape.size.x());
+  p.data = body.shape.data;
   p.radius = p.kind == ShapeKind::plane ? 0 : bounding_radius(body.shape);
   p.speed = p.velocity.norm();
-  p.spin_reach = p.kind == ShapeKind::box ? settings.step * p.radius * world.angular_velocity_of(slot).norm() : 0;
-  p.half_size = p.half.minCoeff();
+  p.spin_reach = turns ? settings.step * p.radius * world.angular_velocity_of(slot).norm() : 0;
+  p.half_size = p.kind == ShapeKind::hull ? 0.5 * smallest_size(body.shape) : p.half.minCoeff();
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;
   p.dynamic = body.is_dynamic();
@@ -144,7 +153,7 @@ void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& setting
   const double reach = a.radius + b.radius + margin;
   if (!has_plane && (a.position - b.position).squaredNorm() > reach * reach) return;
 
-  const Cell& cell = table[static_cast<int>(a.kind)][static_cast<int>(b.kind)];
+  const Cell cell = cell_of(a.kind, b.kind);
   const Proxy &first = cell.swapped ? b : a, &second = cell.swapped ? a : b;
   const double travel = settings.step * (a.velocity - b.velocity).norm();
   if (cell.sweep && travel > std::min(a.half_size, b.half_size))

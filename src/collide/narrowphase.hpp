@@ -1,8 +1,10 @@
-// Narrow phase: two bodies in, one manifold out. A table of functions by shape pair; a new shape is one file of such functions
-// and one row of the table (narrowphase.cpp).
+// Narrow phase: two bodies in, one manifold out. A table of functions by shape pair (narrowphase.cpp); shapes that it does not
+// name meet as convex solids (convex_pairs.cpp), by what they say of themselves (world/shape_type.hpp).
 //
 // Every function is pure: the same two bodies give the same bits, whatever their slots, the rank or the history.
 #pragma once
+
+#include <functional>
 
 #include "collide/collide_settings.hpp"
 #include "collide/contacts.hpp"
@@ -14,7 +16,7 @@ namespace unibody {
 struct Proxy {
   Vec3 position, velocity;
   Mat3 rotation;
-  Vec3 half;          // m, half edges of a box; the radius in x otherwise
+  Vec3 half;          // m, the shape's size; of round bodies the radius, three times
   double radius;      // m, bounding radius
   double speed;       // m/s
   double spin_reach;  // m, how far a rotation can carry a surface point in the step; 0 where it cannot change the shape
@@ -25,13 +27,16 @@ struct Proxy {
   std::int32_t material, group;
   Slot slot;
   Id id;
+  std::uint32_t data;  // of the shape
+
+  Shape shape() const { return {kind, half, data}; }
 };
 
 Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& settings);
 
 // Points of one pair under construction; positions relative to the first body's centre.
 struct PairManifold {
-  static constexpr int capacity = 32, kept = 8;
+  static constexpr int capacity = 64, kept = 8;
   Vec3 normal = Vec3::UnitZ();  // from the second body towards the first
   int count = 0;
   ContactPoint points[capacity];
@@ -50,10 +55,31 @@ struct PairSettings {
 // + |g.n| h^2. Not the relative speed alone: of two bodies falling together the lower may be stopped within the step.
 double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const CollideSettings& settings);
 
+// Drops points beyond the margin, keeps at most PairManifold::kept of them, and puts them in the order of their features.
+void tidy(PairManifold& manifold, double margin);
+
 // A bound on it for any normal, before there is one.
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings);
 
-// The manifold of bodies a and b, a.id < b.id; count 0 when there is none. Points in ascending feature, in world coordinates.
+// Calls f for each manifold of the two that has points, in the order of their parts: one for simple shapes; of compounds and
+// meshes one of each two parts or triangles that are near each other.
+template <class F>
+void collide_parts(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f);
+void collide_composites(const Proxy& a, const Proxy& b, const CollideSettings& settings,
+                        const std::function<void(const PairManifold&)>& f);
+
+// A compound's parts in place, or the shape itself.
+void for_each_part(const Proxy& whole, const std::function<void(const Proxy&)>& f);
+
+// The manifold of two simple shapes, a.id < b.id; count 0 when there is none. Points in ascending feature, in world coordinates.
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& manifold);
+
+template <class F>
+void collide_parts(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f) {
+  if (is_composite(a.kind) || is_composite(b.kind)) return collide_composites(a, b, settings, f);
+  PairManifold found;
+  collide_pair(a, b, settings, found);
+  if (found.count > 0) f(found);
+}
 
 }  // namespace unibody

@@ -12,5 +12,7 @@ void round_plane(const Proxy& a, const Proxy& b, const PairSettings& settings, P
 void box_plane(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out);
 void box_box(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out);
 void box_box_planar(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out);
+void convex_convex(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out);
+void convex_plane(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out);
 
 }  // namespace unibody

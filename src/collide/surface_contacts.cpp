@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collide/convex_distance.hpp"
+#include "collide/mesh_triangles.hpp"
 #include "collide/triangle_distance.hpp"
 
 namespace unibody {
@@ -13,7 +15,7 @@ namespace {
 // lose contacts by a turn in the last bit.
 constexpr double lean_of_points = 1e-9, lean_of_boxes = 0.05;
 
-constexpr std::uint32_t edges_feature = 1000;
+constexpr std::uint32_t edges_feature = 1000, convex_feature = 2000;
 
 // Hits may be reported so much before the two touch.
 ContinuousSettings continuous(double radii) { return {radii, 1e-6 + 1e-3 * radii, 200}; }
@@ -272,7 +274,14 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
 
 void SurfaceCollider::body_face(const Proxy& body, std::int32_t number) {
   const SurfaceFace& face = surfaces_.faces[static_cast<std::size_t>(number)];
+  if (is_composite(body.kind)) {  // of a mesh only the nodes feel the triangles
+    std::uint32_t parts = 0;
+    if (body.kind == ShapeKind::compound)
+      for_each_part(body, [&](const Proxy& part) { convex_face(part, face, convex_feature + (parts++ << 18)); });
+    return;
+  }
   if (body.kind == ShapeKind::box) return box_face(body, face);
+  if (!is_round(body.shape())) return convex_face(body, face, convex_feature);
   Pair pair;
   pair.slots[0] = body.slot;
   pair.radii = body.half.x() + radius(face.nodes[0]);
@@ -355,6 +364,33 @@ void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
     const double gap = c.gap - pair.radii;
     if (time == 0 && gap > margin(pair, c.normal)) continue;
     add(pair, arm, c.normal, gap + closed, c.feature);
+  }
+}
+
+// As a box, but for fast bodies: their margin alone sees to it that they are found in time.
+void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature) {
+  Pair pair;
+  pair.slots = {body.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
+  pair.radii = radius(face.nodes[0]), pair.spin = body.spin_reach;
+  double fastest = body.speed;
+  for (const Slot s : face.nodes) fastest = std::max({fastest, velocity(s).norm(), (velocity(s) - body.velocity).norm()});
+  const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
+  const double widest = pair.radii + settings_.margin + settings_.step * fastest + pair.spin + fall;
+  TriangleNodes nodes = places(face, 0);
+  for (Vec3& x : nodes) x -= body.position;
+  PairManifold found;
+  if (!sheet_manifold(convex_body(body.shape(), body.rotation, Vec3::Zero()), nodes, widest, found)) return;
+  tidy(found, widest);
+  for (int i = 0; i < found.count; ++i) {
+    const ContactPoint& c = found.points[i];
+    const Vec3 on_body = c.position + 0.5 * c.gap * found.normal, on_face = c.position - 0.5 * c.gap * found.normal;
+    const Vec3 weights = without_twin(face, closest_on_triangle(on_face, nodes[0], nodes[1], nodes[2]).weights);
+    if (is_one_node(weights)) continue;  // nodes touch bodies as the particles that they are
+    if (!owns(face, weights) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
+    pair.weights = {1, -weights[0], -weights[1], -weights[2]};
+    const double gap = c.gap - pair.radii;
+    if (gap > margin(pair, found.normal)) continue;
+    add(pair, on_body + body.position - place(body.slot), found.normal, gap, first_feature + c.feature);
   }
 }
 

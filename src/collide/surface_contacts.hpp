@@ -74,6 +74,7 @@ class SurfaceCollider {
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
   std::size_t flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const;
   void box_face(const Proxy& box, const SurfaceFace& face);
+  void convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;
 
   const World& world_;

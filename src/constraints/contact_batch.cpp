@@ -273,6 +273,10 @@ void ContactBatch::start_stage(const Stage& stage) {
       points[p].bias[l] = contacts_->points[contact].gap;
     });
   for (Point& p : points) p.bias = stage.bias(p.bias);
+  if (!contacts_->bounce.empty())
+    for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+      if (const double speed = contacts_->bounce[contact]; speed > 0) points[p].bias[l] = -speed;
+    });
   bias_is_gap_ = false;
 }
 

@@ -38,6 +38,7 @@ void ContactBatch::reevaluate(const World& world, std::span<const SolverBody> bo
       for (std::uint32_t p = 0; p < m.count; ++p) {
         const ContactPoint& contact = contacts_->points[m.first + p];
         Point& point = points[block.first_point + p];
+        if (!contacts_->bounce.empty() && contacts_->bounce[m.first + p] > 0) continue;  // it has to leave, wherever it is
         double gap = 0;
         if (both_round) {
           const Vec3 apart = a.centre - b.centre;

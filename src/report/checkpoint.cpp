@@ -20,6 +20,7 @@ const std::string format = "unibody checkpoint 2";
 
 // A body as one row of the data set "bodies": reals, then the small numbers, which doubles hold exactly.
 constexpr Id body_columns = 30;
+constexpr std::uint64_t kinds = 256;  // a shape is one number: its kind and, times this, its place in the library
 using BodyRow = std::array<double, body_columns>;
 
 BodyRow to_row(const BodyProperties& p, const BodyState& s) {
@@ -31,7 +32,7 @@ BodyRow to_row(const BodyProperties& p, const BodyState& s) {
   put(s.velocity), put(s.angular_velocity);
   put(p.shape.size), put(p.inertia), put(p.force), put(p.torque);
   *at++ = p.mass;
-  *at++ = static_cast<double>(p.shape.kind);
+  *at++ = static_cast<double>(static_cast<std::uint64_t>(p.shape.kind) + kinds * std::uint64_t{p.shape.data});
   *at++ = static_cast<double>(p.motion);
   *at++ = p.material;
   *at++ = p.group;
@@ -48,7 +49,9 @@ Body from_row(Id id, const BodyRow& row) {
   take(b.state.velocity), take(b.state.angular_velocity);
   take(b.properties.shape.size), take(b.properties.inertia), take(b.properties.force), take(b.properties.torque);
   b.properties.mass = *at++;
-  b.properties.shape.kind = static_cast<ShapeKind>(*at++);
+  const auto shape = static_cast<std::uint64_t>(*at++);
+  b.properties.shape.kind = static_cast<ShapeKind>(shape % kinds);
+  b.properties.shape.data = static_cast<std::uint32_t>(shape / kinds);
   b.properties.motion = static_cast<Motion>(*at++);
   b.properties.material = static_cast<std::int32_t>(*at++);
   b.properties.group = static_cast<std::int32_t>(*at++);
@@ -156,14 +159,14 @@ std::string fingerprint(const std::string& scene_text) { return hex(Hash().add(s
 
 void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint, std::int64_t frame, double time,
                       Id count, const World& world, const Multipliers& multipliers, const ConstraintSet& constraints,
-                      const ConstraintMultipliers& constraint_multipliers) {
+                      const ConstraintMultipliers& constraint_multipliers, const JointRowBlock& joints) {
   const auto rows = constraint_rows(comm, count, world, constraints, constraint_multipliers);
   const auto bodies = rows_by_id(comm, world, count, [&](std::size_t s) { return to_row(world.properties[s], world.state(s)); });
   const auto points = point_rows(comm, count, world, multipliers);
   int rank = 0;
   MPI_Comm_rank(comm, &rank);
   const Id first = id_blocks(comm, count).first(rank);
-  const std::string hash = hash_of_all(comm, sum_of_hashes(first, bodies, points) + sum_of_hashes(rows));
+  const std::string hash = hash_of_all(comm, sum_of_hashes(first, bodies, points) + sum_of_hashes(rows) + sum_of_hashes(joints));
   const std::string part = path + ".part";
   auto total = static_cast<std::int64_t>(points.size());
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm);
@@ -193,6 +196,7 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), bodies.size(), bodies.data());
     good = write_points(comm, file, points, total) && good;
     good = write_constraint_rows(comm, file, rows) && good;
+    good = write_joint_rows(file, joints) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
     if (!good) throw std::runtime_error("is the disk full?");
   });
@@ -342,7 +346,8 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
       expect_shape(h5::open_dataset(file_, "multipliers/key"), points, key_columns);
       expect_shape(h5::open_dataset(file_, "multipliers/point"), points, 7);
       hash = h5::read_string(file_, "hash");
-      sum = sum_of_hashes(comm, file_, count_, static_cast<Id>(points)) + sum_of_hashes(read_constraint_rows(comm, file_));
+      sum = sum_of_hashes(comm, file_, count_, static_cast<Id>(points)) + sum_of_hashes(read_constraint_rows(comm, file_)) +
+            sum_of_hashes(read_joint_rows(comm, file_));
     });
   } catch (const InputError& e) {
     fault = e.what();
@@ -364,6 +369,10 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
 
 ConstraintMultipliers Checkpoint::read_constraint_multipliers(const ConstraintSet& constraints) const {
   return reading(path_, [&] { return unibody::read_constraint_multipliers(file_, constraints); });
+}
+
+std::vector<JointImpulses> Checkpoint::read_joint_impulses(const JointList& joints) const {
+  return reading(path_, [&] { return unibody::read_joint_impulses(file_, joints); });
 }
 
 Multipliers Checkpoint::read_multipliers(const World& world) const {

@@ -10,6 +10,7 @@
 #include "constraints/constraint_types.hpp"
 #include "constraints/multipliers.hpp"
 #include "core/hdf5.hpp"
+#include "report/checkpoint_joints.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -21,7 +22,7 @@ std::string fingerprint(const std::string& scene_text);
 // number of all bodies. Collective; throws RunError on every rank if the disk fails, and the old file is then untouched.
 void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint, std::int64_t frame, double time,
                       Id count, const World& world, const Multipliers& multipliers, const ConstraintSet& constraints = {},
-                      const ConstraintMultipliers& constraint_multipliers = {});
+                      const ConstraintMultipliers& constraint_multipliers = {}, const JointRowBlock& joints = {});
 
 // Reads a checkpoint, on any number of ranks. All members throw InputError when the file is damaged.
 class Checkpoint {
@@ -43,6 +44,7 @@ class Checkpoint {
 
   // Of each of these constraints; 0 where the file has none. Not collective.
   ConstraintMultipliers read_constraint_multipliers(const ConstraintSet& constraints) const;
+  std::vector<JointImpulses> read_joint_impulses(const JointList& joints) const;
 
  private:
   MPI_Comm comm_;

@@ -10,6 +10,8 @@
 #include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "report/by_id.hpp"
+#include "report/shape_output.hpp"
+#include "world/shape_library.hpp"
 
 namespace unibody {
 
@@ -112,6 +114,7 @@ Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings
     h5::write_attribute(file_, "format", std::string("unibody frames 1"));
     write_bodies(world);
     write_surfaces();
+    write_shapes();
     frames_ = h5::create_group(file_, "frames");
     if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_;
   } catch (const std::exception& e) {
@@ -150,7 +153,7 @@ void Output::write_bodies(const World& world) {
     const BodyProperties& p = world.properties[slot];
     const bool dynamic = !p.is_static(), plane = p.shape.kind == ShapeKind::plane;
     const Vec3 size = plane ? Vec3::Zero() : p.shape.size, moments = dynamic ? p.inertia : Vec3::Zero();
-    return std::array<double, 10>{size[0],
+    return std::array<double, 11>{size[0],
                                   size[1],
                                   size[2],
                                   dynamic ? p.mass : 0,
@@ -159,7 +162,8 @@ void Output::write_bodies(const World& world) {
                                   moments[2],
                                   static_cast<double>(p.shape.kind),
                                   static_cast<double>(p.motion),
-                                  static_cast<double>(p.material)};
+                                  static_cast<double>(p.material),
+                                  static_cast<double>(p.shape.data)};
   });
   const Id first = id_blocks(comm_, count_).first(rank_);
   std::vector<std::int64_t> ids(rows.size());
@@ -174,6 +178,9 @@ void Output::write_bodies(const World& world) {
   writer.reals("inertia", single_, rows, 4, 3);
   writer.write("motion", H5T_STD_I8LE, H5T_NATIVE_INT8, 0, pack<std::int8_t>(rows, 8, 1));
   writer.write("material", H5T_STD_I32LE, H5T_NATIVE_INT32, 0, pack<std::int32_t>(rows, 9, 1));
+  const ShapeLibrary& library = shape_library();
+  if (!library.hulls.empty() || !library.compounds.empty() || !library.meshes.empty())
+    writer.write("shape_number", H5T_STD_I32LE, H5T_NATIVE_INT32, 0, pack<std::int32_t>(rows, 10, 1));
   throw_if_any(writer.good ? "" : "cannot write " + path_ + ": is the disk full?");
   std::string names;
   for (const auto name : shape_names) names.append(names.empty() ? "" : " ").append(name);
@@ -199,6 +206,39 @@ void Output::write_surfaces() {
     h5::write_attribute(own, "name", surface.name.empty() ? "surface " + std::to_string(n) : surface.name);
     good = writer.good && good;
   }
+  throw_if_any(good ? "" : "cannot write " + path_ + ": is the disk full?");
+}
+
+// By rank 0 for all; nothing where the library is empty.
+void Output::write_shapes() {
+  const ShapeLibrary& library = shape_library();
+  const std::size_t counts[] = {library.hulls.size(), library.meshes.size(), library.compounds.size()};
+  if (counts[0] + counts[1] + counts[2] == 0) return;
+  const auto group = h5::create_group(file_, "shapes");
+  bool good = true;
+  const auto write = [&](const std::string& name, auto&& fill) {
+    const auto own = h5::create_group(group, name);
+    good = fill(own) && good;
+  };
+  const auto rows_of = [&]<class T, std::size_t n>(const h5::Handle& own, const char* name, hid_t file_type, hid_t memory_type,
+                                                   const std::vector<std::array<T, n>>& rows) {
+    std::vector<T> flat;
+    if (rank_ == 0)
+      for (const auto& row : rows) flat.insert(flat.end(), row.begin(), row.end());
+    BlockWriter writer{own, static_cast<Id>(rows.size()), 0};
+    writer.write(name, file_type, memory_type, n, flat);
+    return writer.good;
+  };
+  for (int k = 0; k < 2; ++k)
+    for (std::size_t i = 0; i < counts[k]; ++i)
+      write((k == 0 ? "hull_" : "mesh_") + std::to_string(i), [&](const h5::Handle& own) {
+        const ShapeSurface s = surface_of(k == 0 ? ShapeKind::hull : ShapeKind::mesh, i);
+        return rows_of(own, "nodes", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, s.nodes) &&
+               rows_of(own, "triangles", H5T_STD_I64LE, H5T_NATIVE_INT64, s.triangles);
+      });
+  for (std::size_t i = 0; i < counts[2]; ++i)
+    write("compound_" + std::to_string(i),
+          [&](const h5::Handle& own) { return rows_of(own, "parts", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, part_rows(i)); });
   throw_if_any(good ? "" : "cannot write " + path_ + ": is the disk full?");
 }
 

@@ -40,6 +40,7 @@ class Output {
   void reserve(Id numbers) const;
   void write_bodies(const World& world);
   void write_surfaces();
+  void write_shapes();
   void start_xdmf();
   void append_xdmf(std::int64_t frame, double time);
   std::string xdmf_bodies(const std::string& at) const;

@@ -1,8 +1,11 @@
 #include "scene/body_entry.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "scene/generators.hpp"
+#include "scene/shape_files.hpp"
+#include "world/shape_type.hpp"
 
 namespace unibody {
 
@@ -19,13 +22,6 @@ Vec3 read_plane_normal(const Value& plane, const Scene& scene) {
   const Vec3 n = normal->unit_vector();
   if (scene.planar && n.y() != 0) normal->fail_expected("a vector without y component (planar scene)");
   return n;
-}
-
-double read_radius(const Value& value) {
-  value.map({"radius"});
-  const Value* radius = value.find("radius");
-  if (!radius) value.fail_missing("radius", "a number > 0 (m)");
-  return radius->number(positive, "m");
 }
 
 Vec3 read_inertia(const Value& value) {
@@ -54,10 +50,12 @@ int read_material(const Value& value, const Scene& scene) { return static_cast<i
 void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
   BodyProperties& properties = body.properties;
   const Value *motion = entry.find("motion"), *velocity = entry.find("velocity"), *spin = entry.find("angular_velocity");
-  if (properties.shape.kind == ShapeKind::plane) properties.motion = Motion::fixed;
+  const ShapeKind kind = properties.shape.kind;
+  const bool is_still = kind == ShapeKind::plane || kind == ShapeKind::mesh;
+  if (is_still) properties.motion = Motion::fixed;
   if (motion) properties.motion = static_cast<Motion>(motion->choice(motions));
-  if (properties.is_dynamic() && properties.shape.kind == ShapeKind::plane)
-    motion->fail_expected("fixed or kinematic for a plane");
+  if (properties.is_dynamic() && is_still)
+    motion->fail_expected("fixed or kinematic for a " + std::string(shape_names[static_cast<std::size_t>(kind)]));
   if (properties.motion == Motion::fixed) {
     for (const Value* value : {velocity, spin})
       if (value) value->fail_expected("no such key for a fixed body");
@@ -119,10 +117,10 @@ Generated read_generated(const Value& entry, BodyTemplate& body, const Generator
   const Takes takes = type ? type->takes : Takes::shape;
   const Value* shape = entry.find("shape");
   if (takes == Takes::shape) {
-    if (!shape) entry.fail_missing("shape", "a map with the key sphere, box, plane, disc or particle");
+    if (!shape) entry.fail_missing("shape", "a map with the key " + one_of({shape_names.begin(), shape_names.end()}));
     const Shape solid = read_shape(*shape, scene);
-    if (type && solid.kind == ShapeKind::plane)
-      shape->fail("a plane in a " + std::string(type->key), "sphere, box, disc or particle");
+    if (type && (solid.kind == ShapeKind::plane || solid.kind == ShapeKind::mesh))
+      shape->fail("a " + shape->children[0].first + " in a " + std::string(type->key), "a shape that can move");
     body = read_template(entry, solid, scene);
     check_mass(entry, body, solid);
   } else if (takes == Takes::no_shape) {
@@ -158,7 +156,16 @@ void read_entry(const Value& entry, Scene& scene) {
     if (result.properties.shape.kind != ShapeKind::particle) result.state.orientation = orientation * result.state.orientation;
     return result;
   };
-  group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle;  // an entry has bodies of one kind, or boxes
+  // An entry has bodies of one kind, or boxes, or a chain's ball at the end.
+  group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle ||
+                  group.make(group.count - 1).properties.shape.kind != ShapeKind::particle;
+  for (Joint joint : generated.joints) {
+    if (joint.ids[1] < 0)
+      joint.anchor[1] = position + orientation * joint.anchor[1], joint.frame[1] = orientation * joint.frame[1];
+    for (Id& id : joint.ids)
+      if (id >= 0) id += group.first;
+    scene.joints.push_back(joint);
+  }
   scene.groups.push_back(std::move(group));
 }
 
@@ -178,7 +185,8 @@ Body make_body(const BodyTemplate& body, const Shape& shape, const Vec3& positio
     result.properties.mass = body.mass ? *body.mass : *body.density * volume(shape);
     result.properties.inertia = body.inertia ? *body.inertia : inertia(shape, result.properties.mass);
   }
-  result.state = {position, orientation, body.velocity, body.angular_velocity};
+  const bool given = shape.kind != ShapeKind::hull && shape.kind != ShapeKind::compound;  // in its principal axes
+  result.state = {position, given ? orientation : orientation * frame_of(shape), body.velocity, body.angular_velocity};
   return result;
 }
 
@@ -214,24 +222,47 @@ Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit
   return v;
 }
 
+namespace {
+
+// Shapes given by lengths alone, as their types say (world/shape_type.hpp).
+Shape read_lengths(const Value& solid, const ShapeType& type) {
+  solid.map({type.lengths.begin(), type.lengths.end()});
+  std::vector<double> lengths;
+  for (const std::string_view key : type.lengths) {
+    const Value* length = solid.find(key);
+    if (!length) solid.fail_missing(std::string(key), "a number > 0 (m)");
+    lengths.push_back(length->number(positive, "m"));
+  }
+  return type.make(lengths);
+}
+
+Shape read_box(const Value& solid) {
+  solid.map({"size"});
+  const Value* size = solid.find("size");
+  if (!size) solid.fail_missing("size", "a list of 3 numbers > 0 (m)");
+  return {ShapeKind::box, 0.5 * size->vector(positive, "m, edge lengths")};
+}
+
+}  // namespace
+
 Shape read_shape(const Value& value, const Scene& scene) {
-  value.map({"sphere", "box", "plane", "disc", "particle"});
+  const std::vector<std::string> names{shape_names.begin(), shape_names.end()};
+  value.map(names);
   if (value.children.size() != 1)
-    value.fail("a map of " + std::to_string(value.children.size()) + " shapes", "one of sphere, box, plane, disc or particle");
+    value.fail("a map of " + std::to_string(value.children.size()) + " shapes", "one of " + one_of(names));
   const auto& [name, solid] = value.children[0];
-  if (name == "plane") {
+  const auto kind = static_cast<ShapeKind>(std::find(names.begin(), names.end(), name) - names.begin());
+  if (kind == ShapeKind::disc && !scene.planar) solid.fail("a disc", "sphere, box or plane in a scene that is not planar");
+  if (kind > ShapeKind::particle && scene.planar) solid.fail("a " + name, "sphere, box, plane or disc in a planar scene");
+  if (kind == ShapeKind::plane) {
     read_plane_normal(solid, scene);
     return {ShapeKind::plane, Vec3::Zero()};
   }
-  if (name == "box") {
-    solid.map({"size"});
-    const Value* size = solid.find("size");
-    if (!size) solid.fail_missing("size", "a list of 3 numbers > 0 (m)");
-    return {ShapeKind::box, 0.5 * size->vector(positive, "m, edge lengths")};
-  }
-  if (name == "particle") return {ShapeKind::particle, Vec3(read_radius(solid), 0, 0)};
-  if (name == "disc" && !scene.planar) solid.fail("a disc", "sphere, box or plane in a scene that is not planar");
-  return {name == "disc" ? ShapeKind::disc : ShapeKind::sphere, Vec3(read_radius(solid), 0, 0)};
+  if (kind == ShapeKind::box) return read_box(solid);
+  if (kind == ShapeKind::hull) return read_hull(solid, scene);
+  if (kind == ShapeKind::compound) return read_compound(solid, scene);
+  if (kind == ShapeKind::mesh) return read_mesh_shape(solid, scene);
+  return read_lengths(solid, type_of(kind));
 }
 
 void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape) {

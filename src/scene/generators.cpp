@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/articulated.hpp"
 #include "scene/random.hpp"
 #include "scene/static_parts.hpp"
 
@@ -95,7 +96,7 @@ struct Ingredient {
   Shape shape;
   double share = 1, smallest = 1, largest = 1;
 
-  Shape scaled(double factor) const { return {shape.kind, shape.size * factor}; }
+  Shape scaled(double factor) const { return {shape.kind, shape.size * factor, shape.data}; }
 };
 
 struct Pile {
@@ -132,13 +133,16 @@ struct Pile {
 Ingredient read_ingredient(const Value& value, const BodyTemplate& body, const Scene& scene) {
   value.map({"shape", "share", "scale"});
   Ingredient ingredient;
-  const Value& shape = need(value, "shape", "a map with the key sphere, box or disc");
+  const Value& shape = need(value, "shape", "a map with a shape as its key");
   ingredient.shape = read_shape(shape, scene);
-  if (ingredient.shape.kind == ShapeKind::plane) shape.fail("a plane in a pile", "sphere, box or disc");
+  const ShapeKind kind = ingredient.shape.kind;
+  if (kind == ShapeKind::plane || kind == ShapeKind::mesh)
+    shape.fail("a " + shape.children[0].first + " in a pile", "a shape that can move");
   ingredient.share = read_optional(value, "share", 1, positive, "");
   if (const Value* scale = value.find("scale")) {
     const auto range = scale->numbers(2, positive, "smallest and largest factor");
     if (range[1] < range[0]) scale->fail_expected("the smaller of the two factors first");
+    if (kind == ShapeKind::compound) scale->fail_expected("no scale for a compound");
     ingredient.smallest = range[0];
     ingredient.largest = range[1];
   }
@@ -214,7 +218,7 @@ Generated read_stack(const Value& value, const BodyTemplate& body, const Scene&)
   const Shape& shape = body.properties.shape;
   const Id count = read_count(value);
   Stack stack;
-  stack.height = 2 * (shape.kind == ShapeKind::box ? shape.size.z() : shape.size.x());
+  stack.height = 2 * (is_round(shape) ? shape.size.x() : shape.size.z());
   stack.gap = read_optional(value, "gap", 0, not_negative, "m");
   if (const Value* offsets = value.find("offsets"))
     stack.offsets = offsets->numbers(static_cast<std::size_t>(count), any_number, "m, along x");
@@ -238,7 +242,8 @@ const std::vector<GeneratorType>& generator_types() {
       {"points", Takes::shape, read_points},   {"stack", Takes::shape, read_stack},
       {"wall", Takes::shape, read_wall},       {"lattice", Takes::shape, read_lattice},
       {"pile", Takes::no_shape, read_pile},    {"container", Takes::nothing, read_container},
-      {"hopper", Takes::nothing, read_hopper},
+      {"hopper", Takes::nothing, read_hopper}, {"chain", Takes::shape, read_chain},
+      {"tree", Takes::no_shape, read_tree},    {"ragdolls", Takes::no_shape, read_ragdolls},
   };
   return types;
 }

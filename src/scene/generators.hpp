@@ -9,6 +9,7 @@ namespace unibody {
 struct Generated {
   Id count = 0;
   std::function<Body(Id k)> make;
+  std::vector<Joint> joints = {};  // between its bodies by their numbers here, and the world, all in the entry's frame
 };
 
 enum class Takes { shape, no_shape, nothing };  // of the template: all of it; all but the shape; neither (static parts)

@@ -5,8 +5,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "joints/joint_set.hpp"
 #include "scene/body_entry.hpp"
 #include "scene/flexible.hpp"
+#include "scene/joints.hpp"
 #include "scene/stiffness.hpp"
 
 namespace unibody {
@@ -39,6 +41,7 @@ const Field<TimeSettings> time_fields[] = {
 const Field<OutputSettings> output_fields[] = {
     {"every", [](const Value& v, OutputSettings& o) { o.every = static_cast<int>(v.integer(0, 1'000'000'000)); }},
     {"crossings", [](const Value& v, OutputSettings& o) { o.crossings = v.boolean(); }},
+    {"joints", [](const Value& v, OutputSettings& o) { o.joints = v.boolean(); }},
     {"checkpoint_every",
      [](const Value& v, OutputSettings& o) { o.checkpoint_every = static_cast<int>(v.integer(-1, 1'000'000'000)); }},
     {"precision",
@@ -94,6 +97,11 @@ void read_solver(const Value& value, Scene& scene) {
 
 void read_gravity(const Value& value, Scene& scene) { scene.gravity = read_vector(value, scene, "m/s^2"); }
 
+double read_restitution(const Value& map, double otherwise) {
+  const Value* e = map.find("restitution");
+  return e ? e->number({0, 1}, "") : otherwise;
+}
+
 double read_friction(const Value& map) {
   const Value* friction = map.find("friction");
   if (!friction) map.fail_missing("friction", "a number >= 0");
@@ -103,7 +111,7 @@ double read_friction(const Value& map) {
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
 void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
-  pair.map({"between", "friction"});
+  pair.map({"between", "friction", "restitution"});
   const Value* between = pair.find("between");
   if (!between) pair.fail_missing("between", "a list of 2 materials");
   if (between->kind != Value::Kind::list || between->entries.size() != 2) between->fail_expected("a list of 2 materials");
@@ -112,24 +120,32 @@ void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
   if (!listed.emplace(std::min(a, b), std::max(a, b)).second)
     between->fail(between->found() + " a second time", "each pair once");
   const std::size_t n = scene.materials.size();
-  scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
+  if (pair.find("friction") || !pair.find("restitution"))
+    scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
+  scene.restitution[a * n + b] = scene.restitution[b * n + a] = read_restitution(pair, scene.restitution[a * n + b]);
 }
 
-// Names with their friction, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials.
+// Names with their friction, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials;
+// its restitution is the smaller of the two.
 void read_materials(const Value& value, Scene& scene) {
   if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
   scene.materials.clear();
-  std::vector<double> own;
+  std::vector<double> own, bounce;
   for (const auto& [name, material] : value.children) {
     if (name == "pairs") continue;
     scene.materials.push_back(name);
-    own.push_back(read_friction(material.map({"friction"})));
+    own.push_back(read_friction(material.map({"friction", "restitution"})));
+    bounce.push_back(read_restitution(material, 0));
   }
   if (own.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
   const std::size_t n = own.size();
   scene.friction.assign(n * n, 0);
+  scene.restitution.assign(n * n, 0);
   for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < n; ++b) scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
+    for (std::size_t b = 0; b < n; ++b) {
+      scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
+      scene.restitution[a * n + b] = std::min(bounce[a], bounce[b]);
+    }
   Pairs listed;
   if (const Value* pairs = value.find("pairs"))
     for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed);
@@ -150,6 +166,7 @@ const Field<Scene> sections[] = {
     {"cloths", read_cloths},
     {"threads", read_threads},
     {"solids", read_solids},
+    {"joints", read_joints},
 };
 
 // newton solves equations between the nodes of one flexible body, and knows no contacts.
@@ -214,7 +231,7 @@ Scene read_scene(const std::string& path, const std::vector<Override>& overrides
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_form(root, scene);
-
+  scene.joint_colours = colour_joints(scene.joints, [&](Id id) { return group_of(scene, id).is_static; });
   if (scene.solver.name == "newton") check_newton(*root.find("solver")->find("name"), scene);
   return scene;
 }

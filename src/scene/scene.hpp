@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "joints/joint.hpp"
 #include "solve/settings.hpp"
 #include "world/body.hpp"
 
@@ -25,6 +26,7 @@ struct OutputSettings {
   int every = 1;               // frames between written frames; 0: none
   int checkpoint_every = 100;  // frames between checkpoints; 0: at the end only; -1: none at all
   bool single_precision = false;
+  bool joints = false;    // write what each joint does
   bool crossings = true;  // count, in every frame, the edges that go through faces
 };
 
@@ -92,13 +94,16 @@ struct Scene {
   SolverSettings solver;
   OutputSettings output;
   std::vector<std::string> materials{"default"};
-  std::vector<double> friction{0.5};  // materials x materials, row major, symmetric: Coulomb's mu of each pair
-  std::vector<BodyGroup> groups;      // in the order of the file; ids run on from group to group
+  std::vector<double> friction{0.5};   // materials x materials, row major, symmetric: Coulomb's mu of each pair
+  std::vector<double> restitution{0};  // the same: Newton's e, of speeds before and after an impact
+  std::vector<BodyGroup> groups;       // in the order of the file; ids run on from group to group
 
   std::vector<ConstraintGroup> constraint_groups;
   std::vector<Pin> pins;                // ascending ids
   std::vector<Attachment> attachments;  // ascending nodes
   std::vector<Surface> surfaces;
+  std::vector<Joint> joints;
+  std::int32_t joint_colours = 0;
 
   Id body_count() const;
   bool has_rotations() const;          // false: all bodies are particles

@@ -34,7 +34,14 @@ Vec3 midpoint_spin(const Vec3& inertia, const Vec3& spin, double step) {
   return w;
 }
 
+InverseInertia six_of(const Mat3& W) { return {W(0, 0), W(1, 1), W(2, 2), W(1, 2), W(0, 2), W(0, 1)}; }
+
 }  // namespace
+
+InverseInertia inverse_inertia(const Quat& orientation, const Vec3& inverse_moments) {
+  const Mat3 R = orientation.toRotationMatrix();
+  return six_of(R * inverse_moments.asDiagonal() * R.transpose());
+}
 
 FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, const Vec3& gravity, double step, bool planar) {
   FreeMotion motion{};
@@ -53,7 +60,7 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
       const Mat3 R = state.orientation.toRotationMatrix();
       const Vec3 inverse = planar ? Vec3(0, 1 / body.inertia.y(), 0) : Vec3(body.inertia.cwiseInverse());
       const Mat3 W = R * inverse.asDiagonal() * R.transpose();
-      motion.inverse_inertia = {W(0, 0), W(1, 1), W(2, 2), W(1, 2), W(0, 2), W(0, 1)};
+      motion.inverse_inertia = six_of(W);
       if (!planar && w != Vec3::Zero()) {
         const Vec3 spin = R.transpose() * w, mean = midpoint_spin(body.inertia, spin, step);
         motion.gyroscopic = R * body.inertia.cwiseProduct(spin - mean);

@@ -28,7 +28,8 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
     double change = 0;
     const std::size_t attachments = colours + (system.any_surface ? 1 : 0);
     const std::size_t constraints = attachments + (system.attachments ? 1 : 0);
-    const std::size_t groups = constraints + (system.constraints ? system.constraints->group_count() : 0);
+    const std::size_t joints = constraints + (system.constraints ? system.constraints->group_count() : 0);
+    const std::size_t groups = joints + (system.joints ? system.joints->colour_count() : 0);
     for (std::size_t i = 0; i < groups; ++i) {
       const std::size_t group = backwards ? groups - 1 - i : i;
       if (group < colours) {
@@ -46,6 +47,9 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
           system.apply_wrenches();
           change = std::max(change, sums.change);
         }
+      } else if (group >= joints) {
+        cut.exchange_joints(group - joints, system.bodies);
+        change = std::max(change, system.joints->relax(group - joints, system.bodies));
       } else {
         cut.exchange_group(group - constraints, system.bodies);
         change = std::max(change, system.constraints->relax(group - constraints, system.start(), system.bodies));

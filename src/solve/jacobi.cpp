@@ -89,6 +89,7 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
     system.contacts.sweep_jacobi(system.bodies, system.wrenches, beta, sums, system.counted);
     system.surface.sweep_jacobi(system.bodies, system.wrenches, beta, sums);
     if (system.attachments) system.attachments->sweep_jacobi(system.bodies, system.wrenches, beta, sums);
+    if (system.joints) system.joints->sweep_jacobi(system.bodies, system.wrenches, beta, sums);
     if (system.constraints) system.constraints->sweep_jacobi(system.start(), system.bodies, system.impulses, beta, sums);
     reduction.start(sums);
     system.apply_wrenches();

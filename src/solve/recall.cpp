@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "core/room.hpp"
 
@@ -17,7 +18,8 @@ Slot carrier(const World& world, const Manifold& m) { return world.is_static(m.s
 
 // There is one point at most, which rolls about its body and is the same contact wherever it is.
 bool has_one_point(const World& world, const Manifold& m) {
-  return is_round(world.properties[m.slot_a].shape) || is_round(world.properties[m.slot_b].shape);
+  const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;
+  return (is_round(a) || is_round(b)) && !is_composite(a.kind) && !is_composite(b.kind);
 }
 
 // In the frame of the body that carries a manifold's points.
@@ -34,20 +36,20 @@ class Places {
 };
 
 // For each of the manifold's points the nearest old one within reach that is not taken yet; -1: none.
-void match(const World& world, const Contacts& contacts, const Manifold& m, std::span<const Vec3> old, std::span<int> matches) {
+void match(const World& world, const Contacts& contacts, const Manifold& m, std::span<const Vec3> old, std::vector<bool>& used,
+           std::span<int> matches) {
   const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;
   const double size = reach * std::min(bounding_radius(a), bounding_radius(b));
   const Places places(world, m);
-  std::uint32_t used = 0;  // bit k: old point k is taken
   for (std::uint32_t p = 0; p < m.count; ++p) {
     const Vec3 place = places.of(contacts.points[m.first + p]);
     double nearest = size * size;
     matches[p] = -1;
     for (std::size_t k = 0; k < old.size(); ++k) {
       const double distance2 = (old[k] - place).squaredNorm();
-      if ((used >> k & 1) == 0 && distance2 < nearest) nearest = distance2, matches[p] = static_cast<int>(k);
+      if (!used[k] && distance2 < nearest) nearest = distance2, matches[p] = static_cast<int>(k);
     }
-    if (matches[p] >= 0) used |= 1u << matches[p];
+    if (matches[p] >= 0) used[static_cast<std::size_t>(matches[p])] = true;
   }
 }
 
@@ -58,13 +60,16 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
   std::fill(impulses.begin(), impulses.end(), ContactBatch::Impulse{0, 0, 0});
   const auto& old = multipliers.manifolds;
   std::size_t k = 0;
+  std::vector<bool> used;  // of the pair's old points
+  std::pair<Id, Id> last{-1, -1};
   for (const Manifold& m : contacts.manifolds) {
     const auto key = std::pair(m.id_a, m.id_b);
     while (k < old.size() && std::pair(old[k].id_a, old[k].id_b) < key) ++k;
     if (k == old.size()) break;
     if (std::pair(old[k].id_a, old[k].id_b) != key) continue;
     std::array<int, 8> matches{};
-    if (!has_one_point(world, m)) match(world, contacts, m, multipliers.places_of(k), matches);
+    if (key != last) used.assign(multipliers.places_of(k).size(), false), last = key;
+    if (!has_one_point(world, m)) match(world, contacts, m, multipliers.places_of(k), used, matches);
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
     for (std::uint32_t p = 0; p < m.count; ++p) {
       if (matches[p] < 0) continue;
@@ -82,7 +87,8 @@ void remember(Multipliers& multipliers, const World& world, const Contacts& cont
   for (const Manifold& m : contacts.manifolds) {
     const auto of_manifold = impulses.subspan(m.first, m.count);
     if (std::all_of(of_manifold.begin(), of_manifold.end(), is_zero)) continue;
-    multipliers.begin_manifold(m.id_a, m.id_b);
+    const auto& known = multipliers.manifolds;  // of two bodies of many parts all manifolds are remembered as one
+    if (known.empty() || known.back().id_a != m.id_a || known.back().id_b != m.id_b) multipliers.begin_manifold(m.id_a, m.id_b);
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
     for (const ContactBatch::Impulse& i : of_manifold)
       if (!is_zero(i)) multipliers.points.push_back({i.n / step, (s * i.s + t * i.t) / step});

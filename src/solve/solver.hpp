@@ -10,6 +10,7 @@
 #include "constraints/attachment_batch.hpp"
 #include "constraints/contact_batch.hpp"
 #include "constraints/surface_batch.hpp"
+#include "joints/joint_batch.hpp"
 #include "partition/cut.hpp"
 #include "solve/settings.hpp"
 #include "solve/system.hpp"
@@ -48,6 +49,7 @@ struct System {
   bool any_surface = false;  // some rank has contacts of surfaces
   AttachmentBatch attachment_rows;
   AttachmentBatch* attachments = nullptr;    // where the scene has any, in stages that have them
+  JointBatch* joints = nullptr;              // the same
   ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
   std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
   std::pmr::vector<Vec4d> moved_places;    // x + h v of each body, kept by sweeps of constraints; else empty

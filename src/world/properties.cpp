@@ -14,8 +14,8 @@ bool same_bits(const double* a, const double* b, std::size_t n) { return std::me
 
 bool same_bits(const BodyProperties& a, const BodyProperties& b) {
   const auto same = [](const Vec3& x, const Vec3& y) { return same_bits(x.data(), y.data(), 3); };
-  return a.shape.kind == b.shape.kind && a.motion == b.motion && a.material == b.material && a.group == b.group &&
-         same_bits(&a.mass, &b.mass, 1) && same(a.shape.size, b.shape.size) && same(a.inertia, b.inertia) &&
+  return a.shape.kind == b.shape.kind && a.shape.data == b.shape.data && a.motion == b.motion && a.material == b.material &&
+         a.group == b.group && same_bits(&a.mass, &b.mass, 1) && same(a.shape.size, b.shape.size) && same(a.inertia, b.inertia) &&
          same(a.force, b.force) && same(a.torque, b.torque);
 }
 

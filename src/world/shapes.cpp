@@ -1,92 +1,34 @@
-// Closed formulas for each shape; the price of a new shape here is one case in each function.
 #include "world/shapes.hpp"
 
-#include <cmath>
-#include <limits>
-#include <numbers>
+#include "world/shape_library.hpp"
+#include "world/shape_type.hpp"
 
 namespace unibody {
 
 namespace {
-constexpr double infinity = std::numeric_limits<double>::infinity();
-}
 
-double bounding_radius(const Shape& shape) {
-  switch (shape.kind) {
-    case ShapeKind::sphere:
-    case ShapeKind::disc:
-    case ShapeKind::particle:
-      return shape.size.x();
-    case ShapeKind::box:
-      return shape.size.norm();
-    case ShapeKind::plane:
-      break;
-  }
-  return infinity;
-}
+// In the order of ShapeKind.
+constexpr const ShapeType* shape_types[] = {&sphere_type,  &box_type,      &plane_type, &disc_type,     &particle_type,
+                                            &capsule_type, &cylinder_type, &hull_type,  &compound_type, &mesh_type};
+static_assert(std::size(shape_types) == shape_names.size());
 
+}  // namespace
+
+const ShapeType& type_of(ShapeKind kind) { return *shape_types[static_cast<std::size_t>(kind)]; }
+
+double bounding_radius(const Shape& shape) { return type_of(shape.kind).bounding_radius(shape); }
+Vec3 bounding_half_extents(const Shape& shape, const Mat3& rotation) { return type_of(shape.kind).half_extents(shape, rotation); }
 Vec3 bounding_half_extents(const Shape& shape, const Quat& orientation) {
-  switch (shape.kind) {
-    case ShapeKind::sphere:
-    case ShapeKind::particle:
-      return Vec3::Constant(shape.size.x());
-    case ShapeKind::box:
-      return orientation.toRotationMatrix().cwiseAbs() * shape.size;
-    case ShapeKind::disc: {
-      const Vec3 axis = orientation.toRotationMatrix().col(1);
-      return shape.size.x() * (1 - axis.array().square()).max(0).sqrt().matrix();
-    }
-    case ShapeKind::plane:
-      break;
-  }
-  return Vec3::Constant(infinity);
+  return bounding_half_extents(shape, orientation.toRotationMatrix());
 }
+double volume(const Shape& shape) { return type_of(shape.kind).volume(shape); }
+Vec3 inertia(const Shape& shape, double mass) { return type_of(shape.kind).inertia(shape, mass); }
+double smallest_size(const Shape& shape) { return type_of(shape.kind).smallest_size(shape); }
 
-double volume(const Shape& shape) {
-  const double r = shape.size.x();
-  switch (shape.kind) {
-    case ShapeKind::sphere:
-    case ShapeKind::particle:
-      return 4 * std::numbers::pi / 3 * r * r * r;
-    case ShapeKind::box:
-      return 8 * shape.size.prod();
-    case ShapeKind::disc:
-      return std::numbers::pi * r * r;
-    case ShapeKind::plane:
-      break;
-  }
-  return 0;
-}
-
-Vec3 inertia(const Shape& shape, double mass) {
-  const Vec3 s = shape.size.cwiseProduct(shape.size);
-  switch (shape.kind) {
-    case ShapeKind::sphere:
-      return Vec3::Constant(0.4 * mass * s.x());
-    case ShapeKind::box:
-      return mass / 3 * Vec3(s.y() + s.z(), s.z() + s.x(), s.x() + s.y());
-    case ShapeKind::disc:
-      return mass * s.x() * Vec3(0.25, 0.5, 0.25);
-    case ShapeKind::particle:
-      return Vec3::Zero();
-    case ShapeKind::plane:
-      break;
-  }
-  return Vec3::Ones();
-}
-
-double smallest_size(const Shape& shape) {
-  switch (shape.kind) {
-    case ShapeKind::sphere:
-    case ShapeKind::disc:
-    case ShapeKind::particle:
-      return 2 * shape.size.x();
-    case ShapeKind::box:
-      return 2 * shape.size.minCoeff();
-    case ShapeKind::plane:
-      break;
-  }
-  return infinity;
+Quat frame_of(const Shape& shape) {
+  if (shape.kind == ShapeKind::hull) return shape_library().hulls[shape.data].frame;
+  if (shape.kind == ShapeKind::compound) return shape_library().compounds[shape.data].frame;
+  return Quat::Identity();
 }
 
 }  // namespace unibody

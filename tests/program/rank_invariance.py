@@ -98,6 +98,24 @@ class RankInvariance(ProgramTest):
             held = sum(int(row["held_pairs (1)"]) for row in report)
             self.assertGreater(held, 0)
 
+    # A chain across all ranks, and a tree that has fallen on a bar: also what each joint does.
+    def test_joints(self):
+        tree = ("bodies[2].tree.levels=6", "bodies[2].position=[0, 0, 3.5]", "time.frames=60")
+        for scene, solver, more in (("chain_heavy_ball", "accelerated_jacobi", ("time.frames=20",)), ("hierarchy", "accelerated_jacobi", tree),
+                                    ("hierarchy", "gauss_seidel", tree)):
+            base = f"{scene}_{solver}"
+            options = [word for text in (f"solver.name={solver}", "output.every=20", "output.joints=true", *more) for word in ("-set", text)]
+            runs = [self.good(SCENES / f"{scene}.yaml", f"{base}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
+            runs.append(self.good(SCENES / f"{scene}.yaml", f"{base}_5", *options, "-partition", "random:3", ranks=3))
+            for n in (2, 3, 4, 5):
+                with self.subTest(scene=scene, solver=solver, run=n):
+                    self.assertEqual(runs[n - 1].state, runs[0].state)
+                    self.assert_same(f"{base}_1", f"{base}_{n}", ("frames.h5", "checkpoint.h5", "joints.csv", "joints.h5"))
+            report = list(csv.DictReader((self.folder / f"{base}_1" / "report.csv").read_text().splitlines()))
+            drift = [float(row["joint_drift_max (m)"]) for row in report]
+            self.assertGreater(max(drift), 1e-6, "nothing pulls at any joint: such a run tells nothing")
+            self.assertLess(max(drift), 0.1)
+
     # Contacts with and without friction side by side in every block of four, which contacts share one depends on the rank.
     def test_every_friction_model(self):
         scene = self.scene(MIXED)

@@ -73,6 +73,23 @@ TIED = """
 """
 
 
+# A chain that swings into a box, and a motor that has not reached its speed by then.
+JOINTED = """
+    time: {step: 0.016, frames: 60}
+    output: {every: 20, checkpoint_every: 30}
+    solver: {iterations: 12}
+    bodies:
+      - {name: box, shape: {box: {size: [0.3, 0.3, 0.3]}}, mass: 3, position: [0.2, 0, -1.2]}
+      - {name: wheel, shape: {sphere: {radius: 0.3}}, mass: 5, position: [0, 3, 0]}
+      - shape: {box: {size: [0.09, 0.03, 0.02]}}
+        mass: 0.1
+        chain: {count: 12, from: [0, 0, 0], to: [0.8, 0, -0.8], held: start, joint: {type: ball}, ball: {radius: 0.1, mass: 2}}
+    joints:
+      - {type: hinge, bodies: [wheel, world], anchor: [0, 3, 0], axis: [0, 1, 0], motor: {speed: 40, max_torque: 5}, friction: 1}
+      - {type: slider, bodies: [box, world], anchor: [0, 0, -1.2], axis: [1, 0, 0], limits: [-1, 0.1]}
+"""
+
+
 def frame_of(checkpoint):
     with h5py.File(checkpoint, "r") as file:
         return int(file.attrs["frame"])
@@ -122,6 +139,15 @@ class Restart(ProgramTest):
 
     def test_tied_bodies_in_the_wind(self):
         self.check(text=TIED, change="wind=[1, 0, 2.1]")
+
+    def test_jointed_bodies(self):
+        self.check(text=JOINTED, change="joints[0].motor.max_torque=5.1")
+
+    def test_jointed_bodies_by_gauss_seidel(self):
+        self.check("-set", "solver.name=gauss_seidel", text=JOINTED, change="joints[0].friction=1.1", ranks=(3,))
+
+    def test_other_joints_are_refused(self):
+        self.check_refused(JOINTED, ("joints[0].motor.speed=41", "joints[0].friction=2", "joints[1].limits=[-1, 0.2]", "bodies[2].chain.held=none"))
 
     # From the middle of the impact: sheets lie on each other and on themselves, and the guard holds pairs before and after.
     def test_sheets_on_sheets_and_on_themselves(self):

@@ -99,11 +99,14 @@ const std::vector<BadInput> bad_values{
 
 const std::vector<BadInput> bad_bodies{
     {"no_shape", "bodies:\n  - mass: 1\n",
-     "FILE:2: key 'bodies[0].shape': found nothing, expected a map with the key sphere, box, plane, disc or particle"},
+     "FILE:2: key 'bodies[0].shape': found nothing, expected a map with the key sphere, box, plane, disc, particle, "
+     "capsule, cylinder, hull, compound or mesh"},
     {"unknown_shape", "bodies:\n  - shape: {ball: {radius: 1}}\n",
-     "FILE:2: key 'bodies[0].shape.ball': found an unknown key, expected sphere, box, plane, disc or particle"},
+     "FILE:2: key 'bodies[0].shape.ball': found an unknown key, expected sphere, box, plane, disc, particle, "
+     "capsule, cylinder, hull, compound or mesh"},
     {"two_shapes", "bodies:\n  - shape: {sphere: {radius: 1}, box: {size: [1, 1, 1]}}\n",
-     "FILE:2: key 'bodies[0].shape': found a map of 2 shapes, expected one of sphere, box, plane, disc or particle"},
+     "FILE:2: key 'bodies[0].shape': found a map of 2 shapes, expected one of sphere, box, plane, disc, "
+     "particle, capsule, cylinder, hull, compound or mesh"},
     {"radius_missing", "bodies:\n  - shape: {sphere: {}}\n",
      "FILE:2: key 'bodies[0].shape.sphere.radius': found nothing, expected a number > 0 (m)"},
     {"negative_radius", "bodies:\n  - shape: {sphere: {radius: -1}}\n",
@@ -177,7 +180,7 @@ const std::vector<BadInput> bad_generators{
     {"wall_of_spheres", with_body("mass: 1\n    wall: {bricks: 3, courses: 2}"),
      "FILE:4: key 'bodies[0].wall': found bricks that aren't boxes, expected shape: {box: ...}"},
     {"planes_in_a_stack", "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}, stack: {count: 2}}\n",
-     "FILE:2: key 'bodies[0].shape': found a plane in a stack, expected sphere, box, disc or particle"},
+     "FILE:2: key 'bodies[0].shape': found a plane in a stack, expected a shape that can move"},
     {"shape_beside_a_pile", with_body("mass: 1\n    pile: {count: 1}"),
      "FILE:2: key 'bodies[0].shape': found an unknown key, expected name, material, position, orientation, mass, density, "
      "motion, "

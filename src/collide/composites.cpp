@@ -1,0 +1,139 @@
+// Compounds and meshes: their parts and triangles, each as a body of its own with the whole body's motion.
+#include <algorithm>
+#include <cmath>
+
+#include "collide/convex_pairs.hpp"
+#include "collide/mesh_triangles.hpp"
+#include "collide/narrowphase.hpp"
+#include "world/shape_library.hpp"
+
+namespace unibody {
+
+namespace {
+
+using Found = std::function<void(const PairManifold&)>;
+
+Proxy part_of(const Proxy& whole, const Compound::Part& part) {
+  Proxy p = whole;
+  p.position = whole.position + whole.rotation * part.place;
+  p.rotation = whole.rotation * part.turn.toRotationMatrix();
+  p.kind = part.shape.kind, p.data = part.shape.data;
+  p.half = is_round(part.shape) ? Vec3::Constant(part.shape.size.x()) : part.shape.size;
+  p.radius = bounding_radius(part.shape);
+  p.half_size = 0.5 * smallest_size(part.shape);
+  return p;  // its spin_reach is that of the whole, which moves the part's centre too
+}
+
+// A mesh's triangles in its own frame; b is the mesh.
+class OnMesh {
+ public:
+  OnMesh(const Proxy& a, const Proxy& b, const CollideSettings& settings)
+      : a_(a), b_(b), settings_(settings), mesh_(shape_library().meshes[b.data]) {
+    const Mat3 back = b.rotation.transpose();
+    margin_ = pair_margin(a, b, settings);
+    place_ = back * (a.position - b.position);
+    velocity_ = back * (a.velocity - b.velocity);
+    const Mat3 turn = back * a.rotation;
+    const Vec3 extent = bounding_half_extents(a.shape(), turn).array() + margin_ + 2 * deepest_behind * a.half_size;
+    mesh_.find(place_ - extent, place_ + extent, triangles_);
+    body_ = convex_body(a.shape(), turn, Vec3::Zero());
+  }
+
+  void run(bool swapped, const Found& f) {
+    for (const std::int32_t t : triangles_) {
+      PairManifold m;
+      if (!collide(mesh_.triangles[static_cast<std::size_t>(t)], m)) continue;
+      for (int i = 0; i < m.count; ++i) m.points[i].position = b_.position + b_.rotation * (place_ + m.points[i].position);
+      m.normal = b_.rotation * m.normal;
+      if (swapped) m.normal = -m.normal;
+      f(m);
+    }
+  }
+
+ private:
+  MeshTriangle in_place(const MeshShape::Triangle& t, const Vec3& centre) const {
+    MeshTriangle result{{}, {}, &t, t.normal};
+    for (std::size_t k = 0; k < 3; ++k) {
+      result.nodes[k] = mesh_.nodes[static_cast<std::size_t>(t.nodes[k])] - centre;
+      if (t.across[k] >= 0) result.across[k] = mesh_.nodes[static_cast<std::size_t>(t.across[k])] - centre;
+    }
+    return result;
+  }
+
+  // Positions from the body's centre.
+  bool collide(const MeshShape::Triangle& t, PairManifold& m) {
+    const double travel = settings_.step * velocity_.norm();
+    double time = 0;
+    if (travel > a_.half_size && velocity_.dot(t.normal) < 0) time = first_touch(t);
+    const MeshTriangle triangle = in_place(t, place_ + time * velocity_);
+    if (!triangle_manifold(body_, triangle, margin_, m)) return false;
+    const double closed = time * std::max(0.0, -m.normal.dot(velocity_));
+    for (int i = 0; i < m.count; ++i) m.points[i].gap += closed;
+    tidy(m, time > 0 ? margin_ : std::min(margin_, margin_along(b_.rotation * m.normal, a_, b_, settings_)));
+    return m.count > 0;
+  }
+
+  // s; 0 where it is not within the step, or they touch already.
+  double first_touch(const MeshShape::Triangle& t) const {
+    double time = 0;
+    for (int i = 0; i < 32; ++i) {
+      const MeshTriangle triangle = in_place(t, place_ + time * velocity_);
+      const ConvexBody face = convex_triangle(triangle.nodes, body_.size);
+      ConvexDistance distance;
+      if (distance_of_cores(body_, face, 4 * (a_.radius + settings_.step * velocity_.norm() + margin_), distance) != Cores::apart)
+        return time;
+      if (distance.gap <= 1e-6 * body_.size) return time;
+      const double closing = -distance.normal.dot(velocity_);
+      if (closing <= 0) return 0;
+      time += distance.gap / closing;
+      if (!(time <= settings_.step)) return 0;
+    }
+    return time;
+  }
+
+  const Proxy &a_, &b_;
+  const CollideSettings& settings_;
+  const MeshShape& mesh_;
+  double margin_;
+  Vec3 place_, velocity_;
+  ConvexBody body_;
+  std::vector<std::int32_t> triangles_;
+};
+
+bool may_touch(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
+  if (a.kind == ShapeKind::plane || b.kind == ShapeKind::plane || is_composite(a.kind) || is_composite(b.kind)) return true;
+  const double reach = a.radius + b.radius + pair_margin(a, b, settings);
+  return (a.position - b.position).squaredNorm() <= reach * reach;
+}
+
+}  // namespace
+
+void for_each_part(const Proxy& whole, const std::function<void(const Proxy&)>& f) {
+  if (whole.kind != ShapeKind::compound) return f(whole);
+  for (const Compound::Part& part : shape_library().compounds[whole.data].parts) f(part_of(whole, part));
+}
+
+void collide_composites(const Proxy& a, const Proxy& b, const CollideSettings& settings, const Found& f) {
+  for (const bool second : {false, true}) {
+    const Proxy &whole = second ? b : a, &other = second ? a : b;
+    if (whole.kind != ShapeKind::compound) continue;
+    for (const Compound::Part& part : shape_library().compounds[whole.data].parts) {
+      const Proxy p = part_of(whole, part);
+      if (!may_touch(p, other, settings)) continue;
+      second ? collide_composites(other, p, settings, f) : collide_composites(p, other, settings, f);
+    }
+    return;
+  }
+  const bool mesh_a = a.kind == ShapeKind::mesh, mesh_b = b.kind == ShapeKind::mesh;
+  if (mesh_a && mesh_b) return;
+  if (mesh_a || mesh_b) {
+    const Proxy& other = mesh_a ? b : a;
+    if (other.kind == ShapeKind::plane) return;
+    return OnMesh(other, mesh_a ? a : b, settings).run(mesh_a, f);
+  }
+  PairManifold found;
+  collide_pair(a, b, settings, found);
+  if (found.count > 0) f(found);
+}
+
+}  // namespace unibody

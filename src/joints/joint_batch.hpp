@@ -1,0 +1,110 @@
+// All joints of a step on this rank, and the passes that solvers make over them (paper, Algorithm 1).
+//
+// Row k of a joint: r_k = (c_k + E_k lambda_k / h + rho D_k u) / (h + rho), with c taken anew in every pass at the bodies' places
+// and attitudes after the step, and D those at its start (as in SHAKE, Ryckaert et al. 1977): momentum and angular momentum are
+// kept, nothing is damped, and what a step comes to does not depend on the way of the iterations. Unknowns are impulses
+// lambda = h gamma (N s, N m s). Of a body that turns far in the step the rows are taken straight: c + h D u. A joint's own rows
+// are solved as one block, whose bodies' masses are shared by their counts with the Jacobi solvers. Rows that others of the block
+// determine already are left alone: those whose pivot falls below 1e-10 of their diagonal. What loops of joints determine twice
+// needs no rule: every step is along a safe block, and the multipliers settle where the start and the iterations leave them.
+//
+// Limits, motors and friction are rows of their own beside the block. They see one angle, offset or span, c, and have a bounded
+// multiplier: within limits, lambda is 0 where lower < c < upper; a drive wants its rate, or c where that is near, at a target
+// with |lambda| below h times its strength.
+#pragma once
+
+#include <memory_resource>
+#include <span>
+#include <vector>
+
+#include "joints/joint.hpp"
+#include "joints/joint_type.hpp"
+#include "solve/system.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+// A joint's bodies on this rank.
+struct JointSlots {
+  Slot a = 0, b = 0;    // of the world: the body that is nobody
+  bool counted = true;  // this rank counts it in sums over all ranks
+};
+
+class JointBatch {
+ public:
+  explicit JointBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : parts_(memory) {}
+
+  // Lays out the joints `list` of `joints`, in this order or colour by colour. The body that is nobody is the last of `bodies`.
+  // counts: how many constraints share each slot's mass; empty for Gauss-Seidel. scaling: factor on them; step: s.
+  void build(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots, bool by_colour,
+             std::int32_t colours, const World& world, std::span<const SolverBody> bodies,
+             std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
+             std::span<const std::int32_t> counts, double scaling, double step);
+
+  // How many rows or blocks a joint puts between its bodies: what it adds to their counts.
+  static std::int32_t parts_of(const Joint& joint);
+
+  // Index = that of the joint in build()'s list.
+  void set_impulses(std::span<const JointImpulses> impulses, double share);
+  void get_impulses(std::span<JointImpulses> impulses) const;
+
+  // Adds D lambda to the bodies' wrenches: a warm start.
+  void add_impulses(std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
+
+  // One Jacobi sweep, as ConstraintBatch's.
+  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums);
+
+  // One Gauss-Seidel pass over a colour: each joint changes its bodies at once. Returns the largest change (m).
+  std::size_t colour_count() const { return colour_end_.size(); }
+  double relax(std::size_t colour, std::span<SolverBody> bodies);
+
+  // Natural residual (m): the largest (h + rho) |r| of the joints' own rows, and of bounded ones what a step by their own
+  // mobility would change. Angles count by their joint's lever.
+  double residual(std::span<const SolverBody> bodies) const;
+
+  std::size_t bytes() const { return parts_.capacity() * sizeof(Part); }
+
+ private:
+  enum class Law : std::uint8_t { equal, within, rate, place };
+  // One side at the start of the step.
+  struct Side {
+    Slot slot;
+    double inverse_mass, share;  // 1/kg; how many constraints share the mass
+    Vec3 centre, arm;            // m; the arm in the joint's axes
+    Quat axes;
+    Mat3 inverse_inertia;  // 1/(kg m^2), world frame
+  };
+  struct Part {
+    Side side[2];
+    std::uint32_t joint;  // in build()'s list
+    std::uint8_t type, first;
+    Law law;
+    bool counted;
+    double compliance, turning, damping, lever;
+    double lower, upper;              // within: m or rad; rate, place: the target, and N m or N
+    std::array<double, 6> lambda, y;  // N s or N m s
+  };
+  template <class T>
+  struct Rows;
+  template <class T>
+  struct Step;
+
+  void add_parts(const Joint& joint, const Part& common);
+  void limit_approach(Part& part, JointKind kind) const;
+  static JointEnd end_of(const Side& side, const SolverBody& body, double step);
+  template <class T>
+  static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies, double step);
+  template <class T>
+  std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,
+                                          std::span<const SolverBody> bodies) const;
+  template <class T>
+  Step<T> step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies, bool shared) const;
+  template <class T>
+  static double length_of(const Part& part, std::size_t row, double x);
+
+  std::pmr::vector<Part> parts_;
+  std::vector<std::size_t> colour_end_;
+  double step_ = 0.016;
+};
+
+}  // namespace unibody

@@ -1,0 +1,127 @@
+#include "joints/joint_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "joints/joint_types.hpp"
+
+namespace unibody {
+
+namespace {
+
+bool is_home(const World& world, Id id) {
+  const Slot slot = id < 0 ? -1 : world.find(id);
+  return slot >= 0 && world.is_home(slot);
+}
+
+const Joint& at(std::span<const Joint> joints, std::int64_t number) { return joints[static_cast<std::size_t>(number)]; }
+
+}  // namespace
+
+JointList joints_here(std::span<const Joint> joints, const World& world) {
+  JointList list;
+  for (std::size_t j = 0; j < joints.size(); ++j)
+    if (is_home(world, joints[j].ids[0]) || is_home(world, joints[j].ids[1])) list.push_back(static_cast<std::int64_t>(j));
+  return list;
+}
+
+std::vector<Id> partners(std::span<const Joint> joints, const JointList& list, const World& world) {
+  std::vector<Id> wanted;
+  for (const std::int64_t number : list)
+    for (const Id id : at(joints, number).ids)
+      if (id >= 0 && world.find(id) < 0) wanted.push_back(id);
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  return wanted;
+}
+
+std::vector<JointSlots> joint_slots(std::span<const Joint> joints, const JointList& list, const World& world, Slot nobody) {
+  std::vector<JointSlots> slots;
+  slots.reserve(list.size());
+  for (const std::int64_t number : list) {
+    const auto& ids = at(joints, number).ids;
+    const Slot a = world.find(ids[0]), b = ids[1] < 0 ? nobody : world.find(ids[1]);
+    slots.push_back({a, b, world.is_home(world.is_static(a) ? b : a)});
+  }
+  return slots;
+}
+
+void leave_out_jointed(std::span<const Joint> joints, const JointList& list, Contacts& contacts) {
+  std::vector<std::pair<Id, Id>> pairs;
+  for (const std::int64_t number : list) {
+    const Joint& joint = at(joints, number);
+    if (!joint.collide && joint.ids[1] >= 0) pairs.push_back(std::minmax(joint.ids[0], joint.ids[1]));
+  }
+  if (pairs.empty()) return;
+  std::sort(pairs.begin(), pairs.end());
+  leave_out(contacts,
+            [&](const Manifold& m) { return std::binary_search(pairs.begin(), pairs.end(), std::pair(m.id_a, m.id_b)); });
+}
+
+std::int32_t colour_joints(std::span<Joint> joints, const std::function<bool(Id)>& is_static) {
+  std::unordered_map<Id, std::vector<std::int32_t>> taken;
+  std::int32_t colours = 0;
+  for (Joint& joint : joints) {
+    const auto is_taken = [&](std::int32_t colour) {
+      return std::any_of(joint.ids.begin(), joint.ids.end(), [&](Id id) {
+        const auto found = taken.find(id);
+        return found != taken.end() && std::find(found->second.begin(), found->second.end(), colour) != found->second.end();
+      });
+    };
+    for (joint.colour = 0; is_taken(joint.colour);) ++joint.colour;
+    for (const Id id : joint.ids)
+      if (id >= 0 && !is_static(id)) taken[id].push_back(joint.colour);
+    colours = std::max(colours, joint.colour + 1);
+  }
+  return colours;
+}
+
+JointEnd joint_end(const Joint& joint, std::size_t end, const World& world, Slot slot) {
+  const auto s = static_cast<std::size_t>(slot);
+  const bool is_body = s < world.size();
+  const Quat attitude = is_body ? world.orientation_of(s) : Quat::Identity();
+  const Vec3 centre = is_body ? world.position[s] : Vec3(Vec3::Zero());
+  return {centre, (attitude * joint.frame[end]).toRotationMatrix(), centre + attitude * joint.anchor[end]};
+}
+
+double turning_stiffness(const Joint& joint, std::size_t end, const JointImpulses& impulses) {
+  return with_joint_type(static_cast<std::uint8_t>(joint.kind), [&]<class T>() {
+    double force = 0, torque = 0;
+    for (std::size_t k = 0; k < T::rows; ++k) (k + T::angles < T::rows ? force : torque) += impulses.value[k] * impulses.value[k];
+    return std::sqrt(force) * joint.anchor[end].norm() + std::sqrt(torque);
+  });
+}
+
+JointState joint_state(const Joint& joint, const JointSlots& slots, const World& world, const JointImpulses& impulses,
+                       double step) {
+  const JointEnd a = joint_end(joint, 0, world, slots.a), b = joint_end(joint, 1, world, slots.b);
+  JointState state;
+  with_joint_type(static_cast<std::uint8_t>(joint.kind), [&]<class T>() {
+    JointRows<T::rows> rows;
+    T::evaluate(a, b, rows);
+    double drift = 0, turn = 0;
+    for (std::size_t k = 0; k < T::rows; ++k) {
+      const double force = impulses.value[k] / step;
+      state.force += force * rows.linear[k];
+      state.torque += force * (rows.angular[k] - (a.point - a.centre).cross(rows.linear[k]));
+      (k + T::angles < T::rows ? drift : turn) += rows.value[k] * rows.value[k];
+    }
+    state.drift = std::sqrt(drift), state.turn = std::sqrt(turn);
+  });
+  if (joint.kind == JointKind::rope) state.coordinate = state.drift, state.drift = std::max(0.0, state.drift - joint.length);
+  if (!joint.has_coordinate()) return state;
+  with_joint_type(coordinate_of(joint.kind), [&]<class T>() {
+    JointRows<T::rows> rows;
+    T::evaluate(a, b, rows);
+    state.coordinate = rows.value[0];
+    const double passed = std::max({0.0, joint.lower - state.coordinate, state.coordinate - joint.upper});
+    double& error = T::angles > 0 ? state.turn : state.drift;
+    error = std::max(error, passed);
+  });
+  state.limit = impulses.value[JointImpulses::limits] / step, state.motor = impulses.value[JointImpulses::motor] / step;
+  state.friction = impulses.value[JointImpulses::friction] / step;
+  return state;
+}
+
+}  // namespace unibody

@@ -1,0 +1,34 @@
+// The part of a checkpoint that scenes with joints have: the joints' impulses.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+
+#include "core/hdf5.hpp"
+#include "joints/joint_set.hpp"
+
+namespace unibody {
+
+// Rows in order of the joints' numbers, one a joint; this rank's share, from row `first` on.
+struct JointRowBlock {
+  std::int64_t count = 0, first = 0;  // of all joints; of this rank's
+  std::vector<JointImpulses> rows;
+};
+
+// Of `count` joints, those of `list` being here. Collective.
+JointRowBlock joint_row_block(MPI_Comm comm, std::int64_t count, const JointList& list, std::span<const JointSlots> slots,
+                              std::span<const JointImpulses> impulses);
+
+// A sum of hashes, the same in any order.
+std::uint64_t sum_of_hashes(const JointRowBlock& block);
+
+// Writes data set `joints` where there are any; false: the disk fails. Collective.
+[[nodiscard]] bool write_joint_rows(hid_t file, const JointRowBlock& block);
+
+// This rank's share of what the file holds, and the impulses of the joints that are here. Throw std::runtime_error where the file
+// is damaged.
+JointRowBlock read_joint_rows(MPI_Comm comm, hid_t file);
+std::vector<JointImpulses> read_joint_impulses(hid_t file, const JointList& list);
+
+}  // namespace unibody

@@ -1,0 +1,120 @@
+#include "report/joint_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/errors.hpp"
+#include "core/exact_sum.hpp"
+#include "partition/messages.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr int tag_states = 181;
+constexpr std::size_t columns = 12;
+constexpr const char* column_names =
+    "coordinate (rad or m),drift (m),turn (rad),force_x (N),force_y (N),force_z (N),torque_x (N m),torque_y (N m),torque_z (N m),"
+    "limit (N m or N),motor (N m or N),friction (N m or N)";
+
+}  // namespace
+
+std::vector<NamedValue> joint_columns(MPI_Comm comm, std::size_t joint_count, std::span<const JointSlots> slots,
+                                      std::span<const JointState> states, double residual) {
+  if (joint_count == 0) return {};
+  std::array<ExactSum, 2> squares;
+  std::array<double, 2> largest{};
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!slots[i].counted) continue;
+    squares[0] += states[i].drift * states[i].drift, squares[1] += states[i].turn * states[i].turn;
+    largest[0] = std::max(largest[0], states[i].drift), largest[1] = std::max(largest[1], states[i].turn);
+  }
+  const auto total = all_sums(comm, squares);
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, comm);
+  const auto n = static_cast<double>(joint_count);
+  return {{"joint_drift_max (m)", largest[0]},
+          {"joint_drift_rms (m)", std::sqrt(total[0] / n)},
+          {"joint_turn_max (rad)", largest[1]},
+          {"joint_turn_rms (rad)", std::sqrt(total[1] / n)},
+          {"residual_joint (m)", residual}};
+}
+
+struct JointFiles::Row {
+  std::int64_t number;
+  std::array<double, columns> value;
+};
+
+JointFiles::JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints)
+    : comm_(comm), directory_(directory), joints_(joints) {
+  MPI_Comm_rank(comm, &rank_);
+  std::string fault;
+  if (rank_ == 0) try {
+      const h5::Quiet quiet;
+      csv_ = std::fopen((directory + "/joints.csv").c_str(), "w");
+      if (csv_ == nullptr || std::fprintf(csv_, "frame,time (s),joint,type,%s\n", column_names) < 0)
+        throw std::runtime_error("joints.csv");
+      h5_ = h5::create_file(MPI_COMM_SELF, directory + "/joints.h5");
+      h5::write_attribute(h5_, "columns", std::string(column_names));
+      h5::write_attribute(h5_, "rows", std::string("joints, in the order of the scene"));
+      frames_ = h5::create_group(h5_, "frames");
+    } catch (const std::runtime_error& e) {
+      fault = "cannot write in '" + directory + "': " + e.what();
+    }
+  fault = first_fault(comm, fault);
+  if (!fault.empty()) throw RunError(fault);
+}
+
+JointFiles::~JointFiles() {
+  if (csv_ != nullptr) std::fclose(csv_);
+}
+
+void JointFiles::write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
+                       std::span<const JointState> states) {
+  int size = 1;
+  MPI_Comm_size(comm_, &size);
+  std::vector<std::vector<Row>> to(static_cast<std::size_t>(size));
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!slots[i].counted) continue;
+    const JointState& s = states[i];
+    to[0].push_back({list[i],
+                     {s.coordinate, s.drift, s.turn, s.force[0], s.force[1], s.force[2], s.torque[0], s.torque[1], s.torque[2],
+                      s.limit, s.motor, s.friction}});
+  }
+  std::vector<Row> rows;
+  for (const auto& from : exchange_all(comm_, to, tag_states)) rows.insert(rows.end(), from.begin(), from.end());
+  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.number < b.number; });
+  std::string fault;
+  if (rank_ == 0) try {
+      const h5::Quiet quiet;
+      write_rows(frame, time, rows);
+    } catch (const std::runtime_error& e) {
+      fault = "cannot write joints in '" + directory_ + "': " + e.what();
+    }
+  fault = first_fault(comm_, fault);
+  if (!fault.empty()) throw RunError(fault);
+}
+
+void JointFiles::write_rows(std::int64_t frame, double time, const std::vector<Row>& rows) {
+  std::vector<double> values;
+  bool good = true;
+  for (const Row& row : rows) {
+    const auto kind = static_cast<std::size_t>(joints_[static_cast<std::size_t>(row.number)].kind);
+    good = std::fprintf(csv_, "%lld,%.17g,%lld,%s", static_cast<long long>(frame), time, static_cast<long long>(row.number),
+                        joint_names[kind].data()) >= 0 &&
+           good;
+    for (const double x : row.value) good = std::fprintf(csv_, ",%.17g", x) >= 0 && good;
+    good = std::fputc('\n', csv_) != EOF && good;
+    values.insert(values.end(), row.value.begin(), row.value.end());
+  }
+  std::array<char, 32> name{};
+  std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
+  const auto table = h5::create_dataset(frames_, name.data(), H5T_IEEE_F64LE, rows.size(), columns);
+  h5::write_attribute(table, "time", time);
+  good = h5::write_rows(table, H5T_NATIVE_DOUBLE, 0, rows.size(), values.data()) && good;
+  good = H5Fflush(h5_, H5F_SCOPE_GLOBAL) >= 0 && std::fflush(csv_) == 0 && good;
+  if (!good) throw std::runtime_error("is the disk full?");
+}
+
+}  // namespace unibody

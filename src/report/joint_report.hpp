@@ -1,0 +1,47 @@
+// What joints do, for report.csv and for those who come for the forces.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdio>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/hdf5.hpp"
+#include "joints/joint_set.hpp"
+#include "report/stretch.hpp"
+
+namespace unibody {
+
+// How far joints are open (m) and turned apart (rad): the largest, and the root mean square over all joints. Empty where the
+// scene has none. residual: m, of the step. Collective; the same bits on any number of ranks.
+std::vector<NamedValue> joint_columns(MPI_Comm comm, std::size_t joint_count, std::span<const JointSlots> slots,
+                                      std::span<const JointState> states, double residual);
+
+// joints.csv and joints.h5: what each joint does, frame by frame, in order of its number.
+class JointFiles {
+ public:
+  // Members are collective and throw RunError on every rank where the disk fails; rank 0 writes.
+  JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints);
+  ~JointFiles();
+  JointFiles(const JointFiles&) = delete;
+  JointFiles& operator=(const JointFiles&) = delete;
+
+  // Of this rank's joints.
+  void write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
+             std::span<const JointState> states);
+
+ private:
+  struct Row;
+  void write_rows(std::int64_t frame, double time, const std::vector<Row>& rows);
+
+  MPI_Comm comm_;
+  int rank_ = 0;
+  std::string directory_;
+  std::span<const Joint> joints_;
+  std::FILE* csv_ = nullptr;
+  h5::Handle h5_, frames_;
+};
+
+}  // namespace unibody

@@ -1,0 +1,12 @@
+// Generators of jointed bodies: chains, trees and ragdolls.
+#pragma once
+
+#include "scene/generators.hpp"
+
+namespace unibody {
+
+Generated read_chain(const Value& value, const BodyTemplate& body, const Scene& scene);
+Generated read_tree(const Value& value, const BodyTemplate& body, const Scene& scene);
+Generated read_ragdolls(const Value& value, const BodyTemplate& body, const Scene& scene);
+
+}  // namespace unibody

@@ -1,0 +1,277 @@
+#include "scene/joints.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "scene/flexible.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr double degree = M_PI / 180;
+const std::vector<std::string> kinds{joint_names.begin(), joint_names.end()};
+
+bool turns_about_axis(JointKind kind) { return kind == JointKind::hinge; }
+
+// Numbers along a hinge's or slider's way: degrees or metres.
+double read_place(const Value& value, JointKind kind, const std::string& what = "") {
+  if (!turns_about_axis(kind)) return value.number(any_number, "m" + what);
+  return degree * value.number({-180, 180}, "degrees" + what);
+}
+
+void read_limits(const Value& value, Joint& joint) {
+  const bool angle = turns_about_axis(joint.kind);
+  const std::string unit = angle ? "degrees" : "m";
+  const auto pair = value.numbers(2, angle ? Range{-180, 180} : any_number, unit + ", lower and upper");
+  if (!(pair[0] <= pair[1])) value.fail_expected("the lower limit before the upper (" + unit + ")");
+  joint.lower = angle ? degree * pair[0] : pair[0], joint.upper = angle ? degree * pair[1] : pair[1];
+}
+
+void read_motor(const Value& value, Joint& joint) {
+  const bool angle = turns_about_axis(joint.kind);
+  const char *place_key = angle ? "angle" : "offset", *strength_key = angle ? "max_torque" : "max_force";
+  value.map({"speed", place_key, strength_key});
+  const Value *speed = value.find("speed"), *place = value.find(place_key);
+  if (speed && place)
+    place->fail(place->found() + " beside speed " + speed->found(), std::string("only one of speed and ") + place_key);
+  if (!speed && !place)
+    value.fail_missing("speed", std::string("a speed (") + (angle ? "rad/s" : "m/s") + ") or " + place_key + ": (" +
+                                    (angle ? "degrees)" : "m)"));
+  joint.motor = speed ? Motor::speed : Motor::position;
+  joint.target = speed ? speed->number(any_number, angle ? "rad/s" : "m/s") : read_place(*place, joint.kind);
+  joint.strength =
+      need(value, strength_key, angle ? "a number > 0 (N m)" : "a number > 0 (N)").number(positive, angle ? "N m" : "N");
+}
+
+// A body as the entry of a joint names it.
+struct Named {
+  std::optional<Body> body;  // none: the world
+};
+
+constexpr const char* named = "the name of a body, as door or pile[3], its entry's place in the list, or world";
+
+const BodyGroup& entry_named(const Value& value, const std::string& name, const Scene& scene) {
+  const auto begin = scene.groups.begin();
+  const auto end = begin + static_cast<std::ptrdiff_t>(scene.groups.size() - scene.constraint_groups.size());
+  if (!value.quoted && !name.empty() && name.find_first_not_of("0123456789") == std::string::npos) {
+    std::ptrdiff_t place = -1;
+    std::from_chars(name.data(), name.data() + name.size(), place);
+    if (place < 0 || place >= end - begin) value.fail_expected(named);
+    return begin[place];
+  }
+  const auto is_named = [&](const BodyGroup& group) { return group.name == name; };
+  const auto count = std::count_if(begin, end, is_named);
+  if (count == 0) value.fail(value.found() + ", a name that no entry of bodies has", named);
+  if (count > 1) value.fail(value.found() + ", the name of " + std::to_string(count) + " entries", named);
+  return *std::find_if(begin, end, is_named);
+}
+
+Named read_named(const Value& value, const Scene& scene) {
+  if (value.kind != Value::Kind::scalar || value.text.empty()) value.fail_expected(named);
+  if (value.text == "world") return {};
+  std::string name = value.text;
+  Id number = 0;
+  const auto bracket = name.find('[');
+  const bool counted = bracket != std::string::npos && name.back() == ']';
+  if (counted) {
+    const char *first = name.data() + bracket + 1, *last = name.data() + name.size() - 1;
+    const auto result = std::from_chars(first, last, number);
+    if (result.ec != std::errc() || result.ptr != last) value.fail_expected(named);
+    name.resize(bracket);
+  }
+  const BodyGroup& group = entry_named(value, name, scene);
+  if (!counted && group.count > 1)
+    value.fail(value.found() + ", an entry of " + std::to_string(group.count) + " bodies", "one of them, as " + name + "[0]");
+  if (number < 0 || number >= group.count)
+    value.fail(value.found() + " of " + std::to_string(group.count), "a number below " + std::to_string(group.count));
+  Body body = group.make(number);
+  body.id = group.first + number;
+  if (body.properties.shape.kind == ShapeKind::plane) value.fail(value.found() + ", a plane", "a body that is no plane");
+  return {body};
+}
+
+// Two vectors in the bodies' axes.
+std::array<Vec3, 2> read_pair(const Value& value, const std::string& what) {
+  if (value.kind != Value::Kind::list || value.entries.size() != 2) value.fail_expected("a list of 2 " + what);
+  return {value.entries[0].vector(any_number, "m"), value.entries[1].vector(any_number, "m")};
+}
+
+// Where the anchors are: one world point for both, a world point of each, or a point of each in its own axes.
+void read_anchors(const Value& entry, const Scene& scene, const std::array<BodyState, 2>& at, Joint& joint) {
+  const Value *anchor = entry.find("anchor"), *points = entry.find("points"), *anchors = entry.find("anchors");
+  const Value* given = anchor ? anchor : points ? points : anchors;
+  for (const Value* other : {points, anchors})
+    if (other && other != given)
+      other->fail(other->found() + " beside another key for the anchors", "only one of anchor, points and anchors");
+  if (!given) {
+    if (joint.kind == JointKind::rope)
+      entry.fail_missing("points", "a list of 2 points (m), or anchors: of 2 points in the bodies' axes");
+    entry.fail_missing("anchor", "a point (m, world axes), or anchors: a list of 2 points in the bodies' axes");
+  }
+  if (anchors) {
+    joint.anchor = read_pair(*anchors, "points in the bodies' axes (m)");
+    return;
+  }
+  std::array<Vec3, 2> place;
+  if (anchor)
+    place.fill(read_vector(*anchor, scene, "m"));
+  else
+    place = read_pair(*points, "points (m, world axes)");
+  for (std::size_t e = 0; e < 2; ++e) joint.anchor[e] = at[e].orientation.conjugate() * (place[e] - at[e].position);
+}
+
+void read_axes(const Value& entry, const Scene& scene, const std::array<BodyState, 2>& at, Joint& joint) {
+  const Value *axis = entry.find("axis"), *axes = entry.find("axes"), *second = entry.find("second_axis");
+  std::array<Vec3, 2> z{Vec3::UnitZ(), Vec3::UnitZ()};
+  if (axis && axes) axes->fail(axes->found() + " beside axis " + axis->found(), "only one of axis and axes");
+  if (axes) {
+    if (axes->kind != Value::Kind::list || axes->entries.size() != 2) axes->fail_expected("a list of 2 vectors of length 1");
+    for (std::size_t e = 0; e < 2; ++e) z[e] = at[e].orientation * axes->entries[e].unit_vector();
+  } else if (axis) {
+    z.fill(axis->unit_vector());
+  } else if (joint.has_coordinate() || joint.kind == JointKind::universal) {
+    entry.fail_missing("axis", "a vector of length 1 (world axes), or axes: a list of 2 in the bodies' axes");
+  }
+  const Value* given = axes ? axes : axis;
+  if (given && scene.planar && turns_about_axis(joint.kind) && (std::abs(z[0].y()) < 1 - 1e-9 || std::abs(z[1].y()) < 1 - 1e-9))
+    given->fail_expected("an axis along y (planar scene)");
+  Vec3 x = Vec3::Zero();
+  if (second) {
+    x = second->unit_vector();
+    if (!(std::abs(x.dot(z[1])) < 1e-3)) second->fail_expected("a vector of length 1, square to the axis");
+  }
+  const Quat of_second = joint_axes(z[1], x);
+  const Quat of_first = axes ? joint_axes(z[0], of_second * Vec3::UnitX()) : of_second;
+  joint.frame = {at[0].orientation.conjugate() * of_first, at[1].orientation.conjugate() * of_second};
+}
+
+void set_lever(const Body& a, const Body* b, Joint& joint) {
+  joint.lever = 0;
+  for (const Body* body : {&a, b})
+    if (body && body->properties.is_dynamic()) joint.lever = std::max(joint.lever, bounding_radius(body->properties.shape));
+}
+
+JointKind read_kind(const Value& entry, const std::vector<std::string>& names) {
+  return static_cast<JointKind>(need(entry, "type", one_of(names)).choice(names));
+}
+
+Joint read_joint(const Value& entry, const Scene& scene) {
+  if (entry.kind != Value::Kind::map) entry.fail_expected("a map with type and bodies");
+  Joint joint;
+  joint.kind = read_kind(entry, kinds);
+  const bool rope = joint.kind == JointKind::rope;
+  std::vector<std::string> keys = joint_keys(joint.kind);
+  keys.insert(keys.end(), {"type", "bodies", "anchors", rope ? "points" : "anchor"});
+  if (rope) keys.emplace_back("length");
+  if (joint.has_coordinate() || joint.kind == JointKind::universal) keys.insert(keys.end(), {"axis", "axes"});
+  if (joint.kind == JointKind::universal) keys.emplace_back("second_axis");
+  entry.map(keys);
+  const Value& bodies = need(entry, "bodies", "a list of 2 bodies, the second of which may be world");
+  if (bodies.kind != Value::Kind::list || bodies.entries.size() != 2)
+    bodies.fail_expected("a list of 2 bodies, the second of which may be world");
+  const Named a = read_named(bodies.entries[0], scene), b = read_named(bodies.entries[1], scene);
+  if (!a.body) bodies.entries[0].fail("world", "a body; the second may be world");
+  if (b.body && a.body->id == b.body->id) bodies.fail("the same body twice", "two bodies");
+  if (!a.body->properties.is_dynamic() && !(b.body && b.body->properties.is_dynamic()))
+    bodies.fail("no body that moves freely", "at least one dynamic body");
+  joint.ids = {a.body->id, b.body ? b.body->id : -1};
+  const std::array<BodyState, 2> at{a.body->state, b.body ? b.body->state : BodyState{}};
+  read_anchors(entry, scene, at, joint);
+  read_axes(entry, scene, at, joint);
+  set_lever(*a.body, b.body ? &*b.body : nullptr, joint);
+  read_joint_behaviour(entry, joint);
+  if (rope) {
+    const auto place = [&](std::size_t e) { return Vec3(at[e].position + at[e].orientation * joint.anchor[e]); };
+    const Value* length = entry.find("length");
+    joint.length = length ? length->number(positive, "m") : (place(0) - place(1)).norm();
+  }
+  return joint;
+}
+
+}  // namespace
+
+Quat joint_axes(const Vec3& axis, const Vec3& second) {
+  Vec3 x = second - second.dot(axis) * axis;
+  if (x.squaredNorm() < 1e-12) {
+    int least = 0;
+    for (int k = 1; k < 3; ++k)
+      if (std::abs(axis[k]) < std::abs(axis[least])) least = k;
+    x = Vec3::Unit(least) - axis[least] * axis;
+  }
+  x.normalize();
+  Mat3 axes;
+  axes << x, axis.cross(x), axis;
+  return Quat(axes).normalized();
+}
+
+Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& point, const Quat& axes) {
+  Joint joint;
+  joint.kind = kind, joint.ids = {a.id, b ? b->id : -1};
+  const std::array<BodyState, 2> at{a.state, b ? b->state : BodyState{}};
+  for (std::size_t e = 0; e < 2; ++e) {
+    const Quat back = at[e].orientation.conjugate();
+    joint.anchor[e] = back * (point - at[e].position), joint.frame[e] = back * axes;
+  }
+  set_lever(a, b, joint);
+  return joint;
+}
+
+std::vector<std::string> joint_keys(JointKind kind) {
+  std::vector<std::string> keys{"collide"};
+  if (kind != JointKind::rope) keys.insert(keys.end(), {"compliance", "damping"});
+  if (kind != JointKind::rope && kind != JointKind::ball) keys.emplace_back("turning_compliance");
+  if (kind == JointKind::hinge || kind == JointKind::slider) keys.insert(keys.end(), {"limits", "motor", "friction"});
+  return keys;
+}
+
+void read_joint_behaviour(const Value& map, Joint& joint) {
+  if (const Value* v = map.find("collide")) joint.collide = v->boolean();
+  if (const Value* v = map.find("compliance")) joint.compliance = v->number(not_negative, "m/N");
+  if (const Value* v = map.find("turning_compliance")) joint.turning = v->number(not_negative, "rad/(N m)");
+  if (const Value* v = map.find("damping")) joint.damping = v->number(not_negative, "s");
+  if (const Value* v = map.find("limits")) read_limits(*v, joint);
+  if (const Value* v = map.find("motor")) read_motor(*v, joint);
+  if (const Value* v = map.find("friction")) joint.friction = v->number(not_negative, turns_about_axis(joint.kind) ? "N m" : "N");
+}
+
+Joint JointTemplate::between(const Body& a, const Body* b, const Vec3& point) const {
+  Joint result = joint;
+  const Joint placed = joint_between(joint.kind, a, b, point, joint_axes(axis, second));
+  result.ids = placed.ids, result.anchor = placed.anchor, result.frame = placed.frame, result.lever = placed.lever;
+  return result;
+}
+
+JointTemplate read_joint_template(const Value& value, const Scene& scene, const std::vector<JointKind>& allowed) {
+  std::vector<std::string> names;
+  for (const JointKind kind : allowed) names.emplace_back(joint_names[static_cast<std::size_t>(kind)]);
+  if (value.kind != Value::Kind::map) value.fail_expected("a map with type: " + one_of(names));
+  const Value& type = need(value, "type", one_of(names));
+  JointTemplate result;
+  result.joint.kind = allowed[type.choice(names)];
+  const JointKind kind = result.joint.kind;
+  std::vector<std::string> keys = joint_keys(kind);
+  keys.emplace_back("type");
+  const bool directed = kind == JointKind::hinge || kind == JointKind::universal || kind == JointKind::slider;
+  if (directed) keys.emplace_back("axis");
+  if (kind == JointKind::universal) keys.emplace_back("second_axis");
+  value.map(keys);
+  if (const Value* axis = value.find("axis")) {
+    result.axis = axis->unit_vector();
+    if (scene.planar && kind == JointKind::hinge && std::abs(result.axis.y()) < 1 - 1e-9)
+      axis->fail_expected("an axis along y (planar scene)");
+  }
+  if (const Value* second = value.find("second_axis")) result.second = second->unit_vector();
+  if (kind == JointKind::universal && !(std::abs(result.second.dot(result.axis)) < 1e-3))
+    value.fail("axes that are not square to each other", "second_axis square to axis");
+  read_joint_behaviour(value, result.joint);
+  return result;
+}
+
+void read_joints(const Value& list, Scene& scene) {
+  for (const Value& entry : list.list("joints")) scene.joints.push_back(read_joint(entry, scene));
+}
+
+}  // namespace unibody

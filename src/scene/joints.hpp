@@ -1,0 +1,33 @@
+// The section `joints`, and what generators of jointed bodies share with it.
+#pragma once
+
+#include "scene/body_entry.hpp"
+
+namespace unibody {
+
+// A joint between two bodies where they are at the start, both copies of its axes being `axes` at `point` (world's axes, m).
+// Without b: between the body and the world.
+Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& point, const Quat& axes);
+
+// Axes whose z is along the unit vector `axis`, and whose x is as near to `second` as can be, or is any where that is none.
+Quat joint_axes(const Vec3& axis, const Vec3& second = Vec3::Zero());
+
+// The keys that say how a joint of known type behaves: compliance, turning_compliance, damping, collide, and of hinges and
+// sliders limits, motor and friction.
+std::vector<std::string> joint_keys(JointKind kind);
+void read_joint_behaviour(const Value& map, Joint& joint);
+
+// {type: ball, ...} of a generator whose joints are all alike; the axis (hinge, universal) in the entry's axes.
+struct JointTemplate {
+  Joint joint;
+  Vec3 axis = Vec3::UnitY(), second = Vec3::UnitZ();
+
+  // Of this type and behaviour.
+  Joint between(const Body& a, const Body* b, const Vec3& point) const;
+};
+JointTemplate read_joint_template(const Value& value, const Scene& scene, const std::vector<JointKind>& kinds);
+
+// Reads the list `joints` into scene.joints. Its bodies are read before.
+void read_joints(const Value& list, Scene& scene);
+
+}  // namespace unibody

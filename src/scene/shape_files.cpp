@@ -1,0 +1,207 @@
+#include "scene/shape_files.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <stdexcept>
+
+#include "scene/body_entry.hpp"
+#include "scene/convex_pieces.hpp"
+#include "scene/mesh_topology.hpp"
+#include "scene/obj.hpp"
+#include "scene/random.hpp"
+#include "world/shape_library.hpp"
+#include "world/shape_type.hpp"
+
+namespace unibody {
+
+namespace {
+
+const Value& need(const Value& map, const char* key, const std::string& expected) {
+  const Value* value = map.find(key);
+  if (!value) map.fail_missing(key, expected);
+  return *value;
+}
+
+// A sound mesh from the key `key` with the factor `scale`.
+TriangleMesh read_mesh(const Value& value, const char* key, const Scene& scene, std::string& path) {
+  const std::string& name = need(value, key, "an OBJ file").string("an OBJ file");
+  path = (std::filesystem::path(scene.path).parent_path() / name).string();
+  TriangleMesh mesh = read_obj(path);
+  const Value* scale = value.find("scale");
+  const double factor = scale ? scale->number(positive, "") : 1;
+  for (Vec3& x : mesh.nodes) x *= factor;
+  return mesh;
+}
+
+Shape add_hull(const Value& value, const std::vector<Vec3>& points) {
+  try {
+    return shape_library().add(make_hull(points));
+  } catch (const std::invalid_argument& fault) {
+    value.fail(fault.what(), "points that span a solid");
+  }
+}
+
+// A surface without holes, its triangles facing outwards.
+SolidMoments check_closed(TriangleMesh& mesh, const Value& value, const std::string& path) {
+  const MeshTopology topology = mesh_topology(mesh, path);
+  if (!topology.boundary.empty()) {
+    const auto& edge = topology.edges[static_cast<std::size_t>(topology.boundary[0])].nodes;
+    value.fail("a mesh with a hole: the edge between nodes " + std::to_string(edge[0]) + " and " + std::to_string(edge[1]) +
+                   " (numbered from 0) has one triangle",
+               "a closed surface");
+  }
+  orient_triangles(mesh, topology, path);
+  SolidMoments moments = solid_moments(mesh.nodes, mesh.triangles);
+  if (moments.volume < 0) {
+    for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+    moments = solid_moments(mesh.nodes, mesh.triangles);
+  }
+  if (!(moments.volume > 0 && moments.inertia.minCoeff() > 0))
+    value.fail("a mesh without volume", "a closed surface around a solid");
+  return moments;
+}
+
+Compound::Part read_part(const Value& value, const Scene& scene) {
+  value.map({"shape", "position", "orientation"});
+  Compound::Part part{{}, Vec3::Zero(), Quat::Identity()};
+  const Value& shape = need(value, "shape", "a convex shape");
+  part.shape = read_shape(shape, scene);
+  if (!type_of(part.shape.kind).convex) shape.fail("a " + shape.children[0].first + " in a compound", "a convex solid");
+  if (const Value* position = value.find("position")) part.place = read_vector(*position, scene, "m");
+  if (const Value* turn = value.find("orientation")) part.turn = read_orientation(*turn, scene);
+  return part;
+}
+
+// z = heights at (cells + 1)^2 nodes over a rectangle about the origin; triangles face up.
+TriangleMesh height_field(const std::array<double, 2>& size, const std::array<Id, 2>& cells,
+                          const std::function<double(Id, Id)>& z) {
+  TriangleMesh mesh;
+  const Id nx = cells[0] + 1, ny = cells[1] + 1;
+  for (Id j = 0; j < ny; ++j)
+    for (Id i = 0; i < nx; ++i)
+      mesh.nodes.emplace_back(size[0] * (static_cast<double>(i) / static_cast<double>(cells[0]) - 0.5),
+                              size[1] * (static_cast<double>(j) / static_cast<double>(cells[1]) - 0.5), z(i, j));
+  for (Id j = 0; j + 1 < ny; ++j)
+    for (Id i = 0; i + 1 < nx; ++i) {
+      const auto a = static_cast<std::int32_t>(i + nx * j), b = a + 1, c = a + static_cast<std::int32_t>(nx), d = c + 1;
+      if ((i + j) % 2 == 0) {
+        mesh.triangles.push_back({a, b, d}), mesh.triangles.push_back({a, d, c});
+      } else {
+        mesh.triangles.push_back({a, b, c}), mesh.triangles.push_back({b, d, c});
+      }
+    }
+  return mesh;
+}
+
+// Hills: eight waves of lengths from the field's to a quarter of it, in directions and phases that the seed gives.
+std::function<double(Id, Id)> hills(double height, std::uint64_t seed, const std::array<Id, 2>& cells) {
+  struct Wave {
+    double x, y, phase;
+  };
+  BodyRandom random(seed, 0);
+  std::vector<Wave> waves;
+  for (int k = 0; k < 8; ++k) {
+    const double turns = random.between(1, 4), angle = random.between(-std::numbers::pi, std::numbers::pi);
+    waves.push_back({turns * std::cos(angle), turns * std::sin(angle), random.between(0, 1)});
+  }
+  return [=](Id i, Id j) {
+    double sum = 0;
+    for (const Wave& w : waves)
+      sum += std::sin(2 * std::numbers::pi *
+                      (w.x * static_cast<double>(i) / static_cast<double>(cells[0]) +
+                       w.y * static_cast<double>(j) / static_cast<double>(cells[1]) + w.phase));
+    return height * sum / 8;
+  };
+}
+
+TriangleMesh read_height_field(const Value& value) {
+  value.map({"size", "cells", "heights", "hills", "seed"});
+  const auto size = need(value, "size", "2 numbers > 0 (m)").numbers(2, positive, "m");
+  const Value& count = need(value, "cells", "2 integers >= 1");
+  if (count.kind != Value::Kind::list || count.entries.size() != 2) count.fail_expected("2 integers >= 1");
+  const std::array<Id, 2> cells{count.entries[0].integer(1, 10'000), count.entries[1].integer(1, 10'000)};
+  const Value *heights = value.find("heights"), *height = value.find("hills"), *seed = value.find("seed");
+  if ((heights != nullptr) == (height != nullptr)) value.fail("both or none of heights and hills", "one of the two");
+  if (height) {
+    const auto number = static_cast<std::uint64_t>(seed ? seed->integer(0) : 1);
+    return height_field({size[0], size[1]}, cells, hills(height->number(any_number, "m"), number, cells));
+  }
+  if (seed) seed->fail_expected("no seed beside heights");
+  const auto z = heights->numbers(static_cast<std::size_t>((cells[0] + 1) * (cells[1] + 1)), any_number, "m, row by row along x");
+  return height_field({size[0], size[1]}, cells, [&](Id i, Id j) { return z[static_cast<std::size_t>(i + (cells[0] + 1) * j)]; });
+}
+
+// The side and both ends of a drum, facing its axis.
+TriangleMesh read_tube(const Value& value) {
+  value.map({"radius", "length", "sides"});
+  const double radius = need(value, "radius", "a number > 0 (m)").number(positive, "m");
+  const double length = need(value, "length", "a number > 0 (m)").number(positive, "m");
+  const Value* count = value.find("sides");
+  const auto n = static_cast<std::int32_t>(count ? count->integer(3, 10'000) : 64);
+  TriangleMesh mesh;
+  for (std::int32_t k = 0; k < n; ++k) {
+    const double angle = 2 * std::numbers::pi * k / n, x = radius * std::cos(angle), y = radius * std::sin(angle);
+    mesh.nodes.emplace_back(x, y, -length / 2), mesh.nodes.emplace_back(x, y, length / 2);
+  }
+  const std::int32_t bottom = 2 * n, top = bottom + 1;
+  mesh.nodes.emplace_back(0, 0, -length / 2), mesh.nodes.emplace_back(0, 0, length / 2);
+  for (std::int32_t k = 0; k < n; ++k) {
+    const std::int32_t a = 2 * k, b = 2 * ((k + 1) % n);
+    mesh.triangles.push_back({a, b + 1, b}), mesh.triangles.push_back({a, a + 1, b + 1});
+    mesh.triangles.push_back({bottom, a, b}), mesh.triangles.push_back({top, b + 1, a + 1});
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Shape read_hull(const Value& value, const Scene& scene) {
+  value.map({"points", "mesh", "scale"});
+  const Value *list = value.find("points"), *mesh = value.find("mesh");
+  if ((list != nullptr) == (mesh != nullptr)) value.fail("both or none of points and mesh", "one of the two");
+  if (mesh) {
+    std::string path;
+    return add_hull(value, read_mesh(value, "mesh", scene, path).nodes);
+  }
+  if (const Value* scale = value.find("scale")) scale->fail_expected("no scale beside points");
+  std::vector<Vec3> points;
+  for (const Value& point : list->list("points")) points.push_back(point.vector(any_number, "m"));
+  return add_hull(*list, points);
+}
+
+Shape read_compound(const Value& value, const Scene& scene) {
+  value.map({"parts", "mesh", "scale", "pieces"});
+  const Value *list = value.find("parts"), *file = value.find("mesh");
+  if ((list != nullptr) == (file != nullptr)) value.fail("both or none of parts and mesh", "one of the two");
+  std::vector<Compound::Part> parts;
+  if (list) {
+    for (const char* key : {"scale", "pieces"})
+      if (const Value* other = value.find(key)) other->fail_expected("no such key beside parts");
+    for (const Value& part : list->list("shapes with positions")) parts.push_back(read_part(part, scene));
+    return shape_library().add(make_compound(parts));
+  }
+  std::string path;
+  TriangleMesh mesh = read_mesh(value, "mesh", scene, path);
+  const SolidMoments moments = check_closed(mesh, *file, path);
+  const Value* cells = value.find("pieces");
+  for (Hull& piece : convex_pieces(mesh, static_cast<int>(cells ? cells->integer(1, 32) : 6))) {
+    const Vec3 centre = piece.centre;
+    parts.push_back({shape_library().add(std::move(piece)), centre, Quat::Identity()});
+  }
+  return shape_library().add(make_compound(parts, moments));
+}
+
+Shape read_mesh_shape(const Value& value, const Scene& scene) {
+  value.map({"file", "scale", "height_field", "tube"});
+  const Value *file = value.find("file"), *field = value.find("height_field"), *tube = value.find("tube");
+  if ((file != nullptr) + (field != nullptr) + (tube != nullptr) != 1)
+    value.fail("not one of file, height_field and tube", "one of the three");
+  if (const Value* scale = value.find("scale"); scale && !file) scale->fail_expected("no scale without a file");
+  std::string path = *value.origin;
+  TriangleMesh mesh = field ? read_height_field(*field) : tube ? read_tube(*tube) : read_mesh(value, "file", scene, path);
+  check_mesh(mesh, path);
+  return shape_library().add(make_mesh_shape(mesh.nodes, mesh.triangles));
+}
+
+}  // namespace unibody

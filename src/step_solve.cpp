@@ -1,0 +1,239 @@
+// The solve of a step: stages, warm start, what is remembered, what is measured of it.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "constraints/constraint_batches.hpp"
+#include "solve/friction_postprocess.hpp"
+#include "solve/recall.hpp"
+#include "solve/reference.hpp"
+#include "solve/surface_guard.hpp"
+#include "step.hpp"
+
+namespace unibody {
+
+// h^2 K of each slot (kg m^2), K the geometric stiffness of its joints' forces: right for home bodies, whose joints are all here.
+std::vector<double> Simulation::turning_of_joints() const {
+  std::vector<double> turning(world.size() + 1, 0.0);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(joints[i])];
+    const Slot ends[2] = {joint_slots_[i].a, joint_slots_[i].b};
+    for (std::size_t e = 0; e < 2; ++e)
+      turning[static_cast<std::size_t>(ends[e])] += step_ * turning_stiffness(joint, e, joint_impulses[i]);
+  }
+  return turning;
+}
+
+// A light body between strong joints turns back so fast that the step does not resolve it: h^2 K > I. An iteration that takes
+// these forces along directions of its own would make it spin. As in Andrews et al. (Geometric stiffness for real-time
+// constrained multibody dynamics, 2017) such a body's inertia against constraints is raised, here until h^2 K = I; resolved
+// motion is as it was. K is that of the last step's forces.
+void Simulation::steady_turning() {
+  if (!has_joints() || !world.has_rotations) return;
+  cut_.exchange(std::span(turning_));
+  for (std::size_t i = 0; i < world.first_static(); ++i) {
+    const double missing = turning_[i] - world.properties[i].inertia.minCoeff();
+    SolverBody& body = system_.bodies[i];
+    if (!(missing > 0) || world.properties[i].shape.kind == ShapeKind::particle) continue;
+    if (system_.isotropic[i]) {
+      body.inverse_inertia /= 1 + missing * body.inverse_inertia;
+      continue;
+    }
+    const Vec3 moments = world.properties[i].inertia + Vec3::Constant(missing);
+    system_.inertia[i] =
+        inverse_inertia(world.orientation[i], scene_.planar ? Vec3(0, 1 / moments.y(), 0) : Vec3(moments.cwiseInverse()));
+  }
+}
+
+// Whether the step's own forces exceed what it was steadied for: at an impact they come from nothing.
+bool Simulation::turns_too_fast(std::span<const double> found) const {
+  bool here = false;
+  for (std::size_t i = 0; i < world.homes; ++i)
+    if (world.properties[i].shape.kind != ShapeKind::particle)
+      here |= !(found[i] <= 2 * std::max(turning_[i], world.properties[i].inertia.minCoeff()));
+  return any_over_ranks(here);
+}
+
+// Solves the step, and again with its own forces where they turned bodies faster than it was steadied for.
+StepReport Simulation::solve_steadily(const StepWishes& wishes) {
+  if (!has_joints() || !world.has_rotations) return predict(), solve(wishes);
+  constexpr int most_repeats = 3;
+  turning_ = turning_of_joints();
+  const auto multipliers_before = multipliers;
+  const auto constraints_before = constraint_multipliers;
+  const auto joints_before = joint_impulses;
+  for (int repeats = 0;; ++repeats) {
+    predict();
+    const StepReport report = solve(wishes);
+    std::vector<double> found = turning_of_joints();
+    if (repeats == most_repeats || !turns_too_fast(found)) return report;
+    for (std::size_t i = 0; i < found.size(); ++i)
+      turning_[i] = std::isfinite(found[i]) ? std::max(turning_[i], found[i]) : std::numeric_limits<double>::max();
+    system_ = System(&scratch_);
+    multipliers = multipliers_before, constraint_multipliers = constraints_before, joint_impulses = joints_before;
+  }
+}
+
+// Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
+SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance) {
+  Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
+  if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
+  system_.contacts.start_stage(stage);
+  system_.surface.start_stage(stage);
+  system_.before_iteration = nullptr;
+  system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
+  system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;
+  system_.joints = kind == Stage::Kind::position && has_joints() ? &joint_batch_ : nullptr;
+  if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
+    system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
+  const SolveReport report = solver(system_, cut_, iterations, tolerance);
+  if (system_.before_iteration) system_.before_iteration();
+  return report;
+}
+
+namespace {
+
+double position_share(const SolverSettings& settings) { return settings.warm_start >= 0 ? settings.warm_start : automatic_share; }
+
+}  // namespace
+
+// Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
+void Simulation::warm_start(double share_of_contacts) {
+  const bool jacobi = !solver_.sweeps_by_colour;
+  const double share = has_constraints() ? position_share(scene_.solver) : 0;
+  joint_batch_.set_impulses(joint_impulses, share);
+  if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, scene_.solver.warm_start);
+  if (jacobi && (!is_alone() || has_attachments() || has_joints())) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (constraints_of_all_ > 0 && (jacobi || share > 0)) system_.impulses.assign(world.size() + 1, Vec4d{});
+  if (share_of_contacts <= 0) {
+    system_.contacts.set_impulses({});
+    if (share <= 0) return;
+  } else {
+    const Scratch::Frame frame(scratch_);
+    std::pmr::vector<ContactBatch::Impulse> start(contacts.points.size(), &scratch_);
+    recall(multipliers, world, contacts, share_of_contacts * step_, start);
+    system_.contacts.set_impulses(start);
+  }
+  const Scratch::Frame frame(scratch_);
+  const bool borrowed = !jacobi && (share_of_contacts > 0 || has_joints()) && system_.wrenches.empty();
+  if (borrowed) system_.wrenches.assign(world.size() + 1, Wrench{});
+  if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
+  if (share > 0 && has_joints()) joint_batch_.add_impulses(system_.bodies, system_.wrenches);
+  if (share > 0 && constraints_of_all_ > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.impulses);
+  system_.apply_wrenches();
+  if (borrowed) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
+  if (!jacobi) system_.impulses.clear();
+  cut_.exchange(system_.bodies);
+}
+
+Stages Simulation::stages() const {
+  if (scene_.solver.stages != Stages::automatic) return scene_.solver.stages;
+  return has_constraints() && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
+}
+
+// Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
+// A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
+// old multipliers that must stay below 1/2: an unconverged position stage that starts from more gains energy.
+// Constraints other than contacts, attachments too, belong to the position stage; where there are no contacts, it is the only
+// one.
+StepReport Simulation::solve(const StepWishes& wishes) {
+  build_system();
+  if (!solver_.solve) return solve_by_newton();
+  const SolverSettings& settings = scene_.solver;
+  const bool two_stages =
+      stages() != Stages::position && (!has_constraints() || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));
+  const bool wished = wishes.error || wishes.problem;
+  SolvedStep solved;
+  if (wished) solved.predicted.assign(system_.bodies.begin(), system_.bodies.end()), solved.velocity_before = world.velocity;
+  StepReport report;
+  warm_start(stages() != Stages::position ? 1 : position_share(settings));
+  std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
+  if (two_stages) {
+    report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
+    system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
+    system_.surface.keep_impulses(stages() == Stages::joint);
+  }
+  report.iterations +=
+      run_stage(Stage::Kind::position, solver_.solve, settings.iterations - report.iterations, tolerance_).iterations;
+  const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
+  measure_solution(report);
+  if (wished) {
+    solved.solved.assign(system_.bodies.begin(), system_.bodies.end());
+    solved.impulses = total_impulses(impulses, two_stages && stages() != Stages::joint);
+  }
+  if (wishes.problem) fill_problem(solved, *wishes.problem);
+  if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
+  if (settings.friction == FrictionModel::postprocess)
+    report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
+  report.sliding += system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
+  report.sliding += system_.surface.sliding();
+  remember(multipliers, world, contacts, impulses, step_);
+  if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
+  joint_batch_.get_impulses(joint_impulses);
+  MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  if (wishes.error) report.error = estimate_error(solved);
+  return report;
+}
+
+namespace {
+
+// Whether a tetrahedron ends the step turned inside out: St. Venant-Kirchhoff has equilibria there, of no solid.
+bool inverts(const World& world, const ConstraintList<Tetrahedron>& solids, std::span<const Vec3> velocity, double step) {
+  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<Tetrahedron>& c) {
+    const auto place = [&](std::size_t e) -> Vec3 {
+      const auto slot = static_cast<std::size_t>(world.find(c.ids[e]));
+      return world.position[slot] + step * velocity[slot];
+    };
+    const Vec3 origin = place(0);
+    return (place(1) - origin).cross(place(2) - origin).dot(place(3) - origin) < 0;
+  });
+}
+
+}  // namespace
+
+// One flexible body alone on one rank, as read_scene() and run() see to. The rows hold to round-off by construction where the
+// impulses are eliminated: what says how far off the step is, is how far the next iteration would move the nodes.
+StepReport Simulation::solve_by_newton() {
+  const ReferenceStep step = reference_step(world, constraints, std::span(system_.bodies).first(world.size()), step_);
+  for (std::size_t i = 0; i < world.size(); ++i)
+    for (int k = 0; k < 3; ++k) system_.bodies[i].v[k] = step.velocity[i][k];
+  constraint_multipliers = step.multipliers;
+  constraint_batches_->set_multipliers(constraint_multipliers, 1);
+  StepReport report;
+  report.iterations = step.iterations;
+  measure_solution(report);
+  report.residual = std::max(report.residual, step_ * step.correction);
+  report.converged = step.converged && !inverts(world, std::get<ConstraintList<Tetrahedron>>(constraints), step.velocity, step_);
+  return report;
+}
+
+bool Simulation::any_over_ranks(bool here) const {
+  int any = here;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, halo_.comm());
+  return any != 0;
+}
+
+void Simulation::measure_solution(StepReport& report) {
+  report.residual = std::max(system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies));
+  if (constraints_of_all_ > 0) {
+    report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
+    for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);
+    MPI_Allreduce(MPI_IN_PLACE, report.constraint_residuals.data(), static_cast<int>(report.constraint_residuals.size()),
+                  MPI_DOUBLE, MPI_MAX, halo_.comm());
+  }
+  if (has_attachments()) {
+    report.attachment_residual = system_.attachment_rows.residual(system_.bodies);
+    MPI_Allreduce(MPI_IN_PLACE, &report.attachment_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+    report.residual = std::max(report.residual, report.attachment_residual);
+  }
+  if (has_joints()) {
+    report.joint_residual = joint_batch_.residual(system_.bodies);
+    MPI_Allreduce(MPI_IN_PLACE, &report.joint_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+    report.residual = std::max(report.residual, report.joint_residual);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+  report.converged = report.residual <= tolerance_;
+}
+
+}  // namespace unibody

@@ -1,0 +1,32 @@
+// Shapes that move as one body.
+#pragma once
+
+#include <span>
+
+#include "world/shapes.hpp"
+#include "world/solid_moments.hpp"
+
+namespace unibody {
+
+struct Compound {
+  struct Part {
+    Shape shape;  // convex
+    Vec3 place;   // m, of its centre from the body's, in the body's axes
+    Quat turn;    // its axes -> the body's
+  };
+  std::vector<Part> parts;
+  Vec3 size = Vec3::Zero();       // m, the largest of each coordinate
+  double radius = 0;              // m, of a sphere about the centre that holds it
+  double smallest = 0;            // m, the shortest edge of the box that holds it
+  double volume = 0;              // m^3
+  Vec3 inertia = Vec3::Zero();    // m^2, principal moments per mass
+  Quat frame = Quat::Identity();  // principal axes -> axes in which the parts were given
+  Vec3 centre = Vec3::Zero();     // m, the centre of mass among the parts as given
+};
+
+// Of one density throughout; where parts overlap their mass counts twice. Or with the moments given, of a solid that the parts
+// stand for.
+Compound make_compound(std::span<const Compound::Part> parts);
+Compound make_compound(std::span<const Compound::Part> parts, const SolidMoments& moments);
+
+}  // namespace unibody

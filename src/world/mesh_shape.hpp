@@ -1,0 +1,39 @@
+// A surface of triangles that does not move by itself: terrain, or the inside of a drum. Touched from the side to which its
+// triangles turn counterclockwise.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "world/shapes.hpp"
+
+namespace unibody {
+
+struct MeshShape {
+  struct Triangle {
+    std::array<std::int32_t, 3> nodes;
+    std::array<std::int32_t, 3> across;  // the third node of the triangle over edge i (from node i to i + 1); -1: none
+    std::array<bool, 3> speaks_for_edge, speaks_for_node;  // so that what is shared is touched once
+    Vec3 normal;                                           // unit, outwards
+  };
+  std::vector<Vec3> nodes;  // m
+  std::vector<Triangle> triangles;
+  Vec3 size = Vec3::Zero();  // m, the largest of each coordinate
+  double radius = 0;         // m, of the sphere about the origin that holds it
+
+  // Adds the numbers of the triangles whose bounds meet this box (m), ascending.
+  void find(const Vec3& low, const Vec3& high, std::vector<std::int32_t>& found) const;
+
+  // Boxes around boxes: of node k of a full binary tree the children are 2 k + 1 and 2 k + 2.
+  struct Branch {
+    Vec3 low, high;
+    std::int32_t first, count;  // into order; of a leaf; else count is 0
+  };
+  std::vector<Branch> tree;
+  std::vector<std::int32_t> order;
+};
+
+// Nodes and triangles as those of a TriangleMesh, which must be sound: no triangle without area, no edge of three triangles.
+MeshShape make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles);
+
+}  // namespace unibody

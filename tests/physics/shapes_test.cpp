@@ -1,0 +1,156 @@
+// Bodies of other shapes than spheres and boxes: how they stand, roll and bounce, by elementary mechanics.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+constexpr double g = 9.81;
+
+const std::string floor_of_planes = "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n";
+const std::string floor_of_boxes = "bodies:\n  - {shape: {box: {size: [20, 20, 1]}}, position: [0, 0, -0.5], motion: fixed}\n";
+const std::string floor_of_triangles =
+    "bodies:\n  - {shape: {mesh: {height_field: {size: [20, 20], cells: [13, 17], hills: 0}}}, motion: fixed}\n";
+const std::string grounds[] = {floor_of_planes, floor_of_boxes, floor_of_triangles};
+
+std::string entry(const std::string& shape, const std::string& more) {
+  return "  - {shape: {" + shape + "}, density: 1000, " + more + "}\n";
+}
+const std::string cylinder = "cylinder: {radius: 0.1, length: 0.3}", capsule = "capsule: {radius: 0.1, length: 0.3}";
+const std::string wedge = "hull: {points: [[0, 0, 0], [0.4, 0, 0], [0, 0.3, 0], [0, 0, 0.3], [0.4, 0, 0.3], [0, 0.3, 0.3]]}";
+
+}  // namespace
+
+TEST(Shapes, StandAndLieStill) {
+  for (const std::string& ground : grounds) {
+    const std::string lying = "orientation: {axis: [1, 0, 0], angle: 90}";
+    Experiment run(scene_from_text(ground + entry(cylinder, "position: [0.03, 0.04, 0.1501]") +
+                                   entry(cylinder, "position: [1, 0, 0.1001], " + lying) +
+                                   entry(capsule, "position: [2, 0, 0.1001], " + lying) +
+                                   entry(wedge, "position: [3, 0, 0.1501]") + "solver: {tolerance: 0}\n"));
+    run.seconds(2);
+    const Vec3 at[] = {run.position(1), run.position(2), run.position(3), run.position(4)};
+    run.seconds(4);
+    for (Id k = 1; k <= 4; ++k) {
+      EXPECT_LT((run.position(k) - at[k - 1]).norm(), 1e-6) << ground << k;
+      EXPECT_LT(run.velocity(k).norm(), 1e-6) << ground << k;
+    }
+    EXPECT_NEAR(run.position(1).z(), 0.15, 5e-4);
+    EXPECT_NEAR(run.position(2).z(), 0.1, 5e-4);
+    EXPECT_NEAR(run.position(4).z(), 0.15, 5e-4);
+  }
+}
+
+// a = 2/3 g sin(angle) for a solid cylinder, 5/7 for a sphere, on each kind of ground, without leaving its line.
+TEST(Shapes, RollDownASlope) {
+  const double angle = std::atan(0.2), pull = g * std::sin(angle);
+  for (const std::string& ground : grounds) {
+    const std::string lying = "orientation: {axis: [1, 0, 0], angle: 90}";
+    Scene scene = scene_from_text(ground + entry(cylinder, "position: [-4, 0.01, 0.1], " + lying) +
+                                  entry("sphere: {radius: 0.1}", "position: [-4, 2, 0.1]"));
+    scene.gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
+    scene.time.substeps = 4;
+    Experiment run(scene);
+    run.seconds(0.2);
+    const double v_cylinder = run.velocity(1).x(), v_sphere = run.velocity(2).x();
+    run.seconds(1.5);
+    const double t = std::floor(1.5 / run.h() + 0.5) * run.h();
+    EXPECT_NEAR((run.velocity(1).x() - v_cylinder) / t, 2.0 / 3 * pull, 0.005 * pull) << ground;
+    EXPECT_NEAR((run.velocity(2).x() - v_sphere) / t, 5.0 / 7 * pull, 0.005 * pull) << ground;
+    EXPECT_NEAR(run.position(1).y(), 0.01, 1e-4) << ground;
+    EXPECT_NEAR(run.state(1).angular_velocity.z(), 0, 1e-3) << ground;
+    EXPECT_NEAR(run.position(1).z(), 0.1, 1e-3) << ground;
+  }
+}
+
+// Parts that make up a block move as the block does.
+TEST(Shapes, CompoundOfBoxesFallsAsTheBox) {
+  const std::string parts =
+      "compound: {parts: [{shape: {box: {size: [0.2, 0.2, 0.1]}}, position: [-0.1, 0, 0]},"
+      " {shape: {box: {size: [0.2, 0.2, 0.1]}}, position: [0.1, 0, 0]}]}";
+  const std::string turned = "position: [0, 0, 0.4], orientation: {axis: [0, 1, 0], angle: 20}";
+  Experiment whole(scene_from_text(floor_of_planes + entry("box: {size: [0.4, 0.2, 0.1]}", turned)));
+  Experiment made(scene_from_text(floor_of_planes + entry(parts, turned)));
+  EXPECT_NEAR(made.world().properties[0].mass, whole.world().properties[0].mass, 1e-12);
+  EXPECT_LT((made.world().properties[0].inertia - whole.world().properties[0].inertia).norm(), 1e-12);
+  whole.seconds(0.2), made.seconds(0.2);  // still in the air
+  EXPECT_LT((made.position(1) - whole.position(1)).norm(), 1e-12);
+  whole.seconds(3), made.seconds(3);
+  EXPECT_NEAR(made.position(1).z(), 0.05, 5e-4);
+  EXPECT_NEAR(whole.position(1).z(), 0.05, 5e-4);
+  EXPECT_LT(made.velocity(1).norm(), 1e-3);
+}
+
+TEST(Restitution, BallBouncesToTheHeightsOfItsRestitution) {
+  for (const std::string name : {"gauss_seidel", "accelerated_jacobi"})
+    for (const double e : {0.5, 0.8}) {
+      Scene scene = scene_from_text(
+          "bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 1.1]}\n"
+          "  - {shape: {plane: {normal: [0, 0, 1]}}}\nmaterials: {m: {friction: 0.5, restitution: " +
+          std::to_string(e) + "}}\nsolver: {name: " + name + "}\n");
+      scene.time.substeps = 32;
+      Experiment run(scene);
+      int bounces = 0;
+      double top = 0, before = 0;
+      std::vector<double> tops;
+      while (bounces < 3) {
+        run.step();
+        const double v = run.velocity(0).z();
+        top = std::max(top, run.position(0).z() - 0.1);
+        if (v > 0 && before < 0) {
+          if (bounces > 0) tops.push_back(top);
+          top = 0, ++bounces;
+        }
+        before = v;
+      }
+      for (std::size_t n = 0; n < tops.size(); ++n)  // e^(2n) H, H = 1 m
+        EXPECT_NEAR(tops[n], std::pow(e, 2.0 * static_cast<double>(n + 1)), 0.02 * std::pow(e, 2.0 * static_cast<double>(n + 1)));
+      run.seconds(12);  // at rest after sqrt(2 H / g) (1 + e) / (1 - e) = 4.1 s with e = 0.8
+      EXPECT_LT(run.velocity(0).norm(), 1e-6);
+      EXPECT_NEAR(run.position(0).z(), 0.1, 1e-3);
+    }
+}
+
+// A sphere hits the ground at an angle: it slides through the impact, or leaves rolling.
+TEST(Restitution, ObliqueImpactTurnsASphere) {
+  const double r = 0.1, e = 0.6, v_n = 2;
+  for (const double mu : {0.1, 0.9}) {
+    const double v_t = 3;
+    Scene scene = scene_from_text(
+        "bodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 0.1]}\n"
+        "  - {shape: {plane: {normal: [0, 0, 1]}}}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: " +
+        std::to_string(mu) + ", restitution: 0.6}}\nsolver: {iterations: 200, tolerance: 0}\n");
+    Experiment run(scene);
+    const std::size_t ball = run.slot(0);
+    run.world().velocity[ball] = Vec3(v_t, 0, -v_n);
+    run.step();
+    const bool slides = v_t >= 3.5 * mu * (1 + e) * v_n;
+    EXPECT_EQ(slides, mu == 0.1);
+    EXPECT_NEAR(run.velocity(0).z(), e * v_n, 1e-6);
+    EXPECT_NEAR(run.velocity(0).x(), slides ? v_t - mu * (1 + e) * v_n : 5.0 / 7 * v_t, 1e-6);
+    EXPECT_NEAR(run.state(0).angular_velocity.y(), slides ? 2.5 / r * mu * (1 + e) * v_n : 5.0 / 7 * v_t / r, 1e-5);
+  }
+}
+
+TEST(Restitution, PileGainsNoEnergyAndComesToRest) {
+  Scene scene = scene_from_text(
+      "bodies:\n  - container: {size: [1, 1]}\n  - pile: {count: 60, columns: [4, 4], seed: 3, mix: [{shape: {sphere: {radius: "
+      "0.08}}}, {shape: {box: {size: [0.14, 0.12, 0.1]}}}, {shape: {cylinder: {radius: 0.06, length: 0.12}}}]}\n    density: "
+      "1000\n    position: [0, 0, 0.05]\nmaterials: {m: {friction: 0.4, restitution: 0.5}}\n");
+  Experiment run(scene);
+  double before = run.energy();
+  const double start = before;
+  for (int i = 0; i < 500; ++i) {
+    run.step();
+    const double now = run.energy();
+    EXPECT_LT(now, before + 1e-3 * start) << i;
+    before = now;
+  }
+  EXPECT_LT(run.kinetic_energy(), 1e-4 * start);
+}
+
+}  // namespace unibody::small_worlds

@@ -1,0 +1,141 @@
+// Faults of joints in a scene file: one message each; and what generators of jointed bodies make.
+#include "joints/joint_types.hpp"
+#include "scene/scene_text.hpp"
+
+namespace unibody {
+namespace {
+
+std::string with_joint(const std::string& joint) {
+  return "bodies:\n  - {name: a, shape: {sphere: {radius: 0.1}}, mass: 1}\n"
+         "  - {name: b, shape: {box: {size: [1, 1, 1]}}, motion: fixed, position: [1, 0, 0]}\n"
+         "  - {name: c, shape: {plane: {normal: [0, 0, 1]}}}\n"
+         "  - {name: pile, stack: {count: 3}, shape: {sphere: {radius: 0.1}}, mass: 1}\n"
+         "joints:\n  - {" +
+         joint + "}\n";
+}
+std::string with_chain(const std::string& chain) {
+  return "bodies:\n  - shape: {sphere: {radius: 0.1}}\n    mass: 1\n    chain: {" + chain + "}\n";
+}
+
+struct Fault {
+  const char* name;
+  std::string text, message;
+};
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class JointRefuses : public testing::TestWithParam<Fault> {};
+
+TEST_P(JointRefuses, WithThisMessage) { EXPECT_EQ(fault_of(GetParam().text), GetParam().message); }
+
+const std::vector<Fault> faults{
+    {"unknown_type", with_joint("type: glue, bodies: [a, b], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].type': found glue, expected ball, hinge, slider, fixed, universal or rope"},
+    {"unknown_body", with_joint("type: ball, bodies: [a, d], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].bodies[1]': found d, a name that no entry of bodies has, expected the name of a body, as door or "
+     "pile[3], its entry's place in the list, or world"},
+    {"no_anchor", with_joint("type: ball, bodies: [a, b]"),
+     "FILE:7: key 'joints[0].anchor': found nothing, expected a point (m, world axes), or anchors: a list of 2 points in the "
+     "bodies' axes"},
+    {"no_axis", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].axis': found nothing, expected a vector of length 1 (world axes), or axes: a list of 2 in the "
+     "bodies' axes"},
+    {"axis_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1]"),
+     "FILE:7: key 'joints[0].axis': found an unknown key, expected collide, compliance, damping, type, bodies, anchors or "
+     "anchor"},
+    {"world_first", with_joint("type: ball, bodies: [world, a], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].bodies[0]': found world, expected a body; the second may be world"},
+    {"nothing_moves", with_joint("type: ball, bodies: [b, world], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].bodies': found no body that moves freely, expected at least one dynamic body"},
+    {"itself", with_joint("type: ball, bodies: [a, a], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].bodies': found the same body twice, expected two bodies"},
+    {"a_plane", with_joint("type: ball, bodies: [a, c], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].bodies[1]': found c, a plane, expected a body that is no plane"},
+    {"several", with_joint("type: ball, bodies: [a, pile], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].bodies[1]': found pile, an entry of 3 bodies, expected one of them, as pile[0]"},
+    {"beyond_the_last", with_joint("type: ball, bodies: [a, 'pile[3]'], anchor: [0, 0, 0]"),
+     "FILE:7: key 'joints[0].bodies[1]': found 'pile[3]' of 3, expected a number below 3"},
+    {"limits_upside_down", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], limits: [10, -10]"),
+     "FILE:7: key 'joints[0].limits': found [10, -10], expected the lower limit before the upper (degrees)"},
+    {"motor_without_strength", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1}"),
+     "FILE:7: key 'joints[0].motor.max_torque': found nothing, expected a number > 0 (N m)"},
+    {"motor_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], motor: {speed: 1, max_torque: 1}"),
+     "FILE:7: key 'joints[0].motor': found an unknown key, expected collide, compliance, damping, type, bodies, anchors or "
+     "anchor"},
+    {"two_targets",
+     with_joint("type: slider, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1, offset: 2, max_force: 1}"),
+     "FILE:7: key 'joints[0].motor.offset': found 2 beside speed 1, expected only one of speed and offset"},
+    {"negative_compliance", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], compliance: -1"),
+     "FILE:7: key 'joints[0].compliance': found -1, expected a number >= 0 (m/N)"},
+    {"axes_not_square",
+     with_joint("type: universal, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], second_axis: [0, 0.6, 0.8]"),
+     "FILE:7: key 'joints[0].second_axis': found [0, 0.6, 0.8], expected a vector of length 1, square to the axis"},
+    {"rope_without_ends", with_joint("type: rope, bodies: [a, b]"),
+     "FILE:7: key 'joints[0].points': found nothing, expected a list of 2 points (m), or anchors: of 2 points in the bodies' "
+     "axes"},
+    {"hinge_across_the_plane",
+     "planar: true\nbodies:\n  - {name: a, shape: {disc: {radius: 0.1}}, mass: 1}\njoints:\n"
+     "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n",
+     "FILE:5: key 'joints[0].axis': found [0, 0, 1], expected an axis along y (planar scene)"},
+    {"chain_of_no_length", with_chain("count: 2, from: [0, 0, 0], to: [0, 0, 0], joint: {type: ball}"),
+     "FILE:4: key 'bodies[0].chain.to': found [0, 0, 0], expected another point than from (m)"},
+    {"chain_of_sliders", with_chain("count: 2, from: [0, 0, 0], to: [1, 0, 0], joint: {type: slider}"),
+     "FILE:4: key 'bodies[0].chain.joint.type': found slider, expected ball, hinge, universal or fixed"},
+    {"tree_without_density", "bodies:\n  - mass: 1\n    tree: {levels: 3, length: 1, joint: {type: ball}}\n",
+     "FILE:3: key 'bodies[0].tree': found no density, expected density: a number > 0 (kg/m^3), since links differ in size"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Faults, JointRefuses, testing::ValuesIn(faults),
+                         [](const auto& fault) { return std::string(fault.param.name); });
+
+// Of a scene as read, how far a joint is from closed.
+double opening(const Scene& scene, const Joint& joint) {
+  const auto end = [&](std::size_t e) {
+    const BodyState s = joint.ids[e] < 0 ? BodyState{} : scene.body(joint.ids[e]).state;
+    return JointEnd{s.position, (s.orientation * joint.frame[e]).toRotationMatrix(),
+                    s.position + s.orientation * joint.anchor[e]};
+  };
+  double worst = 0;
+  with_joint_type(static_cast<std::uint8_t>(joint.kind), [&]<class T>() {
+    JointRows<T::rows> rows;
+    T::evaluate(end(0), end(1), rows);
+    for (const double value : rows.value) worst = std::max(worst, std::abs(value));
+  });
+  return worst;
+}
+
+TEST(Articulated, GeneratorsMakeClosedJointsWhereverTheyArePlaced) {
+  const Scene scene = scene_from(R"(
+bodies:
+  - {name: first, shape: {sphere: {radius: 0.1}}, mass: 1}
+  - shape: {box: {size: [0.3, 0.1, 0.1]}}
+    mass: 1
+    position: [1, 2, 3]
+    orientation: {axis: [0.6, 0, 0.8], angle: 50}
+    chain: {count: 5, from: [0, 1, 0], to: [-2, 0, 1], held: both, joint: {type: hinge, axis: [0, 1, 0]}}
+  - tree: {levels: 4, branches: 3, length: 1, held: true, joint: {type: universal, axis: [0, 0, 1], second_axis: [1, 0, 0]}}
+    density: 500
+    position: [1, -2, 3]
+    orientation: {axis: [0, 0.6, 0.8], angle: 20}
+  - ragdolls: {count: 3, columns: [2, 1], spacing: [2, 2, 2]}
+    density: 900
+    position: [0, 9, 0]
+)");
+  EXPECT_EQ(scene.body_count(), 1 + 5 + 40 + 33);
+  ASSERT_EQ(scene.joints.size(), 6u + 40 + 30);
+  for (const Joint& joint : scene.joints) EXPECT_LT(opening(scene, joint), 1e-13);
+  // The chain's ends are where the file puts them.
+  const Quat turn(Eigen::AngleAxisd(50 * M_PI / 180, Vec3(0.6, 0, 0.8)));
+  EXPECT_LT((scene.joints[0].anchor[1] - (Vec3(1, 2, 3) + turn * Vec3(0, 1, 0))).norm(), 1e-13);
+  EXPECT_LT((scene.joints[5].anchor[1] - (Vec3(1, 2, 3) + turn * Vec3(-2, 0, 1))).norm(), 1e-13);
+  // No two joints of a colour share a body; as few colours as the most joints at a body.
+  for (const Joint& a : scene.joints)
+    for (const Joint& b : scene.joints) {
+      if (&a == &b || a.colour != b.colour) continue;
+      for (const Id i : a.ids)
+        for (const Id k : b.ids) EXPECT_TRUE(i < 0 || i != k);
+    }
+  EXPECT_LE(scene.joint_colours, 5);
+}
+
+}  // namespace
+}  // namespace unibody

@@ -1,0 +1,99 @@
+// Shapes in scene files: what is read, and the one clear error where it is bad.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "scene/scene_text.hpp"
+#include "world/shape_library.hpp"
+
+namespace unibody {
+
+namespace {
+
+std::string body_of(const std::string& shape, const std::string& more = "density: 1000") {
+  return "bodies:\n  - shape: {" + shape + "}\n    " + more + "\n";
+}
+
+// The surface of a block 0.2 x 0.4 x 0.6 off the origin, with one triangle left out if `open`.
+std::string block(bool open) {
+  std::string text;
+  for (int k = 0; k < 8; ++k)
+    text += "v " + std::to_string(1 + (k & 1 ? 0.2 : 0)) + " " + std::to_string(k & 2 ? 0.4 : 0) + " " +
+            std::to_string(k & 4 ? 0.6 : 0) + "\n";
+  text += "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\n";
+  return text + (open ? "f 2 4 8\n" : "f 2 4 8 6\n");
+}
+
+}  // namespace
+
+TEST(ShapeFiles, CapsuleAndCylinderHaveTheirLengths) {
+  const Shape capsule = scene_from(body_of("capsule: {radius: 0.1, length: 0.4}")).body(0).properties.shape;
+  EXPECT_EQ(capsule.kind, ShapeKind::capsule);
+  EXPECT_LT((capsule.size - Vec3(0.1, 0.1, 0.3)).norm(), 1e-15);
+  const Shape cylinder = scene_from(body_of("cylinder: {radius: 0.1, length: 0.4}")).body(0).properties.shape;
+  EXPECT_LT((cylinder.size - Vec3(0.1, 0.1, 0.2)).norm(), 1e-15);
+  EXPECT_NEAR(scene_from(body_of("cylinder: {radius: 0.1, length: 0.4}")).body(0).properties.mass, std::numbers::pi * 4, 1e-9);
+}
+
+// Mass and inertia are those of the solid; convex pieces cover its surface and do not reach out of it.
+TEST(ShapeFiles, ClosedMeshHasTheMassOfItsSolid) {
+  const TextFile mesh(block(false));
+  const Body body = scene_from(body_of("compound: {mesh: " + mesh.path() + ", scale: 2, pieces: 3}")).body(0);
+  EXPECT_NEAR(body.properties.mass, 1000 * 8 * 0.2 * 0.4 * 0.6, 1e-9);
+  Vec3 moments = body.properties.inertia / body.properties.mass;
+  std::sort(moments.data(), moments.data() + 3);
+  EXPECT_LT((moments - Vec3(0.16 + 0.64, 0.16 + 1.44, 0.64 + 1.44) / 12).norm(), 1e-9);
+  EXPECT_LT((body.state.orientation.toRotationMatrix() - Mat3::Identity()).norm(), 1e-9);
+  const Compound& compound = shape_library().compounds[body.properties.shape.data];
+  EXPECT_LT((compound.size - Vec3(0.2, 0.4, 0.6)).norm(), 1e-9);
+}
+
+TEST(ShapeFiles, TerrainIsStatic) {
+  const Scene scene =
+      scene_from("bodies:\n  - {shape: {mesh: {height_field: {size: [2, 2], cells: [1, 1], heights: [0, 0, 0, 1]}}}}\n");
+  EXPECT_TRUE(scene.groups[0].is_static);
+  const MeshShape& mesh = shape_library().meshes[scene.body(0).properties.shape.data];
+  EXPECT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.nodes[3], Vec3(1, 1, 1));
+}
+
+TEST(ShapeFiles, RestitutionOfAPairIsTheSmallerUnlessListed) {
+  const Scene scene = scene_from(ball +
+                                 "materials:\n  a: {friction: 1, restitution: 0.5}\n  b: {friction: 1, restitution: 0.2}\n"
+                                 "  c: {friction: 1}\n  pairs: [{between: [a, c], restitution: 0.9}]\n");
+  EXPECT_EQ(scene.restitution, (std::vector<double>{0.5, 0.2, 0.9, 0.2, 0.2, 0, 0.9, 0, 0}));
+  EXPECT_EQ(scene.friction_of(0, 2), 1);
+}
+
+TEST(ShapeFiles, BadShapesAreRefused) {
+  const TextFile open(block(true));
+  const std::string hull = "FILE:2: key 'bodies[0].shape.hull", solid = "points that span a solid";
+  EXPECT_EQ(fault_of(body_of("capsule: {radius: 0.1}")),
+            "FILE:2: key 'bodies[0].shape.capsule.length': found nothing, expected a number > 0 (m)");
+  EXPECT_EQ(fault_of(body_of("cylinder: {radius: 0, length: 1}")),
+            "FILE:2: key 'bodies[0].shape.cylinder.radius': found 0, expected a number > 0 (m)");
+  EXPECT_EQ(fault_of(body_of("hull: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}")),
+            hull + ".points': found 3 points, expected " + solid);
+  EXPECT_EQ(fault_of(body_of("hull: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]}")),
+            hull + ".points': found points that lie in one plane, expected " + solid);
+  EXPECT_EQ(fault_of(body_of("hull: {}")), hull + "': found both or none of points and mesh, expected one of the two");
+  const std::string hole = fault_of(body_of("compound: {mesh: " + open.path() + "}"));
+  EXPECT_EQ(
+      hole,
+      "FILE:2: key 'bodies[0].shape.compound.mesh': found a mesh with a hole: the edge between nodes 1 and 5 (numbered from 0) "
+      "has one triangle, expected a closed surface");
+  EXPECT_EQ(fault_of(body_of("compound: {parts: [{shape: {plane: {normal: [0, 0, 1]}}}]}")),
+            "FILE:2: key 'bodies[0].shape.compound.parts[0].shape': found a plane in a compound, expected a convex solid");
+  EXPECT_EQ(fault_of(body_of("mesh: {tube: {radius: 1, length: 1}}", "motion: dynamic")),
+            "FILE:3: key 'bodies[0].motion': found dynamic, expected fixed or kinematic for a mesh");
+  EXPECT_EQ(
+      fault_of(body_of("mesh: {height_field: {size: [1, 1], cells: [1, 1], heights: [0, 0, 0]}}", "motion: fixed")).substr(0, 70),
+      "FILE:2: key 'bodies[0].shape.mesh.height_field.heights': found [0, 0, ");
+  EXPECT_EQ(fault_of("planar: true\n" + body_of("capsule: {radius: 1, length: 1}")),
+            "FILE:3: key 'bodies[0].shape.capsule': found a capsule, expected sphere, box, plane or disc in a planar scene");
+  EXPECT_EQ(fault_of(ball + "materials: {a: {friction: 1, restitution: 1.5}}\n"),
+            "FILE:4: key 'materials.a.restitution': found 1.5, expected a number in [0, 1]");
+}
+
+}  // namespace unibody
