@@ -177,8 +177,9 @@ void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std
   if (options.error_estimate > 0 && scene.solver.name == "newton")
     throw InputError("option -error_estimate: found solver.name newton, expected an iterative solver (newton converges)");
   if (options.dump_fclib.empty()) return;
-  if (!scene.constraint_groups.empty() || !scene.attachments.empty())
-    throw InputError("option -dump_fclib: found cloths, threads or solids in " + scene.path + ", expected rigid bodies alone");
+  if (!scene.constraint_groups.empty() || !scene.attachments.empty() || !scene.joints.empty())
+    throw InputError("option -dump_fclib: found joints, cloths, threads or solids in " + scene.path +
+                     ", expected rigid bodies that touch, alone");
   if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
   if (options.dump_step > scene.time.frames || (options.dump_step >= 0 && options.dump_step <= first_frame))
     throw InputError("option -dump_step: found " + std::to_string(options.dump_step) + ", expected a frame of the run, " +

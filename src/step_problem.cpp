@@ -49,7 +49,8 @@ void Simulation::fill_problem(const SolvedStep& solved, ContactProblem& problem)
         const Vec3 velocity = Eigen::Map<const Vec3>(body.v) + Eigen::Map<const Vec3>(body.w).cross(arm);
         moved += slot == m.slot_a ? velocity : Vec3(-velocity);
       }
-      c.offset = {m.normal.dot(moved) + stage.bias(point.gap), s.dot(moved), t.dot(moved)};
+      const double bounce = contacts.bounce.empty() ? 0 : contacts.bounce[p];
+      c.offset = {m.normal.dot(moved) + (bounce > 0 ? -bounce : stage.bias(point.gap)), s.dot(moved), t.dot(moved)};
       c.impulse = {solved.impulses[p].n, solved.impulses[p].s, solved.impulses[p].t};
       problem.contacts.push_back(c);
     }

@@ -191,7 +191,7 @@ class ContactProblem(ProgramTest):
             "-dump_step: expected -dump_fclib": (pile, "-dump_step", 3),
             "-dump_step: found 'x', expected a whole number": (pile, "-dump_fclib", path, "-dump_step", "x"),
             "-dump_step: found 26, expected a frame of the run, 1 to 25": (pile, "-dump_fclib", path, "-dump_step", 26),
-            "-dump_fclib: found cloths": (cloth, "-dump_fclib", path),
+            "-dump_fclib: found joints, cloths": (cloth, "-dump_fclib", path),
             "-dump_fclib: cannot write": (pile, "-dump_fclib", self.folder / "none" / "x.h5"),
             "there.h5' exists": (pile, "-dump_fclib", path.with_name("there.h5")),
             "-error_estimate: found '0', expected a whole number": (pile, "-error_estimate", 0),
