@@ -119,6 +119,13 @@ class ContactProblem(ProgramTest):
         for wrong in ([normal, 0, 0], [-normal, 0, 0], [0, 0, 0]):
             self.assertGreater(problem.measures(np.array(wrong, float))["residual"], 0.1)
 
+    # What bounces is to part at half of the speed at which it came: as far as M2 tells, the step solved just that.
+    def test_a_ball_that_bounces(self):
+        problem = Problem(self.dump(BALL.replace("friction: 0.5", "friction: 0.5, restitution: 0.5"), "bouncing"))
+        self.assertAlmostEqual(problem.q[0], -1 - 10 * 0.01 - 0.5, places=12)
+        np.testing.assert_allclose(problem.r[0], 2 * (1 + 10 * 0.01 + 0.5), rtol=1e-9)
+        self.assertLess(problem.measures(problem.r)["residual"], 1e-9)
+
     # The dynamics hold for what the step did, whatever its iterations; the two forms are one problem.
     def test_both_forms_hold_the_step(self):
         for solver in ("accelerated_jacobi", "gauss_seidel"):
