@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "constraints/constraint_batches.hpp"
+#include "solve/free_motion.hpp"
 #include "solve/friction_postprocess.hpp"
 #include "solve/recall.hpp"
 #include "solve/reference.hpp"

@@ -161,7 +161,7 @@ TEST(StepError, LeavesTheRunAsItIs) {
 }
 
 TEST(RanksStepError, IsTheSameOnAnyNumberOfRanks) {
-  for (const std::string& bodies : {few, boxes_and_cloth, solid})
+  for (const std::string& bodies : {few, solid})
     for (const std::string solver :
          {"name: accelerated_jacobi, iterations: 12, tolerance: 0.01", "name: gauss_seidel, iterations: 8, tolerance: 0.01"}) {
       if (bodies != few && solver.find("gauss") != std::string::npos) continue;  // an exchange for each of many colours: slow
