@@ -175,8 +175,8 @@ Mode lowest_mode(Experiment& run) {
   K.diagonal() -= mass;
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor(K);
   Eigen::VectorXd shape = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index i = 1; i < n; i += 3) shape[i] = 1;  // across, to the y axis: the lowest bending
-  for (int k = 0; k < 5000; ++k) {                       // a bar's two bendings may be near each other
+  for (Eigen::Index i = 1; i < n; i += 3) shape[i] = 1;         // across, to the y axis: the lowest bending
+  for (int k = 0; k < 5000; ++k) {                              // a bar's two bendings may be near each other
     const Eigen::VectorXd momentum = mass.cwiseProduct(shape);  // solve() does not know of aliases
     shape = factor.solve(momentum);
     shape /= shape.lpNorm<Eigen::Infinity>();

@@ -32,7 +32,7 @@ const std::vector<BadInput> bad_files{
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
      "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
-     "materials, bodies, cloths, threads or solids"},
+     "materials, bodies, cloths, threads, solids or joints"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected step, frames or substeps"},
     {"key_twice", "title: a\ntime: {step: 1}\ntitle: b\n",
@@ -42,7 +42,7 @@ const std::vector<BadInput> bad_files{
      "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
      "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
-     "materials, bodies, cloths, threads or solids"},
+     "materials, bodies, cloths, threads, solids or joints"},
     {"value_missing", "time: {step: }\n", "FILE:1: key 'time.step': found nothing, expected a number > 0 (s)"},
 };
 
@@ -340,7 +340,7 @@ const std::vector<BadInput> bad_overrides{
     {"unknown_section",
      ball,
      "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, "
-     "output, materials, bodies, cloths, threads or solids",
+     "output, materials, bodies, cloths, threads, solids or joints",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",
      ball,

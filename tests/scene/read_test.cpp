@@ -202,7 +202,7 @@ TEST(ReadScene, TheReferencesFirstExampleWorks) {
 bool lacks_its_mesh(const std::string& scene) {
   const auto begin = scene.find("results/meshes/");
   if (begin == std::string::npos) return false;
-  const auto end = scene.find_first_of(" \n", begin);
+  const auto end = scene.find_first_of(" ,}\n", begin);
   return !std::filesystem::exists(std::string(UNIBODY_SOURCE_DIR "/") + scene.substr(begin, end - begin));
 }
 
