@@ -92,6 +92,7 @@ class Expansion {
   }
 
  private:
+  static constexpr std::size_t most_faces = 1000;
   struct Face {
     std::array<std::uint16_t, 3> corners;
     Vec3 normal;
@@ -150,20 +151,28 @@ class Expansion {
     return best;
   }
 
-  // Takes out the faces that the new vertex sees, and closes the hole around it. False where it sees none.
+  // Takes out the faces that the new vertex sees, and closes the hole around it. False, with nothing changed, where it sees none
+  // or there is no such hole.
   bool grow(const Vertex& w) {
     edges_.clear();
     const auto seen = [&](const Face& f) { return f.normal.dot(w.w) - f.offset > 1e-13 * scale_; };
     for (const Face& f : faces_)
       if (seen(f))
         for (std::size_t k = 0; k < 3; ++k) edges_.push_back({f.corners[k], f.corners[(k + 1) % 3]});
-    if (edges_.empty()) return false;
+    horizon_.clear();
+    for (const auto& [i, j] : edges_) {
+      if (std::find(edges_.begin(), edges_.end(), std::array{j, i}) != edges_.end()) continue;
+      const std::array edge{i, j};
+      // twice: rounding has torn the polytope, and it would double with every vertex from here on
+      if (std::find(horizon_.begin(), horizon_.end(), edge) != horizon_.end()) return false;
+      horizon_.push_back(edge);
+    }
+    if (horizon_.size() < 3 || faces_.size() > most_faces) return false;
     std::erase_if(faces_, seen);
     const auto number = static_cast<std::uint16_t>(vertices_.size());
     vertices_.push_back(w);
-    for (const auto& [i, j] : edges_)
-      if (std::find(edges_.begin(), edges_.end(), std::array{j, i}) == edges_.end()) add({i, j, number});
-    return !faces_.empty();
+    for (const auto& [i, j] : horizon_) add({i, j, number});
+    return true;
   }
 
   void finish(const Face& face, ConvexDistance& result) const {
@@ -180,7 +189,7 @@ class Expansion {
   double scale_;
   std::vector<Vertex> vertices_;
   std::vector<Face> faces_;
-  std::vector<std::array<std::uint16_t, 2>> edges_;
+  std::vector<std::array<std::uint16_t, 2>> edges_, horizon_;
 };
 
 }  // namespace
