@@ -1,4 +1,10 @@
 """The parts of the report, in order: name on the command line -> module with TITLE and make(session) -> Section."""
+import damping
+import discs
+import hanging_cloth
+import published_tables
 import sliding
+import torus
+import velocity_level
 
-PARTS = {'sliding': sliding}
+PARTS = {'published_tables': published_tables, 'sliding': sliding, 'torus': torus, 'velocity_level': velocity_level, 'discs': discs, 'hanging_cloth': hanging_cloth, 'damping': damping}
