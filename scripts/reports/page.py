@@ -49,11 +49,11 @@ def cell(value):
     return str(value)
 
 
-def draw(name, caption, paint, wide=1, command=''):
-    """A plot by paint(axes); `wide`: how many axes beside each other."""
-    figure, axes = pyplot.subplots(1, wide, figsize=(5.6 * wide, 3.9), squeeze=False)
-    paint(axes[0] if wide > 1 else axes[0][0])
-    for axis in axes[0]:
+def draw(name, caption, paint, wide=1, tall=1, command=''):
+    """A plot by paint(axes), `wide` of them beside each other in `tall` rows: one alone, or a flat list."""
+    figure, axes = pyplot.subplots(tall, wide, figsize=((5.6 if wide < 3 else 4.2) * wide, (3.9 if tall < 2 else 3.4) * tall), squeeze=False)
+    paint(list(axes.flat) if wide * tall > 1 else axes[0][0])
+    for axis in axes.flat:
         axis.grid(True, alpha=.3)
     figure.tight_layout()
     buffer = io.BytesIO()

@@ -6,5 +6,7 @@ import published_tables
 import sliding
 import torus
 import velocity_level
+import work_precision
 
-PARTS = {'published_tables': published_tables, 'sliding': sliding, 'torus': torus, 'velocity_level': velocity_level, 'discs': discs, 'hanging_cloth': hanging_cloth, 'damping': damping}
+PARTS = {'published_tables': published_tables, 'sliding': sliding, 'torus': torus, 'velocity_level': velocity_level, 'discs': discs, 'hanging_cloth': hanging_cloth, 'damping': damping,
+         'work_precision': work_precision}
