@@ -49,4 +49,24 @@ def away(_, folder, reference):
     return float(list(csv.DictReader(text.splitlines()))[-1]['distance (m)'])
 
 
-LOOKS = {'path': path_of, 'measure': measured, 'away': away}
+def chain(session, folder, reference=None):
+    """Drift of a chain's joints, and how far (m) its bodies' centres are at the end from those of a reference: root mean square by mass."""
+    path = os.path.join(folder, 'frames.h5')
+    result = measure_file(session, path, '--chain')
+    result['away'] = None
+    if reference:
+        with h5py.File(path) as a, h5py.File(os.path.join(reference, 'frames.h5') if os.path.isdir(reference) else reference) as b:
+            last = frames_of(a)[-1]
+            mass, moves = a['bodies/mass'][:], a['bodies/motion'][:] == 0
+            square = ((a[f'frames/{last}/position'][:] - b[f'frames/{last}/position'][:]) ** 2).sum(1)
+        result['away'] = float(np.sqrt((mass * square)[moves].sum() / mass[moves].sum()))
+    return result
+
+
+def copied(_, folder, to):
+    """Keeps the frames at `to`."""
+    os.replace(os.path.join(folder, 'frames.h5'), to)
+    return to
+
+
+LOOKS = {'path': path_of, 'measure': measured, 'away': away, 'chain': chain, 'copy': copied}

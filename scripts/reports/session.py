@@ -140,9 +140,45 @@ class Session:
             self.fresh.add(path)
         return path
 
+    def rival(self, name, start, options=(), look=('measure',), gravity=9.8):
+        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees}, or None
+        where the program is not there."""
+        words, needs = RIVALS[name](self)
+        if not all(os.path.exists(p) or shutil.which(p) for p in needs):
+            return None
+        start = os.path.join(start, 'frames.h5')
+        options = [*map(str, options), '--gravity', str(gravity)]
+        key = digest([self.mark(p if os.path.exists(p) else shutil.which(p)) for p in needs], self.mark(start), self.mark(os.path.join(self.rivals, 'measure')), options,
+                     [str(x) for x in look])
+
+        def make():
+            output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
+            try:
+                said = command([*words, start, os.path.join(output, 'frames.h5'), *options], 0, None if '--ranks' in options else self.core)
+                return {'ms': float(said.split('median_ms')[1]), 'seen': poses.LOOKS[look[0]](self, output, *look[1:])}
+            except SystemExit as fault:
+                return {'ms': None, 'seen': None, 'failed': str(fault)[-300:]}
+            finally:
+                shutil.rmtree(output, ignore_errors=True)
+
+        return self.keep(key, f'{name} {" ".join(options)}', make)
+
     def state(self, scene, settings, frames):
         """The checkpoint at the end of a run."""
         return os.path.join(self.folder_of(scene, list(settings) + ['output.every=0'], frames), 'checkpoint.h5')
+
+
+def driver(name):
+    return lambda session: ([os.path.join(session.rivals, name)], [os.path.join(session.rivals, name)])
+
+
+def script(name, program):
+    path = os.path.join(ROOT, 'scripts', 'rivals', name)
+    return lambda session: ([sys.executable, path], [path, program])
+
+
+# Name -> how it is started, and the files or programs that must be there.
+RIVALS = {'Bullet': driver('bullet'), 'ODE': driver('ode'), 'DART': driver('dart'), 'LIGGGHTS': script('liggghts.py', 'liggghts'), 'LAMMPS': script('lammps.py', 'lmp')}
 
 
 def scene_path(scene):

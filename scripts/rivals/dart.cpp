@@ -93,7 +93,9 @@ struct World : rivals::Engine {
     for (const rivals::Anchor& j : anchors) {
       const auto b = static_cast<std::size_t>(j.b);
       BodyNode* parent = j.a < 0 ? nullptr : bodies[static_cast<std::size_t>(j.a)];
-      const auto [joint, body] = skeleton->createJointAndBodyNodePair<BallJoint>(parent);
+      const auto [joint, body] = skeleton->createJointAndBodyNodePair<BallJoint>(
+          parent, BallJoint::Properties(Joint::Properties("joint" + std::to_string(b))),
+          BodyNode::AspectProperties("body" + std::to_string(b)));
       Eigen::Isometry3d from_parent = Eigen::Isometry3d::Identity(), from_child = Eigen::Isometry3d::Identity();
       from_parent.translation() = j.in_a, from_child.translation() = j.in_b;
       const rivals::Quat q =
