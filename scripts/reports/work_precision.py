@@ -59,7 +59,7 @@ def settings_of(session, case):
             continue
         counts = session.pick((4, 40), (10, 40, 160), ())
         found += [Setting(solver, k, 1, 1) for k in counts] + [Setting(solver, k, 4, 1) for k in counts[:2]]
-        found += [Setting(solver, counts[-1], 1, 2)] + ([Setting(solver, 40, 1, 1, v) for v in variants] if session.size == 'quick' else [])
+        found += ([Setting(solver, counts[-1], 1, 2)] if session.size == 'quick' or solver == 'gauss_seidel' else []) + ([Setting(solver, 40, 1, 1, v) for v in variants] if session.size == 'quick' else [])
     return found
 
 
