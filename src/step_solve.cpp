@@ -180,8 +180,9 @@ StepReport Simulation::solve(const StepWishes& wishes) {
 namespace {
 
 // Whether a tetrahedron ends the step turned inside out: St. Venant-Kirchhoff has equilibria there, of no solid.
-bool inverts(const World& world, const ConstraintList<Tetrahedron>& solids, std::span<const Vec3> velocity, double step) {
-  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<Tetrahedron>& c) {
+template <class C>
+bool inverts(const World& world, const ConstraintList<C>& solids, std::span<const Vec3> velocity, double step) {
+  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<C>& c) {
     const auto place = [&](std::size_t e) -> Vec3 {
       const auto slot = static_cast<std::size_t>(world.find(c.ids[e]));
       return world.position[slot] + step * velocity[slot];
@@ -205,7 +206,10 @@ StepReport Simulation::solve_by_newton() {
   report.iterations = step.iterations;
   measure_solution(report);
   report.residual = std::max(report.residual, step_ * step.correction);
-  report.converged = step.converged && !inverts(world, std::get<ConstraintList<Tetrahedron>>(constraints), step.velocity, step_);
+  report.converged = step.converged;
+  for_each_solid_type(constraints, [&](const auto& solids) {
+    report.converged = report.converged && !inverts(world, solids, step.velocity, step_);
+  });
   return report;
 }
 
