@@ -78,6 +78,9 @@ struct Surface {
   Id first_node = 0, node_count = 0;
   // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of = nullptr;
+  // Of a solid, for the output: the bodies at the corners of its tetrahedra, positively oriented at rest.
+  Id tetrahedron_count = 0;
+  std::function<std::array<Id, 4>(Id k)> tetrahedron = nullptr;
   bool self_collision = false;  // cells touch others of the same surface
   bool closed = false;          // around a solid: cells are counterclockwise from outside, and what is inside belongs outside
   double drag = 0;              // 1, coefficient of the air's resistance to a triangle's motion along its normal
