@@ -102,9 +102,11 @@ SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int it
 
 namespace {
 
-double position_share(const SolverSettings& settings) {
-  if (settings.warm_start >= 0) return settings.warm_start;
-  return settings.level == Level::velocity ? automatic_velocity_share : automatic_share;
+double position_share(const SolverSettings& settings) { return settings.warm_start >= 0 ? settings.warm_start : automatic_share; }
+
+// Of contacts, where there is one stage.
+double contact_share(const SolverSettings& settings) {
+  return settings.level == Level::velocity && settings.warm_start < 0 ? automatic_velocity_share : position_share(settings);
 }
 
 }  // namespace
@@ -160,7 +162,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   SolvedStep solved;
   if (wished) solved.predicted.assign(system_.bodies.begin(), system_.bodies.end()), solved.velocity_before = world.velocity;
   StepReport report;
-  warm_start(stages() != Stages::position ? 1 : position_share(settings));
+  warm_start(stages() != Stages::position ? 1 : contact_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
