@@ -73,6 +73,8 @@ Options parse_options(int argc, char** argv) {
       if (equals == std::string::npos || equals == 0)
         throw InputError("option -set: found '" + assignment + "', expected path.to.key=value");
       options.overrides.push_back({assignment.substr(0, equals), assignment.substr(equals + 1)});
+    } else if (word == "-solver_level") {
+      options.overrides.push_back({"solver.level", value()});
     } else if (word == "-partition") {
       if (const std::string kind = value(); kind != "metis") options.random_partition = seed_of(kind);
     } else if (word == "-rebalance") {
@@ -118,6 +120,7 @@ Simulates the scene file SCENE and writes its results into a folder.
   -overwrite             replace results that are in DIR already; without it they stop the run
   -set path.to.key=value change a value of the scene, as if the file said so; may be given many times.
                          Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]
+  -solver_level LEVEL    position (default), or velocity: the classic time stepping, for comparison; as -set solver.level=LEVEL
   -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
   -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
                          No result depends on it

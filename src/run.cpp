@@ -59,6 +59,7 @@ std::string physics_of(const Scene& scene) {
        << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form)
        << ' ' << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' '
        << s.margin << '\n';
+  if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
   for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
