@@ -167,6 +167,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
+    system_.rolling.keep_impulses(stages() == Stages::joint);
     system_.surface.keep_impulses(stages() == Stages::joint);
   }
   report.iterations +=
@@ -235,6 +236,7 @@ bool Simulation::any_over_ranks(bool here) const {
 
 void Simulation::measure_solution(StepReport& report) {
   report.residual = std::max(system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies));
+  report.residual = std::max(report.residual, system_.rolling.residual(system_.contacts, system_.bodies));
   if (constraints_of_all_ > 0) {
     report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
     for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);

@@ -1,6 +1,7 @@
 // Scene: what the file says, as plain structs in SI units. read_scene() is the only way in; nothing here knows of MPI.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <map>
@@ -82,6 +83,8 @@ struct Scene {
   std::vector<std::string> materials{"default"};
   std::vector<double> friction{0.5};   // materials x materials, row major, symmetric: Coulomb's mu of each pair
   std::vector<double> restitution{0};  // the same: Newton's e, of speeds before and after an impact
+  std::vector<double> rolling{0};      // the same: m, most rolling resistance as a torque over the normal force
+  std::vector<double> spinning{0};     // the same, of spinning about the normal
   std::vector<BodyGroup> groups;       // in the order of the file; ids run on from group to group
 
   std::vector<ConstraintGroup> constraint_groups;
@@ -99,6 +102,11 @@ struct Scene {
     return friction[static_cast<std::size_t>(material_a) * materials.size() + static_cast<std::size_t>(material_b)];
   }
 };
+
+// Of a coefficient of pairs of materials: whether any pair has it.
+inline bool has_any(const std::vector<double>& values) {
+  return std::any_of(values.begin(), values.end(), [](double x) { return x > 0; });
+}
 
 // A value set from the command line: path.to.key=value, the value in YAML.
 struct Override {
