@@ -74,6 +74,8 @@ Options parse_options(int argc, char** argv) {
       if (equals == std::string::npos || equals == 0)
         throw InputError("option -set: found '" + assignment + "', expected path.to.key=value");
       options.overrides.push_back({assignment.substr(0, equals), assignment.substr(equals + 1)});
+    } else if (word == "-solver_level") {
+      options.overrides.push_back({"solver.level", value()});
     } else if (word == "-partition") {
       if (const std::string kind = value(); kind != "metis") options.random_partition = seed_of(kind);
     } else if (word == "-rebalance") {
@@ -119,6 +121,7 @@ Simulates the scene file SCENE and writes its results into a folder.
   -overwrite             replace results that are in DIR already; without it they stop the run
   -set path.to.key=value change a value of the scene, as if the file said so; may be given many times.
                          Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]
+  -solver_level LEVEL    position (default), or velocity: the classic time stepping, for comparison; as -set solver.level=LEVEL
   -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
   -start_from FILE       the same, but time.step, time.substeps and what stands under solver may differ from those of the checkpoint's
                          run: to compare settings from the same state

@@ -58,6 +58,7 @@ std::string settings_of(const Scene& scene) {
        << static_cast<int>(s.stages) << ' ' << s.warm_start << ' ' << s.leak << ' ' << static_cast<int>(s.friction) << ' '
        << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling
        << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
+  if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
   return text.str();
 }
 
@@ -68,6 +69,10 @@ std::string physics_of(const Scene& scene) {
   text << scene.gravity.transpose() << ' ' << scene.planar << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
+  for (const auto& [what, values] :
+       {std::pair("bounce", &scene.restitution), {"roll", &scene.rolling}, {"spin", &scene.spinning}})
+    if (has_any(*values))
+      for (const double value : *values) text << what << ' ' << value << '\n';
   for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
   text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
   for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << '\n';
@@ -193,6 +198,8 @@ void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std
   if (!scene.constraint_groups.empty() || !scene.attachments.empty() || !scene.joints.empty())
     throw InputError("option -dump_fclib: found joints, cloths, threads or solids in " + scene.path +
                      ", expected rigid bodies that touch, alone");
+  if (has_any(scene.rolling) || has_any(scene.spinning))
+    throw InputError("option -dump_fclib: found rolling or spinning friction in " + scene.path + ", expected none");
   if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
   if (options.dump_step > scene.time.frames || (options.dump_step >= 0 && options.dump_step <= first_frame))
     throw InputError("option -dump_step: found " + std::to_string(options.dump_step) + ", expected a frame of the run, " +

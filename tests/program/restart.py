@@ -134,6 +134,12 @@ class Restart(ProgramTest):
     def test_warm_started_position_stage(self):
         self.check("-set", "solver.stages=position", "-set", "solver.name=jacobi", ranks=(3,))
 
+    def test_velocity_level(self):
+        self.check("-solver_level", "velocity", "-set", "solver.warm_start=0.7", ranks=(3,))
+
+    def test_another_level_is_refused(self):
+        self.check_refused(PILE, ("solver.level=velocity",))
+
     def test_cloth_and_thread(self):
         self.check(text=CLOTH, change="cloths[0].links.stiffness=3001")
 
