@@ -65,8 +65,9 @@ Options parse_options(int argc, char** argv) {
       options.output = value();
     } else if (word == "-overwrite") {
       options.overwrite = true;
-    } else if (word == "-restart") {
-      options.restart = value();
+    } else if (word == "-restart" || word == "-start_from") {
+      if (!options.restart.empty()) throw InputError("option " + word + ": a checkpoint is given already");
+      options.restart = value(), options.other_settings = word == "-start_from";
     } else if (word == "-set") {
       const std::string assignment = value();
       const auto equals = assignment.find('=');
@@ -122,6 +123,8 @@ Simulates the scene file SCENE and writes its results into a folder.
                          Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]
   -solver_level LEVEL    position (default), or velocity: the classic time stepping, for comparison; as -set solver.level=LEVEL
   -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
+  -start_from FILE       the same, but time.step, time.substeps and what stands under solver may differ from those of the checkpoint's
+                         run: to compare settings from the same state
   -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
                          No result depends on it
   -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it

@@ -105,6 +105,7 @@ class Simulation {
   Stages stages() const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
+  std::vector<RollingContact> rolling_contacts() const;
   void build_joints(std::span<const std::int32_t> counts);
   std::vector<double> turning_of_joints() const;
   void steady_turning();
@@ -126,6 +127,7 @@ class Simulation {
   std::vector<JointSlots> joint_slots_;
   std::vector<double> turning_;  // h^2 K of each slot (kg m^2) that this step is steadied for
   const Solver& solver_;
+  const bool resists_rolling_;
   Scratch scratch_;  // of collision detection, then of the solve
   JointBatch joint_batch_;
   System system_{&scratch_};  // within step()

@@ -167,6 +167,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
+    system_.rolling.keep_impulses(stages() == Stages::joint);
     system_.surface.keep_impulses(stages() == Stages::joint);
   }
   report.iterations +=
@@ -194,8 +195,9 @@ StepReport Simulation::solve(const StepWishes& wishes) {
 namespace {
 
 // Whether a tetrahedron ends the step turned inside out: St. Venant-Kirchhoff has equilibria there, of no solid.
-bool inverts(const World& world, const ConstraintList<Tetrahedron>& solids, std::span<const Vec3> velocity, double step) {
-  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<Tetrahedron>& c) {
+template <class C>
+bool inverts(const World& world, const ConstraintList<C>& solids, std::span<const Vec3> velocity, double step) {
+  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<C>& c) {
     const auto place = [&](std::size_t e) -> Vec3 {
       const auto slot = static_cast<std::size_t>(world.find(c.ids[e]));
       return world.position[slot] + step * velocity[slot];
@@ -219,7 +221,10 @@ StepReport Simulation::solve_by_newton() {
   report.iterations = step.iterations;
   measure_solution(report);
   report.residual = std::max(report.residual, step_ * step.correction);
-  report.converged = step.converged && !inverts(world, std::get<ConstraintList<Tetrahedron>>(constraints), step.velocity, step_);
+  report.converged = step.converged;
+  for_each_solid_type(constraints, [&](const auto& solids) {
+    report.converged = report.converged && !inverts(world, solids, step.velocity, step_);
+  });
   return report;
 }
 
@@ -231,6 +236,7 @@ bool Simulation::any_over_ranks(bool here) const {
 
 void Simulation::measure_solution(StepReport& report) {
   report.residual = std::max(system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies));
+  report.residual = std::max(report.residual, system_.rolling.residual(system_.contacts, system_.bodies));
   if (constraints_of_all_ > 0) {
     report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
     for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);

@@ -142,6 +142,7 @@ class ContactBatch {
   std::int64_t leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const;
 
   std::size_t group_count() const { return group_end_.size(); }
+  std::size_t group_end(std::size_t group) const { return group_end_[group]; }  // in blocks
 
   std::pmr::vector<Block> blocks;
   std::pmr::vector<Point> points;

@@ -26,14 +26,6 @@ namespace {
 constexpr double least_pivot = 1e-10;  // of a row's diagonal
 constexpr double most_turn = 0.5;      // rad in a step, up to which rows are taken as curved as they are
 
-Mat3 inverse_inertia_of(const SolverBody& body, std::span<const InverseInertia> inertia, bool isotropic, std::size_t slot) {
-  if (isotropic) return body.inverse_inertia * Mat3::Identity();
-  const InverseInertia& w = inertia[slot];
-  Mat3 all;
-  all << w.xx, w.xy, w.xz, w.xy, w.yy, w.yz, w.xz, w.yz, w.zz;
-  return all;
-}
-
 Vec3 velocity_of(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
 Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
 void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
@@ -147,7 +139,7 @@ void JointBatch::build(std::span<const Joint> joints, const JointList& list, std
     Quat attitude = Quat::Identity();
     if (s < world.size()) side.centre = world.position[s], attitude = world.orientation_of(s);
     side.axes = attitude * joint.frame[end], side.arm = joint.frame[end].conjugate() * joint.anchor[end];
-    side.inverse_inertia = inverse_inertia_of(bodies[s], inertia, isotropic[s] != 0, s);
+    side.inverse_inertia = inverse_inertia_of(bodies, inertia, isotropic, s);
     return side;
   };
   std::size_t next = 0;

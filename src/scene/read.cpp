@@ -1,5 +1,6 @@
 // read_scene: the sections of the file, each a table of its keys. A new section is one function and one line in `sections`.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -124,9 +125,9 @@ void read_solver(const Value& value, Scene& scene) {
 
 void read_gravity(const Value& value, Scene& scene) { scene.gravity = read_vector(value, scene, "m/s^2"); }
 
-double read_restitution(const Value& map, double otherwise) {
-  const Value* e = map.find("restitution");
-  return e ? e->number({0, 1}, "") : otherwise;
+double read_or(const Value& map, const char* key, const Range& range, const char* unit, double otherwise) {
+  const Value* value = map.find(key);
+  return value ? value->number(range, unit) : otherwise;
 }
 
 double read_friction(const Value& map) {
@@ -135,10 +136,29 @@ double read_friction(const Value& map) {
   return friction->number(not_negative, "");
 }
 
+// What a pair of materials may say beside its friction, and of a pair that isn't listed, what it has from its two materials.
+struct PairKey {
+  const char *key, *unit;
+  Range range;
+  std::vector<double> Scene::*values;
+  double (*mix)(double, double);
+};
+double smaller(double a, double b) { return std::min(a, b); }
+double geometric_mean(double a, double b) { return std::sqrt(a * b); }
+const PairKey pair_keys[] = {{"restitution", "", {0, 1}, &Scene::restitution, smaller},
+                             {"rolling_friction", "m", not_negative, &Scene::rolling, geometric_mean},
+                             {"spinning_friction", "m", not_negative, &Scene::spinning, geometric_mean}};
+
+std::vector<std::string> material_keys(std::vector<std::string> keys) {
+  keys.emplace_back("friction");
+  for (const PairKey& k : pair_keys) keys.emplace_back(k.key);
+  return keys;
+}
+
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
 void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
-  pair.map({"between", "friction", "restitution"});
+  pair.map(material_keys({"between"}));
   const Value* between = pair.find("between");
   if (!between) pair.fail_missing("between", "a list of 2 materials");
   if (between->kind != Value::Kind::list || between->entries.size() != 2) between->fail_expected("a list of 2 materials");
@@ -147,32 +167,38 @@ void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
   if (!listed.emplace(std::min(a, b), std::max(a, b)).second)
     between->fail(between->found() + " a second time", "each pair once");
   const std::size_t n = scene.materials.size();
-  if (pair.find("friction") || !pair.find("restitution"))
-    scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
-  scene.restitution[a * n + b] = scene.restitution[b * n + a] = read_restitution(pair, scene.restitution[a * n + b]);
+  bool other = false;
+  for (const PairKey& k : pair_keys) {
+    std::vector<double>& values = scene.*k.values;
+    values[a * n + b] = values[b * n + a] = read_or(pair, k.key, k.range, k.unit, values[a * n + b]);
+    other |= pair.find(k.key) != nullptr;
+  }
+  if (pair.find("friction") || !other) scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
 }
 
-// Names with their friction, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials;
-// its restitution is the smaller of the two.
+// Names with what they are, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials; its
+// restitution is the smaller of the two.
 void read_materials(const Value& value, Scene& scene) {
   if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
   scene.materials.clear();
-  std::vector<double> own, bounce;
+  std::vector<double> friction;
+  std::array<std::vector<double>, std::size(pair_keys)> others;
   for (const auto& [name, material] : value.children) {
     if (name == "pairs") continue;
     scene.materials.push_back(name);
-    own.push_back(read_friction(material.map({"friction", "restitution"})));
-    bounce.push_back(read_restitution(material, 0));
+    friction.push_back(read_friction(material.map(material_keys({}))));
+    for (std::size_t k = 0; k < others.size(); ++k)
+      others[k].push_back(read_or(material, pair_keys[k].key, pair_keys[k].range, pair_keys[k].unit, 0));
   }
-  if (own.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
-  const std::size_t n = own.size();
-  scene.friction.assign(n * n, 0);
-  scene.restitution.assign(n * n, 0);
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < n; ++b) {
-      scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
-      scene.restitution[a * n + b] = std::min(bounce[a], bounce[b]);
-    }
+  if (friction.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
+  const std::size_t n = friction.size();
+  const auto mix = [n](const std::vector<double>& own, double (*rule)(double, double)) {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < n * n; ++i) all.push_back(i / n == i % n ? own[i / n] : rule(own[i / n], own[i % n]));
+    return all;
+  };
+  scene.friction = mix(friction, geometric_mean);
+  for (std::size_t k = 0; k < others.size(); ++k) scene.*pair_keys[k].values = mix(others[k], pair_keys[k].mix);
   Pairs listed;
   if (const Value* pairs = value.find("pairs"))
     for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed);

@@ -9,6 +9,7 @@
 
 #include "constraints/attachment_batch.hpp"
 #include "constraints/contact_batch.hpp"
+#include "constraints/rolling_batch.hpp"
 #include "constraints/surface_batch.hpp"
 #include "joints/joint_batch.hpp"
 #include "partition/cut.hpp"
@@ -30,6 +31,7 @@ struct System {
         wrenches(memory),
         impulses(memory),
         contacts(memory),
+        rolling(memory),
         surface(memory),
         attachment_rows(memory),
         places(memory),
@@ -45,6 +47,7 @@ struct System {
   std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps; empty where nothing touches
   std::pmr::vector<Vec4d> impulses;          // N s; the same of constraints beside contacts, which turn nothing; may be empty
   ContactBatch contacts;
+  RollingBatch rolling;  // of these contacts
   SurfaceBatch surface;
   bool any_surface = false;  // some rank has contacts of surfaces
   AttachmentBatch attachment_rows;

@@ -26,6 +26,16 @@ struct InverseInertia {
   double xx, yy, zz, yz, xz, xy;
 };
 
+// World-frame inverse inertia of a slot, 1/(kg m^2).
+inline Mat3 inverse_inertia_of(std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
+                               std::span<const std::uint8_t> isotropic, std::size_t slot) {
+  if (isotropic[slot]) return bodies[slot].inverse_inertia * Mat3::Identity();
+  const InverseInertia& w = inertia[slot];
+  Mat3 all;
+  all << w.xx, w.xy, w.xz, w.xy, w.yy, w.yz, w.xz, w.yz, w.zz;
+  return all;
+}
+
 // Sum of the constraint impulses on a body in one sweep: N s and N m s, about its centre.
 struct alignas(64) Wrench {
   Vec4d force, torque;  // x, y, z, 0
