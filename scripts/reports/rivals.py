@@ -114,7 +114,7 @@ def make(session):
             of = [r for r in rows if r[0] == name and r[3] == 1 and r[4] is not None]
             for program in dict.fromkeys(r[1] for r in of):
                 points = sorted((r[4], max(r[5], 1e-4)) for r in of if r[1] == program)
-                axis.loglog(*zip(*points), marker='o', ls='-' if program == 'unibody' else ':', label=program)
+                axis.loglog(*zip(*points), 'o' if program == 'unibody' else 'x', label=program)
             axis.set(title=name, xlabel='ms a frame, one thread', ylabel='RMS penetration (mm)')
             axis.legend(fontsize=8)
 
