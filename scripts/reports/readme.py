@@ -11,16 +11,18 @@ PICTURES = os.path.join('scenes', 'pictures')
 
 def result_lines(sections, facts, size):
     facts = dict(facts)
+    missing = []
     option = '' if size == 'full' else f' --{size}'
     lines = [f'Made by `scripts/report{option} --readme` on {facts["made"]}: {facts["machine"]}, {facts["compiler"]}; load at the start {facts["load at the start"]}.']
     for kind, names in (('plots', PLOTS), ('tables', TABLES)):
         for name in names:
             item = next((i for s in sections for i in getattr(s, kind) if i.name == name), None)
             if item is None:
+                missing.append(name)
                 continue
             lines += ['', f'{item.caption} (`{item.command}`):' if item.command else f'{item.caption}:', '']
             lines += markdown(item) if kind == 'tables' else [f'![{item.caption.split(".")[0]}]({PICTURES}/report_{name}.png)']
-    return lines
+    return lines + (['', f'Not made in this run: {", ".join(missing)}.'] if missing else [])
 
 
 def write(sections, facts, size, root=ROOT):
