@@ -72,8 +72,8 @@ std::string physics_of(const Scene& scene) {
   for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
   for (const Joint& j : scene.joints) {
     text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
-         << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' '
-         << static_cast<int>(j.motor) << ' ' << j.target << ' ' << j.strength << ' ' << j.friction;
+         << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' ' << j.swing << ' '
+         << j.tree << ' ' << static_cast<int>(j.motor) << ' ' << j.target << ' ' << j.strength << ' ' << j.friction;
     for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
     text << '\n';
   }
