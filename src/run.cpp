@@ -49,16 +49,24 @@ class PetscSession {
   std::vector<char*> argv_;
 };
 
-// What must not change between a checkpoint and the run that goes on from it. How long the run is, and what it writes, may.
-std::string physics_of(const Scene& scene) {
+// How the bodies are moved: steps and solver. With -start_from it may differ from that of the checkpoint's run.
+std::string settings_of(const Scene& scene) {
   std::ostringstream text;
   text.precision(17);
   const SolverSettings& s = scene.solver;
-  text << scene.time.step << ' ' << scene.time.substeps << ' ' << scene.gravity.transpose() << ' ' << scene.planar << ' '
-       << s.name << ' ' << s.iterations << ' ' << s.tolerance << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start << ' '
-       << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form)
-       << ' ' << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' '
-       << s.margin << '\n';
+  text << scene.time.step << ' ' << scene.time.substeps << ' ' << s.name << ' ' << s.iterations << ' ' << s.tolerance << ' '
+       << static_cast<int>(s.stages) << ' ' << s.warm_start << ' ' << s.leak << ' ' << static_cast<int>(s.friction) << ' '
+       << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling
+       << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
+  if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
+  return text.str();
+}
+
+// What is moved.
+std::string physics_of(const Scene& scene) {
+  std::ostringstream text;
+  text.precision(17);
+  text << scene.gravity.transpose() << ' ' << scene.planar << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
   for (const auto& [what, values] :
@@ -93,9 +101,15 @@ std::string physics_of(const Scene& scene) {
   return text.str();
 }
 
+// What must not change between a checkpoint and the run that goes on from it, the settings last. How long the run is, and what it
+// writes, may.
+std::string mark_of(const Scene& scene, bool with_settings = true) {
+  return fingerprint(physics_of(scene)) + (with_settings ? fingerprint(settings_of(scene)) : "");
+}
+
 // The world at the checkpoint: each rank reads its share of the moving bodies, and all statics.
 std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, Simulation& simulation) {
-  const Checkpoint checkpoint(comm, options.restart, fingerprint(physics_of(scene)));
+  const Checkpoint checkpoint(comm, options.restart, mark_of(scene, !options.other_settings));
   int rank = 0, size = 1;
   MPI_Comm_rank(comm, &rank);
   MPI_Comm_size(comm, &size);
@@ -263,7 +277,7 @@ std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options
       joint_files->write(frame, time, simulation.joints, simulation.slots_of_joints(), simulation.joint_states());
     const int every = scene.output.checkpoint_every;
     if (frame > summary.first_frame && every >= 0 && ((every > 0 && frame % every == 0) || frame == scene.time.frames))
-      write_checkpoint(comm, checkpoint_path, fingerprint(physics_of(scene)), frame, time, scene.body_count(), simulation.world,
+      write_checkpoint(comm, checkpoint_path, mark_of(scene), frame, time, scene.body_count(), simulation.world,
                        simulation.multipliers, simulation.constraints, simulation.constraint_multipliers,
                        joint_row_block(comm, static_cast<std::int64_t>(scene.joints.size()), simulation.joints,
                                        simulation.slots_of_joints(), simulation.joint_impulses));

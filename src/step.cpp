@@ -213,6 +213,8 @@ std::vector<RollingContact> Simulation::rolling_contacts() const {
 void Simulation::build_system() {
   const std::size_t n = contacts.manifolds.size();
   attached_ = attached_nodes(scene_, world, time());
+  if (at_velocity_level())
+    for (AttachedNode& a : attached_) a.gap *= scene_.solver.stabilisation;
   cut_.build(world, contacts, attached_);
   if (drag_.any()) cut_.exchange(system_.bodies);
   steady_turning();
@@ -288,7 +290,7 @@ void Simulation::build_joints(std::span<const std::int32_t> counts) {
   if (!has_joints()) return;
   system_.any_tree = scene_.joint_trees > 0;
   joint_batch_.build(scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour, scene_.joint_colours, world, system_.bodies,
-                     system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_);
+                     system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_, system_.stabilisation);
 }
 
 std::vector<JointState> Simulation::joint_states() const {
@@ -301,6 +303,7 @@ std::vector<JointState> Simulation::joint_states() const {
 
 void Simulation::fill_places(std::span<const std::int32_t> counts) {
   system_.step = step_;
+  system_.stabilisation = at_velocity_level() ? scene_.solver.stabilisation : -1;
   system_.places.clear();
   if (constraints_of_all_ == 0) return;
   system_.places.resize(world.size() + 1, Vec4d{});

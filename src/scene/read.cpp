@@ -51,11 +51,12 @@ const Field<OutputSettings> output_fields[] = {
      }},
 };
 
+constexpr const char* position_shares = "auto or a number in [0, 0.5]: a full warm start at position level is unstable";
+
 double read_warm_start(const Value& v) {
   const double share = number_or_auto(v, any_number, "");
   const bool is_auto = v.text == "auto";
-  if (!is_auto && !(share >= 0 && share <= 0.5))
-    v.fail_expected("auto or a number in [0, 0.5]: a full warm start at position level is unstable");
+  if (!is_auto && !(share >= 0)) v.fail_expected(position_shares);  // from above: check_level
   return share;
 }
 
@@ -67,6 +68,11 @@ const Field<SolverSettings> solver_fields[] = {
      }},
     {"iterations", [](const Value& v, SolverSettings& s) { s.iterations = static_cast<int>(v.integer(1, 1'000'000'000)); }},
     {"tolerance", [](const Value& v, SolverSettings& s) { s.tolerance = number_or_auto(v, not_negative, "m"); }},
+    {"level", [](const Value& v, SolverSettings& s) { s.level = static_cast<Level>(v.choice(names_of(level_names))); }},
+    {"stabilisation",
+     [](const Value& v, SolverSettings& s) {
+       s.stabilisation = v.number({0, 1}, "");
+     }},
     {"stages", [](const Value& v, SolverSettings& s) { s.stages = static_cast<Stages>(v.choice(names_of(stages_names))); }},
     {"form", [](const Value& v, SolverSettings& s) { s.form = static_cast<Form>(v.choice(names_of(form_names))); }},
     {"warm_start", [](const Value& v, SolverSettings& s) { s.warm_start = read_warm_start(v); }},
@@ -89,12 +95,33 @@ const Field<SolverSettings> solver_fields[] = {
     {"margin", [](const Value& v, SolverSettings& s) { s.margin = v.number(not_negative, "m"); }},
 };
 
+// What one of the two levels has no use for is refused there. (recovery_time and recovery_speed are of the position level alone,
+// but any scene may have them.)
+void check_level(const Value& value, const SolverSettings& solver) {
+  const auto refuse = [&](const char* key, bool wrong, const std::string& expected) {
+    const Value* found = value.find(key);
+    if (found && wrong) found->fail_expected(expected);
+  };
+  if (solver.level == Level::position) {
+    refuse("warm_start", solver.warm_start > 0.5, position_shares);
+    return refuse("stabilisation", true, "level: velocity beside it (position has recovery_time)");
+  }
+  refuse("warm_start", solver.warm_start > 1, "auto or a number in [0, 1]");
+  refuse("name", solver.name == "newton", "an iterative solver at level: velocity");
+  refuse("stages", solver.stages != Stages::automatic, "auto at level: velocity, which has one stage");
+  refuse("leak", solver.leak >= 0, "auto at level: velocity, which has one stage");
+  refuse("gap", solver.gap == Gap::reevaluated, "frozen at level: velocity, whose constraints are linear in a step");
+  refuse("form", solver.form == Form::total, "incremental at level: velocity, whose constraints are linear in a step");
+}
+
 void read_solver(const Value& value, Scene& scene) {
   SolverSettings& solver = scene.solver;
   read_fields(value, solver_fields, solver);
+  check_level(value, solver);
   if (solver.name == "newton") solver.form = Form::incremental;  // its own steps have neither
   const Value* iterations = value.find("iterations");
-  if (iterations && solver.stages != Stages::position && solver.iterations < 2)
+  const bool one_stage = solver.stages == Stages::position || solver.level == Level::velocity;
+  if (iterations && !one_stage && solver.iterations < 2)
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");
 }
 

@@ -12,6 +12,7 @@
 #include "joints/joint.hpp"
 #include "solve/settings.hpp"
 #include "world/body.hpp"
+#include "world/surface.hpp"
 
 namespace unibody {
 
@@ -67,21 +68,6 @@ struct Attachment {
   Id node = 0, body = 0;
   Vec3 place = Vec3::Zero();                                 // m, from the body's centre, in its axes
   double release = std::numeric_limits<double>::infinity();  // s
-};
-
-// What lies between the nodes of a flexible body, to be touched and drawn: the triangles of a cloth or the segments of a thread.
-struct Surface {
-  std::string name;  // of the entry; may be empty
-  int corners = 3;   // 2: segments
-  Id count = 0;
-  std::function<std::array<Id, 3>(Id k)> cell;  // the bodies at the corners, the first `corners` of the three; a pure function
-
-  Id first_node = 0, node_count = 0;
-  // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
-  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of = nullptr;
-  bool self_collision = false;  // cells touch others of the same surface
-  bool closed = false;          // around a solid: cells are counterclockwise from outside, and what is inside belongs outside
-  double drag = 0;              // 1, coefficient of the air's resistance to a triangle's motion along its normal
 };
 
 struct Scene {

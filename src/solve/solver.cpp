@@ -41,7 +41,8 @@ void System::apply_wrenches() { rotates ? apply<true>() : apply<false>(); }
 template <bool rotates>
 void System::apply() {
   const Vec4d h{step, step, step, 0};
-  const bool touched = !wrenches.empty(), tied = !impulses.empty(), moves_places = !moved_places.empty();
+  const bool touched = !wrenches.empty(), tied = !impulses.empty();
+  const bool moves_places = !moved_places.empty() && !start().is_linear();
   for (std::size_t i = 0; i < homes; ++i) {
     SolverBody& b = bodies[i];
     Vec4d impulse = tied ? impulses[i] : Vec4d{};
@@ -75,7 +76,8 @@ void System::turn(std::size_t i, Vec4d t) {
 }
 
 void System::move_places(std::size_t first) {
-  const Vec4d h{step, step, step, 0};
+  const double ahead = start().is_linear() ? 0 : step;
+  const Vec4d h{ahead, ahead, ahead, 0};
   moved_places.resize(places.size());
   for (std::size_t i = first; i < places.size(); ++i)
     moved_places[i] = places[i] + h * *reinterpret_cast<const Vec4dView*>(bodies[i].v);

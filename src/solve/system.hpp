@@ -47,6 +47,9 @@ struct StepStart {
   std::span<const Vec4d> places;             // x_l, y_l, z_l (m), n_b / m_b (1/kg)
   double step;                               // s
   std::span<const Vec4d> moved_places = {};  // the same at x_l + h v of the last sweep's velocities; for Jacobi sweeps alone
+  double stabilisation = -1;                 // of the velocity level, whose rows are linear about x_l; else negative
+
+  bool is_linear() const { return stabilisation >= 0; }
 };
 
 // What one sweep tells the solver. Maxima and fixed-point sums: the same whatever the order or the number of ranks.

@@ -155,6 +155,9 @@ class BadOptions(RefusedTest):
         for words, says in ((["-colour", "red"], ["-colour"]), (["-overwite"], ["-overwite"]), (["-set"], ["-set", "value"]),
                             (["-restart"], ["-restart", "value"]), (["-partition", "scotch"], ["-partition", "scotch", "metis"]),
                             (["-partition", "random:"], ["random:", "SEED"]), (["-partition", "random:-1"], ["random:-1"]),
+                            (["-solver_level"], ["-solver_level", "value"]),
+                            (["-solver_level", "speed"], ["key 'solver.level'", "found speed", "expected position or velocity"]),
+                            (["-solver_level", "velocity", "-set", "solver.stages=two"], ["key 'solver.stages'", "found two", "auto"]),
                             (["-rebalance", "maybe"], ["-rebalance", "maybe", "on or off"]), ([str(scene)], ["two scenes"])):
             with self.subTest(words=words):
                 self.refused(scene, *words, says=says)
