@@ -50,7 +50,9 @@ void Cut::set_joints(const World& world, std::span<const Joint> joints, const Jo
                      std::int32_t by_colour) {
   if (halo_.size() == 1) return;
   std::vector<std::map<int, Traffic>> of_colour(static_cast<std::size_t>(std::max(1, by_colour)));
+  const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
   for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!is_home(slots[i].a) && !is_home(slots[i].b)) continue;  // here for its tree alone
     const auto colour = by_colour > 0 ? joints[static_cast<std::size_t>(list[i])].colour : 0;
     share(world, std::array{slots[i].a, slots[i].b}, of_colour[static_cast<std::size_t>(colour)]);
   }

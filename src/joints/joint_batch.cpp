@@ -171,6 +171,9 @@ void JointBatch::build(std::span<const Joint> joints, const JointList& list, std
       const std::size_t own = parts_.size();
       add_parts(joint, part);
       if (joint.tree >= 0) add_to_tree(parts_[own], joint.tree, bodies);
+      const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
+      if (!is_home(ends.a) && !is_home(ends.b))  // here for its tree alone
+        parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(own) + 1, parts_.end());
     }
     colour_end_.push_back(parts_.size());
   }
