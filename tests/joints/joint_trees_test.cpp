@@ -53,6 +53,7 @@ void compare(const std::vector<Tie>& ties, const std::vector<std::int32_t>& tree
 Joint tie(Id a, Id b, JointKind kind = JointKind::ball) {
   Joint joint;
   joint.ids = {a, b}, joint.kind = kind;
+  joint.anchor.fill(Vec3::Zero()), joint.frame.fill(Quat::Identity());
   return joint;
 }
 

@@ -12,8 +12,8 @@ namespace {
 const char* const solver_list[] = {"accelerated_jacobi", "jacobi", "gauss_seidel"};
 
 std::string settings(const std::string& solver, int iterations, double step, const std::string& joints) {
-  return "solver: {name: " + solver + ", iterations: " + std::to_string(iterations) + ", tolerance: 0, joints: " + joints +
-         "}\ntime: {step: " + std::to_string(step) + "}\n";
+  return "solver: {name: " + solver + ", iterations: " + std::to_string(iterations) +
+         ", tolerance: 0, stages: position, joints: " + joints + "}\ntime: {step: " + std::to_string(step) + "}\n";
 }
 
 double largest_drift(const Experiment& run) {
