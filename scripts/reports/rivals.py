@@ -46,6 +46,8 @@ def scenes(session):
              '100 boxes': ('boxes_500', ['bodies[1].lattice.count=' + str(session.pick(10, 100, 100))], session.pick(10, 200, 400), PILE[:4] + ENGINES[:1] + ENGINES[3:4] + DART, False),
              'spheres': ('spheres_5000', spheres, frames, PILE + ENGINES[:1] + ENGINES[3:4] + soft_spheres(session), False),
              'chain': ('chain_heavy_ball', ['output.joints=false'] + session.pick(['bodies[0].chain.count=5'], [], []), session.pick(5, 60, 150), chain_settings(session), True)}
+    if session.size == 'tiny':  # each program once
+        found = {name: (scene, settings, frames, list({entry[0]: entry for entry in entries}.values()), chain) for name, (scene, settings, frames, entries, chain) in found.items()}
     if session.size == 'full':
         found['50,000 spheres'] = ('spheres_5000', ['bodies[1].lattice.count=50000', 'bodies[1].lattice.columns=[41, 41]', 'bodies[0].container.size=[4.74, 4.74]'], 150,
                                    [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(session), False)

@@ -288,6 +288,19 @@ bodies:
         self.stops(self.PILE.replace("FORCE", "[0, 1.0e308, 0]"),
                    says=["frame ", "body 21 (ram)", "contact with body 0 (ground)"])
 
+    def test_in_a_cloth(self):
+        self.stops("""
+            cloths:
+              - {name: sheet, grid: {size: [1, 1], nodes: [5, 5]}, mass: 1, thickness: 0.01, velocity: [1.0e200, 0, 0], pins: [{node: [0, 0]}]}
+            """, says=["frame 1: ", "body 0 (sheet", "constraint: distance with body 1 (sheet"])
+
+    def test_in_a_joint(self):
+        self.stops("""
+            bodies:
+              - {name: arm, shape: {box: {size: [0.2, 0.1, 0.1]}}, mass: 0.001, position: [0.1, 0, 0], force: [1.0e308, 0, 0]}
+            joints: [{type: ball, bodies: [arm, world], anchor: [0, 0, 0]}]
+            """, says=["frame 1: ", "body 0 (arm)", "constraint: joint 0 (ball)"])
+
     def test_the_last_checkpoint_is_kept(self):
         """It is whole: from there the same happens again."""
         text = self.PILE.replace("FORCE", "[0, 0, 1.0e308]").replace("3, 0.1]", "3, 5]").replace("mass: 0.05", "mass: 1")

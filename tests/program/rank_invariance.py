@@ -103,17 +103,17 @@ class RankInvariance(ProgramTest):
         cases = [(self.scene(MIXED, "mixed.yaml"), "time.frames=30"), (SCENES / "hierarchy.yaml", "time.frames=30"),
                  (SCENES / "boxes_on_cloth.yaml", "time.frames=20"), (SCENES / "soft_block_on_floor.yaml", "time.frames=10")]
         for scene, *more in cases:
+            others = (2, 3, 4) if scene.stem == "mixed" else (3,)
             for solver in SOLVERS[:2]:
                 name = f"{scene.stem}_{solver}"
                 options = ["-solver_level", "velocity"]
                 for text in (f"solver.name={solver}", "solver.iterations=15", "output.every=10", *more):
                     options += ["-set", text]
-                runs = [self.good(scene, f"{name}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
-                position = self.good(scene, f"{name}_position", *options[2:], ranks=1)
-                self.assertNotEqual(position.state, runs[0].state, name)
-                for n in (2, 3, 4):
+                one = self.good(scene, f"{name}_1", *options, ranks=1)
+                self.assertNotEqual(self.good(scene, f"{name}_position", *options[2:], ranks=1).state, one.state, name)
+                for n in others:
                     with self.subTest(scene=scene.stem, solver=solver, ranks=n):
-                        self.assertEqual(runs[n - 1].state, runs[0].state)
+                        self.assertEqual(self.good(scene, f"{name}_{n}", *options, ranks=n).state, one.state)
                         self.assert_same(f"{name}_1", f"{name}_{n}")
 
     # A chain across all ranks, and a tree that has fallen on a bar: also what each joint does.

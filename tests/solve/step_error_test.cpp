@@ -141,7 +141,8 @@ TEST(StepError, IsOfTheLevelThatTheStepHas) {
     const StepError error = error_of_next_step(e);
     const double found = distance(e.world(), converged.world(), e.h());
     EXPECT_GT(found, 1e-4) << solver;
-    EXPECT_NEAR(error.distance, found, 1e-6 * found) << solver;
+    EXPECT_LT(error.reference_residual, 1e-2 * found) << solver;  // Gauss-Seidel is long in coming nearer
+    EXPECT_NEAR(error.distance, found, 1e-6 * found + error.reference_residual) << solver;
   }
 }
 
