@@ -114,7 +114,8 @@ TriangleMesh read_mesh(const Value& file, const Scene& scene, std::string& path)
   namespace fs = std::filesystem;
   path = (fs::path(scene.path).parent_path() / file.string("an OBJ or STL file")).string();
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) file.fail(path + ", which isn't there", "an OBJ or STL file, its path from the scene's folder");
+  if (!fs::is_regular_file(path, error))
+    file.fail(path + ", which isn't there", "an OBJ or STL file, its path from the scene's folder");
   return read_surface(path);
 }
 

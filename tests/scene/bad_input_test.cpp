@@ -218,7 +218,8 @@ const std::string single_body = "the name of an entry of bodies that is one body
 
 const std::vector<BadInput> bad_flexibles{
     {"mesh_that_is_missing", "cloths:\n  - mesh: no/flag.obj\n    mass: 1\n    thickness: 0.01\n",
-     "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ or STL file, its path from the scene's "
+     "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ or STL file, its path from the "
+     "scene's "
      "folder"},
     {"grid_and_mesh", with_cloth("mesh: flag.obj"),
      "FILE:5: key 'cloths[0].mesh': found a mesh beside a grid, expected only one of grid and mesh"},
