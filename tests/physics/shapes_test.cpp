@@ -146,7 +146,9 @@ TEST(Shapes, ClothHoldsThemSlowAndFast) {
         above = std::min(above, run.position(0).z() - lowest);
       }
       EXPECT_GT(above, 0) << shape << speed;
-      if (speed == 0) EXPECT_LT(run.velocity(0).norm(), 0.2) << shape;
+      if (speed == 0) {
+        EXPECT_LT(run.velocity(0).norm(), 0.2) << shape;
+      }
     }
 }
 
