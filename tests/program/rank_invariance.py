@@ -137,10 +137,10 @@ class RankInvariance(ProgramTest):
         solid = self.folder / "solid.stl"
         solid.write_text(step_solid())
         scenes = {
-            "drum": ("bodies[1].pile.count=400", "bodies[1].pile.columns=[8, 5]", "bodies[1].position=[0, 0, 0.1]", "time.frames=30"),
-            "terrain": ("bodies[1].pile.count=300", "bodies[1].pile.columns=[10, 10]", "bodies[1].velocity=[0, 0, -5]", "time.frames=40"),
-            "bunnies_on_cloth": (f"bodies[1].shape.compound.mesh={solid}", "bodies[1].density=400", "bodies[1].velocity=[0, 0, -4]",
-                                 "time.frames=15"),
+            "drum": ("bodies[1].pile.count=200", "bodies[1].pile.columns=[8, 5]", "bodies[1].position=[0, 0, 0.1]", "time.frames=20"),
+            "terrain": ("bodies[1].pile.count=150", "bodies[1].pile.columns=[10, 10]", "bodies[1].velocity=[0, 0, -8]", "time.frames=25"),
+            "bunnies_on_cloth": (f"bodies[1].shape.compound.mesh={solid}", "bodies[1].density=400", "bodies[1].velocity=[0, 0, -8]",
+                                 "time.frames=8"),
         }
         for scene, more in scenes.items():
             options = [word for text in ("output.every=10", *more) for word in ("-set", text)]
