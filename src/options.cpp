@@ -65,14 +65,17 @@ Options parse_options(int argc, char** argv) {
       options.output = value();
     } else if (word == "-overwrite") {
       options.overwrite = true;
-    } else if (word == "-restart") {
-      options.restart = value();
+    } else if (word == "-restart" || word == "-start_from") {
+      if (!options.restart.empty()) throw InputError("option " + word + ": a checkpoint is given already");
+      options.restart = value(), options.other_settings = word == "-start_from";
     } else if (word == "-set") {
       const std::string assignment = value();
       const auto equals = assignment.find('=');
       if (equals == std::string::npos || equals == 0)
         throw InputError("option -set: found '" + assignment + "', expected path.to.key=value");
       options.overrides.push_back({assignment.substr(0, equals), assignment.substr(equals + 1)});
+    } else if (word == "-solver_level") {
+      options.overrides.push_back({"solver.level", value()});
     } else if (word == "-partition") {
       if (const std::string kind = value(); kind != "metis") options.random_partition = seed_of(kind);
     } else if (word == "-rebalance") {
@@ -118,7 +121,10 @@ Simulates the scene file SCENE and writes its results into a folder.
   -overwrite             replace results that are in DIR already; without it they stop the run
   -set path.to.key=value change a value of the scene, as if the file said so; may be given many times.
                          Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]
+  -solver_level LEVEL    position (default), or velocity: the classic time stepping, for comparison; as -set solver.level=LEVEL
   -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
+  -start_from FILE       the same, but time.step, time.substeps and what stands under solver may differ from those of the checkpoint's
+                         run: to compare settings from the same state
   -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
                          No result depends on it
   -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it

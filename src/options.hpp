@@ -16,6 +16,7 @@ struct Options {
   bool overwrite = false;
   bool help = false;
   std::string restart;                            // checkpoint to go on from; empty: start anew
+  bool other_settings = false;                    // than those of the checkpoint's run may be set: -start_from
   std::vector<Override> overrides;                // -set
   std::optional<std::uint64_t> random_partition;  // seed; none: METIS
   bool rebalance = true;

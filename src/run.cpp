@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <fstream>
-#include <sstream>
+#include <iterator>
+#include <optional>
 
+#include "bad_body.hpp"
 #include "build.hpp"
 #include "core/errors.hpp"
 #include "core/phases.hpp"
@@ -22,6 +23,7 @@
 #include "report/strain.hpp"
 #include "report/summary.hpp"
 #include "report/surface_report.hpp"
+#include "restart.hpp"
 #include "step.hpp"
 
 namespace unibody {
@@ -49,70 +51,6 @@ class PetscSession {
   std::vector<char*> argv_;
 };
 
-// What must not change between a checkpoint and the run that goes on from it. How long the run is, and what it writes, may.
-std::string physics_of(const Scene& scene) {
-  std::ostringstream text;
-  text.precision(17);
-  const SolverSettings& s = scene.solver;
-  text << scene.time.step << ' ' << scene.time.substeps << ' ' << scene.gravity.transpose() << ' ' << scene.planar << ' '
-       << s.name << ' ' << s.iterations << ' ' << s.tolerance << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start << ' '
-       << s.leak << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form)
-       << ' ' << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' '
-       << s.margin << '\n';
-  for (const std::string& material : scene.materials) text << material << ' ';
-  for (const double mu : scene.friction) text << mu << ' ';
-  for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
-  text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
-  for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << '\n';
-  for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
-  for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
-  for (const Joint& j : scene.joints) {
-    text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
-         << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' '
-         << static_cast<int>(j.motor) << ' ' << j.target << ' ' << j.strength << ' ' << j.friction;
-    for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
-    text << '\n';
-  }
-  for (const ConstraintGroup& group : scene.constraint_groups)  // all of a group follow one law: two bodies show it
-    for (const Id id : {group.first, group.first + group.count / 2}) {
-      ConstraintSet constraints;
-      group.touching(id, constraints);
-      for_each_type(constraints, [&](auto, const auto& list) {
-        for (const auto& c : list) {
-          for (const Id i : c.ids) text << i << ' ';
-          for (const double p : c.parameters) text << p << ' ';
-          for (const double e : c.compliance) text << e << ' ';
-          text << c.damping << '\n';
-        }
-      });
-    }
-  return text.str();
-}
-
-// The world at the checkpoint: each rank reads its share of the moving bodies, and all statics.
-std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, Simulation& simulation) {
-  const Checkpoint checkpoint(comm, options.restart, fingerprint(physics_of(scene)));
-  int rank = 0, size = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &size);
-  const Id begin = checkpoint.body_count() * rank / size, end = checkpoint.body_count() * (rank + 1) / size;
-  std::vector<Body> homes, statics;
-  for (const BodyGroup& group : scene.groups) {
-    const Id first = group.is_static ? group.first : std::max(group.first, begin);
-    const Id last = group.is_static ? group.first + group.count : std::min(group.first + group.count, end);
-    if (first >= last) continue;
-    auto& to = group.is_static ? statics : homes;
-    const auto bodies = checkpoint.read_bodies(first, last);
-    to.insert(to.end(), bodies.begin(), bodies.end());
-  }
-  simulation.world = make_world(homes, statics, scene.has_rotations());
-  simulation.multipliers = checkpoint.read_multipliers(simulation.world);
-  simulation.make_constraints();
-  simulation.constraint_multipliers = checkpoint.read_constraint_multipliers(simulation.constraints);
-  simulation.joint_impulses = checkpoint.read_joint_impulses(simulation.joints);
-  return checkpoint.frame();
-}
-
 // Where the wall time of a frame went, the slowest rank's figure for each phase.
 class FrameTimes {
  public:
@@ -137,32 +75,6 @@ class FrameTimes {
   std::array<double, phase_names.size()> before_;
 };
 
-std::string describe_bad_body(const Scene& scene, const Simulation& simulation, Id id, const std::string& when) {
-  std::string text = when + ": the state of body " + std::to_string(id) + " (" + scene.body_name(id) + ") is no longer finite; ";
-  const auto touches = [&](const Manifold& m) { return m.id_a == id || m.id_b == id; };
-  const Contacts& contacts = simulation.contacts;
-  const auto it = std::find_if(contacts.manifolds.begin(), contacts.manifolds.end(), touches);
-  if (it == contacts.manifolds.end()) return text + "no constraint acts on it";
-  return text + "constraint: contact with body " + std::to_string(it->id_a == id ? it->id_b : it->id_a) + " (" +
-         scene.body_name(it->id_a == id ? it->id_b : it->id_a) + ")";
-}
-
-// Stops the run, naming the body with the smallest id of those that went wrong. Its home rank knows its contacts.
-[[noreturn]] void stop_at_bad_body(MPI_Comm comm, const Scene& scene, const Simulation& simulation, Id bad, std::int64_t frame,
-                                   int substep) {
-  int rank = 0, teller = 0;  // rank 0 tells of a kinematic body, which is home nowhere
-  MPI_Comm_rank(comm, &rank);
-  const auto homes_end = simulation.world.id.begin() + static_cast<std::ptrdiff_t>(simulation.world.homes);
-  if (std::binary_search(simulation.world.id.begin(), homes_end, bad)) teller = rank;
-  std::array<char, 512> text{};
-  std::string when = "frame " + std::to_string(frame);
-  if (scene.time.substeps > 1) when += ", step " + std::to_string(substep + 1) + " of " + std::to_string(scene.time.substeps);
-  if (teller == rank) describe_bad_body(scene, simulation, bad, when).copy(text.data(), text.size() - 1);
-  MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MAX, comm);
-  MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, teller, comm);
-  throw RunError(text.data());
-}
-
 // The columns of -error_estimate; without a step that was asked for it, empty cells.
 void add_error_columns(const StepReport& step, std::vector<NamedValue>& columns) {
   const StepError error = step.error.value_or(StepError{});
@@ -180,6 +92,8 @@ void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std
   if (!scene.constraint_groups.empty() || !scene.attachments.empty() || !scene.joints.empty())
     throw InputError("option -dump_fclib: found joints, cloths, threads or solids in " + scene.path +
                      ", expected rigid bodies that touch, alone");
+  if (has_any(scene.rolling) || has_any(scene.spinning))
+    throw InputError("option -dump_fclib: found rolling or spinning friction in " + scene.path + ", expected none");
   if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
   if (options.dump_step > scene.time.frames || (options.dump_step >= 0 && options.dump_step <= first_frame))
     throw InputError("option -dump_step: found " + std::to_string(options.dump_step) + ", expected a frame of the run, " +
@@ -203,129 +117,186 @@ bool dump_problem(MPI_Comm comm, const Scene& scene, const Options& options, std
   return true;
 }
 
-std::uint64_t simulate(MPI_Comm comm, const Scene& scene, const Options& options) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  const double start = MPI_Wtime();
-  PhaseClock clock;
-  Simulation simulation(comm, scene, clock);
-  Summary summary;
-  if (options.restart.empty())
-    simulation.world = build_world(comm, scene);
+// A run, from the scene to its last frame. All members are collective.
+class Run {
+ public:
+  Run(MPI_Comm comm, const Scene& scene, const Options& options)
+      : comm_(comm),
+        scene_(scene),
+        options_(options),
+        simulation_(comm, scene, clock_),
+        balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups),
+        times_(comm, clock_) {
+    MPI_Comm_rank(comm, &rank_);
+  }
+
+  // Returns the hash of the last state.
+  std::uint64_t simulate() {
+    start_world();
+    check_wishes(comm_, scene_, options_, summary_.first_frame);
+    prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart);
+    simulation_.detect();  // guests are there
+    open_files();
+    write(summary_.first_frame);
+    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies);
+    for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
+      rebalance();
+      FrameReport report = do_frame(frame);
+      write(frame);
+      dump(frame);
+      times_.frame_done(report);
+      report_file_->append(report);
+      progress.frame_done(report);
+      summary_.add(report);
+    }
+    finish();
+    return summary_.state_hash;
+  }
+
+ private:
+  void start_world();
+  void rebalance();
+  FrameReport do_frame(std::int64_t frame);
+  std::vector<NamedValue> further_columns(const StepReport& step, std::int64_t held);
+  void open_files();
+  void write(std::int64_t frame);
+  void dump(std::int64_t frame);
+  void finish();
+
+  // Of the frame whose last step is to be written as a problem; -1: none.
+  std::int64_t dumped_frame() const {
+    if (options_.dump_fclib.empty()) return -1;
+    return options_.dump_step >= 0 ? options_.dump_step : scene_.time.frames;
+  }
+
+  MPI_Comm comm_;
+  int rank_ = 0;
+  const double start_ = MPI_Wtime();
+  const Scene& scene_;
+  const Options& options_;
+  PhaseClock clock_;
+  Simulation simulation_;
+  Balance balance_;
+  FrameTimes times_;
+  Summary summary_;
+  std::optional<ReportFile> report_file_;
+  std::optional<Output> frames_;
+  std::optional<JointFiles> joint_files_;
+  ContactProblem problem_;
+  bool dumped_ = false;
+};
+
+void Run::start_world() {
+  if (options_.restart.empty())
+    simulation_.world = build_world(comm_, scene_);
   else
-    summary.first_frame = restore(comm, scene, options, simulation);
-  simulation.steps_done = summary.first_frame * scene.time.substeps;
-  if (summary.first_frame > scene.time.frames)
-    throw InputError("'" + options.restart + "' is of frame " + std::to_string(summary.first_frame) +
-                     ": key 'time.frames': found " + std::to_string(scene.time.frames) + ", expected no fewer");
-  simulation.set_tolerance_from_bodies();
-  Balance balance(comm, options.random_partition, options.rebalance, scene.constraint_groups);
-  if (options.restart.empty()) simulation.make_constraints();
-  simulation.move_homes(balance.homes(simulation.world, {}, &simulation.constraints, scene.joints, simulation.joints));
+    summary_.first_frame = restore(comm_, scene_, options_, simulation_);
+  simulation_.steps_done = summary_.first_frame * scene_.time.substeps;
+  if (summary_.first_frame > scene_.time.frames)
+    throw InputError("'" + options_.restart + "' is of frame " + std::to_string(summary_.first_frame) +
+                     ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
+  simulation_.set_tolerance_from_bodies();
+  if (options_.restart.empty()) simulation_.make_constraints();
+  simulation_.move_homes(balance_.homes(simulation_.world, {}, &simulation_.constraints, scene_.joints, simulation_.joints));
+  for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
+}
 
-  check_wishes(comm, scene, options, summary.first_frame);
-  prepare_output_directory(comm, options.output, options.overwrite, options.restart);
-  const std::string checkpoint_path = options.output + "/checkpoint.h5";
-  simulation.detect();  // guests are there
-  const auto further_columns = [&](const StepReport& step, std::int64_t held) {
-    auto columns = constraint_columns(comm, scene, simulation.world, simulation.constraints, step.constraint_residuals);
-    for (NamedValue& column : strain_columns(comm, scene, simulation.world, simulation.constraints))
-      columns.push_back(std::move(column));
-    for (NamedValue& column :
-         joint_columns(comm, scene.joints.size(), simulation.slots_of_joints(), simulation.joint_states(), step.joint_residual))
-      columns.push_back(std::move(column));
-    if (simulation.has_attachments()) columns.push_back({"residual_attachment (m)", step.attachment_residual});
-    if (options.error_estimate > 0) add_error_columns(step, columns);
-    if (!simulation.has_surfaces()) return columns;
-    columns.push_back({"held_pairs (1)", static_cast<double>(held)});
-    if (!scene.output.crossings) return columns;
-    const PhaseClock::Scope scope(clock, Phase::output);
-    columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm, simulation.world, simulation.surfaces()))});
-    return columns;
-  };
-  ReportFile report_file(comm, options.output + "/report.csv", further_columns({}, 0));
-  std::optional<Output> frames;
-  if (scene.output.every > 0)
-    frames.emplace(comm, options.output, scene.output, scene.body_count(), simulation.world, scene.surfaces);
-  std::optional<JointFiles> joint_files;
-  if (scene.output.joints && simulation.has_joints()) joint_files.emplace(comm, options.output, scene.joints);
-  const auto write = [&](std::int64_t frame) {
-    const PhaseClock::Scope scope(clock, Phase::output);
-    const double time = static_cast<double>(frame) * scene.time.step;
-    if (frames && frame % scene.output.every == 0) frames->write(frame, time, simulation.world);
-    if (joint_files && frame % std::max(1, scene.output.every) == 0)
-      joint_files->write(frame, time, simulation.joints, simulation.slots_of_joints(), simulation.joint_states());
-    const int every = scene.output.checkpoint_every;
-    if (frame > summary.first_frame && every >= 0 && ((every > 0 && frame % every == 0) || frame == scene.time.frames))
-      write_checkpoint(comm, checkpoint_path, fingerprint(physics_of(scene)), frame, time, scene.body_count(), simulation.world,
-                       simulation.multipliers, simulation.constraints, simulation.constraint_multipliers,
-                       joint_row_block(comm, static_cast<std::int64_t>(scene.joints.size()), simulation.joints,
-                                       simulation.slots_of_joints(), simulation.joint_impulses));
-  };
-  write(summary.first_frame);
+void Run::rebalance() {
+  if (!balance_.due()) return;
+  simulation_.move_homes(
+      balance_.homes(simulation_.world, simulation_.contacts, &simulation_.constraints, scene_.joints, simulation_.joints));
+  balance_.changed();
+}
 
-  for (const BodyGroup& group : scene.groups) summary.dynamic_bodies += group.is_static ? 0 : group.count;
-  Progress progress(rank, summary.first_frame, scene.time.frames, summary.dynamic_bodies);
-  FrameTimes times(comm, clock);
-  const std::int64_t dumped_frame =
-      options.dump_fclib.empty() ? -1 : (options.dump_step >= 0 ? options.dump_step : scene.time.frames);
-  ContactProblem problem;
-  bool dumped = false;
-  for (std::int64_t frame = summary.first_frame + 1; frame <= scene.time.frames; ++frame) {
-    if (balance.due()) {
-      simulation.move_homes(
-          balance.homes(simulation.world, simulation.contacts, &simulation.constraints, scene.joints, simulation.joints));
-      balance.changed();
-    }
-    FrameReport report;
-    report.step = frame, report.time = static_cast<double>(frame) * scene.time.step;
-    report.converged = true;
-    StepReport last;
-    std::int64_t held = 0;
-    for (int s = 0; s < scene.time.substeps; ++s) {
-      const bool last_step = s + 1 == scene.time.substeps;
-      const StepWishes wishes{last_step && options.error_estimate > 0 && frame % options.error_estimate == 0,
-                              last_step && frame == dumped_frame ? &problem : nullptr};
-      const StepReport step = last = simulation.step(wishes);
-      // Before anything looks for contacts among such bodies.
-      if (const Id bad = first_bad_body(comm, simulation.world); bad >= 0)
-        stop_at_bad_body(comm, scene, simulation, bad, frame, s);
-      held += step.held;
-      report.iterations += step.iterations, report.sliding_contacts = step.sliding;
-      report.natural_residual = std::max(report.natural_residual, step.residual);
-      report.converged &= step.converged;
-    }
-    simulation.detect();
-    report.constraint_columns = further_columns(last, held);
-    report.measures =
-        measure(comm, simulation.world, simulation.contacts, scene.gravity, static_cast<double>(simulation.bytes()));
-    report.imbalance = balance.imbalance(simulation.world, simulation.contacts, constraint_count(simulation.constraints));
-    write(frame);
-    if (frame == dumped_frame) dumped = dump_problem(comm, scene, options, frame, std::exchange(problem, {}));
-    times.frame_done(report);
-    report_file.append(report);
-    progress.frame_done(report);
-    summary.final = report;
+FrameReport Run::do_frame(std::int64_t frame) {
+  FrameReport report;
+  report.step = frame, report.time = static_cast<double>(frame) * scene_.time.step;
+  report.converged = true;
+  StepReport last;
+  std::int64_t held = 0;
+  for (int s = 0; s < scene_.time.substeps; ++s) {
+    const bool last_step = s + 1 == scene_.time.substeps;
+    const StepWishes wishes{last_step && options_.error_estimate > 0 && frame % options_.error_estimate == 0,
+                            last_step && frame == dumped_frame() ? &problem_ : nullptr};
+    const StepReport step = last = simulation_.step(wishes);
+    stop_if_not_finite(comm_, scene_, simulation_, frame, s);  // before anything looks for contacts among such bodies
+    held += step.held;
+    report.iterations += step.iterations, report.sliding_contacts = step.sliding;
+    report.natural_residual = std::max(report.natural_residual, step.residual);
+    report.converged &= step.converged;
   }
+  simulation_.detect();
+  report.constraint_columns = further_columns(last, held);
+  report.measures =
+      measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));
+  report.imbalance = balance_.imbalance(simulation_.world, simulation_.contacts, constraint_count(simulation_.constraints));
+  return report;
+}
 
-  summary.state_hash = state_hash(comm, simulation.world);
-  summary.overrides = options.overrides, summary.restarted_from = options.restart;
-  summary.last_frame = scene.time.frames;
-  summary.wall_total = MPI_Wtime() - start;
-  summary.phases = times.phases;
-  summary.files = {"report.csv"};
-  if (frames) summary.files.insert(summary.files.end(), {"frames.h5", "frames.xdmf"});
-  if (joint_files) summary.files.insert(summary.files.end(), {"joints.csv", "joints.h5"});
-  if (scene.output.checkpoint_every >= 0 && scene.time.frames > summary.first_frame) summary.files.push_back("checkpoint.h5");
-  if (dumped) summary.files.push_back(options.dump_fclib);
-  summary.files.push_back("summary.json");
-  write_summary(comm, options.output + "/summary.json", scene, summary);
-  if (rank == 0) {
-    std::printf("wrote in %s:", options.output.c_str());
-    for (const std::string& file : summary.files) std::printf(" %s", file.c_str());
-    std::printf("\n");
-  }
-  return summary.state_hash;
+// What a scene's types of bodies and constraints have to tell beside the columns of all scenes.
+std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_t held) {
+  const World& world = simulation_.world;
+  auto columns = constraint_columns(comm_, scene_, world, simulation_.constraints, step.constraint_residuals);
+  const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
+  add(strain_columns(comm_, scene_, world, simulation_.constraints));
+  add(joint_columns(comm_, scene_.joints.size(), simulation_.slots_of_joints(), simulation_.joint_states(), step.joint_residual));
+  if (simulation_.has_attachments()) columns.push_back({"residual_attachment (m)", step.attachment_residual});
+  if (options_.error_estimate > 0) add_error_columns(step, columns);
+  if (!simulation_.has_surfaces()) return columns;
+  columns.push_back({"held_pairs (1)", static_cast<double>(held)});
+  if (!scene_.output.crossings) return columns;
+  const PhaseClock::Scope scope(clock_, Phase::output);
+  columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm_, world, simulation_.surfaces()))});
+  return columns;
+}
+
+void Run::open_files() {
+  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, 0));
+  if (scene_.output.every > 0)
+    frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces);
+  if (scene_.output.joints && simulation_.has_joints()) joint_files_.emplace(comm_, options_.output, scene_.joints);
+}
+
+void Run::write(std::int64_t frame) {
+  const PhaseClock::Scope scope(clock_, Phase::output);
+  const double time = static_cast<double>(frame) * scene_.time.step;
+  if (frames_ && frame % scene_.output.every == 0) frames_->write(frame, time, simulation_.world);
+  if (joint_files_ && frame % std::max(1, scene_.output.every) == 0)
+    joint_files_->write(frame, time, simulation_.joints, simulation_.slots_of_joints(), simulation_.joint_states());
+  const int every = scene_.output.checkpoint_every;
+  const bool due = every >= 0 && ((every > 0 && frame % every == 0) || frame == scene_.time.frames);
+  if (due && frame > summary_.first_frame)
+    write_checkpoint(comm_, options_.output + "/checkpoint.h5", mark_of(scene_), frame, time, scene_.body_count(),
+                     simulation_.world, simulation_.multipliers, simulation_.constraints, simulation_.constraint_multipliers,
+                     joint_row_block(comm_, static_cast<std::int64_t>(scene_.joints.size()), simulation_.joints,
+                                     simulation_.slots_of_joints(), simulation_.joint_impulses));
+}
+
+void Run::dump(std::int64_t frame) {
+  if (frame == dumped_frame()) dumped_ = dump_problem(comm_, scene_, options_, frame, std::exchange(problem_, {}));
+}
+
+void Run::finish() {
+  summary_.state_hash = state_hash(comm_, simulation_.world);
+  summary_.overrides = options_.overrides, summary_.restarted_from = options_.restart;
+  summary_.last_frame = scene_.time.frames;
+  summary_.wall_total = MPI_Wtime() - start_;
+  summary_.phases = times_.phases;
+  summary_.files = {"report.csv"};
+  if (frames_) summary_.files.insert(summary_.files.end(), {"frames.h5", "frames.xdmf"});
+  if (joint_files_) summary_.files.insert(summary_.files.end(), {"joints.csv", "joints.h5"});
+  if (scene_.output.checkpoint_every >= 0 && scene_.time.frames > summary_.first_frame) summary_.files.push_back("checkpoint.h5");
+  if (dumped_) summary_.files.push_back(options_.dump_fclib);
+  summary_.files.push_back("summary.json");
+  write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
+  if (rank_ != 0) return;
+  if (summary_.unconverged > 0)
+    std::printf("not converged: %lld of %lld frames, the worst by %.2e m (frame %lld)\n",
+                static_cast<long long>(summary_.unconverged), static_cast<long long>(summary_.frames()), summary_.worst_residual,
+                static_cast<long long>(summary_.worst_frame));
+  std::printf("wrote in %s:", options_.output.c_str());
+  for (const std::string& file : summary_.files) std::printf(" %s", file.c_str());
+  std::printf("\n");
 }
 
 }  // namespace
@@ -349,7 +320,7 @@ int run(MPI_Comm comm, const Options& options) {
   std::uint64_t hash = 0;
   {
     const PetscSession petsc(options.petsc);
-    hash = simulate(comm, scene, options);
+    hash = Run(comm, scene, options).simulate();
   }
   if (rank == 0) std::printf("state %016llx\n", static_cast<unsigned long long>(hash));
   return 0;

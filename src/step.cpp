@@ -8,6 +8,7 @@
 #include "attach.hpp"
 #include "build.hpp"
 #include "constraints/constraint_batches.hpp"
+#include "constraints/friction.hpp"
 #include "core/room.hpp"
 #include "partition/migrate.hpp"
 #include "partition/migrate_constraints.hpp"
@@ -24,6 +25,7 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
       surfaces_(scene.surfaces),
       drag_(scene),
       solver_(find_solver(scene.solver.name)),
+      resists_rolling_(acts_in_solve(scene.solver.friction) && (has_any(scene.rolling) || has_any(scene.spinning))),
       step_(scene.time.step / scene.time.substeps),
       constraint_batches_(std::make_unique<ConstraintBatches>()) {
   collide_settings_.step = step_;
@@ -31,8 +33,7 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
   collide_settings_.gravity = scene.gravity;
   collide_settings_.planar = scene.planar;
   collide_settings_.friction = scene.friction;
-  if (std::any_of(scene.restitution.begin(), scene.restitution.end(), [](double e) { return e > 0; }))
-    collide_settings_.restitution = scene.restitution;
+  if (has_any(scene.restitution)) collide_settings_.restitution = scene.restitution;
   collide_settings_.material_count = scene.materials.size();
 }
 
@@ -193,10 +194,27 @@ void count_ends(std::span<const AttachedNode> attached, std::span<std::int32_t> 
 
 }  // namespace
 
+// The contacts that resist rolling or spinning, ascending.
+std::vector<RollingContact> Simulation::rolling_contacts() const {
+  std::vector<RollingContact> list;
+  if (!resists_rolling_) return list;
+  for (std::uint32_t m = 0; m < contacts.manifolds.size(); ++m) {
+    const auto material = [&](Slot s) {
+      return static_cast<std::size_t>(world.properties[static_cast<std::size_t>(s)].material);
+    };
+    const std::size_t pair =
+        material(contacts.manifolds[m].slot_a) * scene_.materials.size() + material(contacts.manifolds[m].slot_b);
+    if (scene_.rolling[pair] > 0 || scene_.spinning[pair] > 0) list.push_back({m, scene_.rolling[pair], scene_.spinning[pair]});
+  }
+  return list;
+}
+
 // Lays out the contacts: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow it.
 void Simulation::build_system() {
   const std::size_t n = contacts.manifolds.size();
   attached_ = attached_nodes(scene_, world, time());
+  if (at_velocity_level())
+    for (AttachedNode& a : attached_) a.gap *= scene_.solver.stabilisation;
   cut_.build(world, contacts, attached_);
   if (drag_.any()) cut_.exchange(system_.bodies);
   steady_turning();
@@ -206,10 +224,13 @@ void Simulation::build_system() {
   std::iota(order.begin(), order.end(), 0);
   std::pmr::vector<std::int32_t> counts(&scratch_);
   std::vector<std::uint32_t> groups;
+  const std::vector<RollingContact> rolling = rolling_contacts();
   if (!solver_.sweeps_by_colour) {
     groups = {static_cast<std::uint32_t>(n)};
     counts.assign(world.size() + 1, 0);
     for (const Manifold& m : contacts.manifolds) ++counts[m.slot_a], ++counts[m.slot_b];
+    for (const RollingContact& c : rolling)
+      ++counts[contacts.manifolds[c.manifold].slot_a], ++counts[contacts.manifolds[c.manifold].slot_b];
     count_ends(contacts.surface, counts);
     count_ends(attached_, counts);
     constraint_batches_->count(counts);
@@ -229,6 +250,8 @@ void Simulation::build_system() {
   fill_places(counts);
   system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
                          scene_.solver, step_);
+  system_.rolling.build(rolling, contacts, system_.contacts, world.position, system_.bodies, system_.inertia, system_.isotropic,
+                        counts, scene_.solver.scaling, step_);
   build_surface_contacts(counts);
   build_attachments(counts);
   build_joints(counts);
@@ -268,7 +291,7 @@ void Simulation::build_attachments(std::span<const std::int32_t> counts_of_all) 
 void Simulation::build_joints(std::span<const std::int32_t> counts) {
   if (!has_joints()) return;
   joint_batch_.build(scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour, scene_.joint_colours, world, system_.bodies,
-                     system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_);
+                     system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_, system_.stabilisation);
 }
 
 std::vector<JointState> Simulation::joint_states() const {
@@ -281,6 +304,7 @@ std::vector<JointState> Simulation::joint_states() const {
 
 void Simulation::fill_places(std::span<const std::int32_t> counts) {
   system_.step = step_;
+  system_.stabilisation = at_velocity_level() ? scene_.solver.stabilisation : -1;
   system_.places.clear();
   if (constraints_of_all_ == 0) return;
   system_.places.resize(world.size() + 1, Vec4d{});

@@ -93,6 +93,7 @@ class Simulation {
   StepReport solve_by_newton();
   void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
+  Stage stage(Stage::Kind kind) const;
   SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
   void measure_solution(StepReport& report);
   std::vector<ContactBatch::Impulse> total_impulses(std::span<const ContactBatch::Impulse> kept, bool apart) const;
@@ -100,9 +101,11 @@ class Simulation {
   void fill_problem(const SolvedStep& solved, ContactProblem& problem) const;
   bool any_over_ranks(bool here) const;
   bool is_alone() const;
+  bool at_velocity_level() const { return scene_.solver.level == Level::velocity; }
   Stages stages() const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
+  std::vector<RollingContact> rolling_contacts() const;
   void build_joints(std::span<const std::int32_t> counts);
   std::vector<double> turning_of_joints() const;
   void steady_turning();
@@ -124,6 +127,7 @@ class Simulation {
   std::vector<JointSlots> joint_slots_;
   std::vector<double> turning_;  // h^2 K of each slot (kg m^2) that this step is steadied for
   const Solver& solver_;
+  const bool resists_rolling_;
   Scratch scratch_;  // of collision detection, then of the solve
   JointBatch joint_batch_;
   System system_{&scratch_};  // within step()

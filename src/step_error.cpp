@@ -53,6 +53,7 @@ StepError Simulation::estimate_error(const SolvedStep& solved) {
   system_.moving.clear();
   system_.contacts.set_impulses(solved.impulses);
   system_.surface.join_stages();
+  system_.rolling.join_stages();
   StepError error;
   std::vector<SolverBody> best = solved.solved;
   std::vector<ContactBatch::Impulse> impulses = solved.impulses;

@@ -28,8 +28,7 @@ ContactProblem::Body record(const World& world, const SolvedStep& solved, const 
 
 void Simulation::fill_problem(const SolvedStep& solved, ContactProblem& problem) const {
   problem = {};
-  Stage stage{Stage::Kind::position, step_, step_, scene_.solver.recovery_speed};
-  if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
+  const Stage stage = this->stage(Stage::Kind::position);
   std::vector<std::uint8_t> touches(world.size(), 0);
   for (const Manifold& m : contacts.manifolds) {
     touches[static_cast<std::size_t>(m.slot_a)] = touches[static_cast<std::size_t>(m.slot_b)] = 1;

@@ -76,10 +76,17 @@ StepReport Simulation::solve_steadily(const StepWishes& wishes) {
   }
 }
 
-// Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
-SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance) {
+// At velocity level the only stage is one of positions whose rows are linear about the start of the step.
+Stage Simulation::stage(Stage::Kind kind) const {
+  if (at_velocity_level()) return Stage::stabilised(step_, scene_.solver.stabilisation);
   Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
   if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
+  return stage;
+}
+
+// Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
+SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance) {
+  const Stage stage = this->stage(kind);
   system_.contacts.start_stage(stage);
   system_.surface.start_stage(stage);
   system_.before_iteration = nullptr;
@@ -96,6 +103,11 @@ SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int it
 namespace {
 
 double position_share(const SolverSettings& settings) { return settings.warm_start >= 0 ? settings.warm_start : automatic_share; }
+
+// Of contacts, where there is one stage.
+double contact_share(const SolverSettings& settings) {
+  return settings.level == Level::velocity && settings.warm_start < 0 ? automatic_velocity_share : position_share(settings);
+}
 
 }  // namespace
 
@@ -129,6 +141,7 @@ void Simulation::warm_start(double share_of_contacts) {
 }
 
 Stages Simulation::stages() const {
+  if (at_velocity_level()) return Stages::position;
   if (scene_.solver.stages != Stages::automatic) return scene_.solver.stages;
   return has_constraints() && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
 }
@@ -137,7 +150,8 @@ Stages Simulation::stages() const {
 // A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
 // old multipliers that must stay below 1/2: an unconverged position stage that starts from more gains energy.
 // Constraints other than contacts, attachments too, belong to the position stage; where there are no contacts, it is the only
-// one.
+// one. At velocity level there is one stage too, of all constraints; what it leaves of the old multipliers does no harm there
+// up to a larger share (settings.hpp).
 StepReport Simulation::solve(const StepWishes& wishes) {
   build_system();
   if (!solver_.solve) return solve_by_newton();
@@ -148,11 +162,12 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   SolvedStep solved;
   if (wished) solved.predicted.assign(system_.bodies.begin(), system_.bodies.end()), solved.velocity_before = world.velocity;
   StepReport report;
-  warm_start(stages() != Stages::position ? 1 : position_share(settings));
+  warm_start(stages() != Stages::position ? 1 : contact_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
     report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
+    system_.rolling.keep_impulses(stages() == Stages::joint);
     system_.surface.keep_impulses(stages() == Stages::joint);
   }
   report.iterations +=
@@ -180,8 +195,9 @@ StepReport Simulation::solve(const StepWishes& wishes) {
 namespace {
 
 // Whether a tetrahedron ends the step turned inside out: St. Venant-Kirchhoff has equilibria there, of no solid.
-bool inverts(const World& world, const ConstraintList<Tetrahedron>& solids, std::span<const Vec3> velocity, double step) {
-  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<Tetrahedron>& c) {
+template <class C>
+bool inverts(const World& world, const ConstraintList<C>& solids, std::span<const Vec3> velocity, double step) {
+  return std::any_of(solids.begin(), solids.end(), [&](const Constraint<C>& c) {
     const auto place = [&](std::size_t e) -> Vec3 {
       const auto slot = static_cast<std::size_t>(world.find(c.ids[e]));
       return world.position[slot] + step * velocity[slot];
@@ -205,7 +221,10 @@ StepReport Simulation::solve_by_newton() {
   report.iterations = step.iterations;
   measure_solution(report);
   report.residual = std::max(report.residual, step_ * step.correction);
-  report.converged = step.converged && !inverts(world, std::get<ConstraintList<Tetrahedron>>(constraints), step.velocity, step_);
+  report.converged = step.converged;
+  for_each_solid_type(constraints, [&](const auto& solids) {
+    report.converged = report.converged && !inverts(world, solids, step.velocity, step_);
+  });
   return report;
 }
 
@@ -217,6 +236,7 @@ bool Simulation::any_over_ranks(bool here) const {
 
 void Simulation::measure_solution(StepReport& report) {
   report.residual = std::max(system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies));
+  report.residual = std::max(report.residual, system_.rolling.residual(system_.contacts, system_.bodies));
   if (constraints_of_all_ > 0) {
     report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
     for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);

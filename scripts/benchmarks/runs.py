@@ -33,6 +33,10 @@ def unibody(scene, settings, output, ranks, core, frames):
     for value in COMMON + settings + ([f'time.frames={frames}'] if frames else []):
         words += ['-set', value]
     command(words, ranks, core)
+    return report_rows(output)
+
+
+def report_rows(output):
     with open(os.path.join(output, 'report.csv'), encoding='utf-8') as file:
         return [row for row in csv.DictReader(line for line in file if not line.startswith('#'))]
 

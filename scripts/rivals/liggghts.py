@@ -93,7 +93,8 @@ def frames_of(dump, count):
             yield values
 
 
-def main():
+def main(words=('liggghts',), write_deck=deck):
+    """`words`: how the program is started; it reads the deck from the file that follows -in."""
     arguments = parse()
     with h5py.File(arguments.input) as source:
         scene = {k: source['bodies'][k][:] for k in ('shape', 'size', 'mass', 'inertia', 'motion')}
@@ -103,13 +104,15 @@ def main():
     steps = max(1, round(arguments.frame_time / arguments.dt))
     with tempfile.TemporaryDirectory() as folder:
         with open(os.path.join(folder, 'deck'), 'w') as file:
-            file.write(deck(arguments, scene, steps, 'dump'))
+            file.write(write_deck(arguments, scene, steps, 'dump'))
         allowed = {f'OMPI_ALLOW_RUN_AS_ROOT{end}': '1' for end in ('', '_CONFIRM')} if os.geteuid() == 0 else {}
-        done = subprocess.run(['mpirun', '-n', str(arguments.ranks), 'liggghts', '-in', 'deck'], cwd=folder, text=True,
+        done = subprocess.run(['mpirun', '-n', str(arguments.ranks), *words, '-in', 'deck'], cwd=folder, text=True,
                               env=os.environ | allowed, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
         times = {key: float(value) for key, value in re.findall(r'^(Loop|Outpt) +time[^0-9]*(?:of )?([0-9.e+-]+)', done.stdout, re.M)}
+        if output := re.search(r'^Output +\|[^|]*\| *([0-9.e+-]+)', done.stdout, re.M):  # as LAMMPS says it: least, mean, most of the ranks
+            times['Outpt'] = float(output[1])
         if done.returncode != 0 or 'Loop' not in times:
-            sys.exit('liggghts.py: LIGGGHTS failed:\n' + done.stdout[-3000:])
+            sys.exit(f'{words[0]} failed:\n' + done.stdout[-3000:])
         with h5py.File(arguments.output, 'w') as target:
             for key in ('shape', 'size', 'mass', 'inertia', 'motion'):
                 target['bodies/' + key] = scene[key]

@@ -8,7 +8,7 @@
 
 #include "collide/broadphase.hpp"
 #include "collide/collide_settings.hpp"
-#include "scene/scene.hpp"
+#include "world/surface.hpp"
 #include "world/world.hpp"
 
 namespace unibody {

@@ -8,14 +8,6 @@ namespace unibody {
 
 namespace {
 
-Mat3 inverse_inertia_of(const SolverBody& body, std::span<const InverseInertia> inertia, bool isotropic, std::size_t slot) {
-  if (isotropic) return body.inverse_inertia * Mat3::Identity();
-  const InverseInertia& w = inertia[slot];
-  Mat3 all;
-  all << w.xx, w.xy, w.xz, w.xy, w.yy, w.yz, w.xz, w.yz, w.zz;
-  return all;
-}
-
 Mat3 cross_matrix(const Vec3& a) {
   Mat3 m;
   m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
@@ -35,7 +27,7 @@ void AttachmentBatch::build(std::span<const AttachedNode> attached, std::span<co
   for (const AttachedNode& a : attached) {
     const auto body = static_cast<std::size_t>(a.body), node = static_cast<std::size_t>(a.node);
     const double of_body = std::max(1.0, scaling * counts[body]), of_node = std::max(1.0, scaling * counts[node]);
-    const Mat3 arm = cross_matrix(a.arm), W = inverse_inertia_of(bodies[body], inertia, isotropic[body] != 0, body);
+    const Mat3 arm = cross_matrix(a.arm), W = inverse_inertia_of(bodies, inertia, isotropic, body);
     const double linear = of_body * bodies[body].inverse_mass + of_node * bodies[node].inverse_mass;
     const Mat3 block = linear * Mat3::Identity() + of_body * (arm * W * arm.transpose());
     rows_.push_back({a.body, a.node, body < homes, a.arm, a.gap / step, block.inverse(), Vec3::Zero(), Vec3::Zero()});

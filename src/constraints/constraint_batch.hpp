@@ -3,7 +3,8 @@
 // Row k of a constraint: r_k = (c_k + E_k lambda_k / h + rho D_k^T u) / (h + rho), m/s, with c and D taken anew at x = x_l + h u
 // in every pass; unknowns are impulses lambda = h gamma (N s). That is the residual of implicit Euler with compliance E and
 // damping rho, divided by h + rho: so scaled its derivative by lambda is symmetric, also where the damping differs from row to
-// row.
+// row. At velocity level c and D are those of x_l, and c + h D_k^T u stands for c_k; of a row without compliance and damping that
+// is broken at x_l only the share gamma of c is to be taken out.
 //
 // The incremental form applies each change of lambda along the D of its pass and leaves it there, so its fixed point is implicit
 // Euler up to the turning of D within the step. The total form keeps each body's impulse p equal to D lambda with the D of the
@@ -106,14 +107,16 @@ class ConstraintBatch {
   std::size_t begin_of(std::size_t group) const { return group == 0 ? 0 : group_end_[group - 1]; }  // in blocks
   static constexpr std::size_t ahead = rows == 1 ? 8 : 2;                                           // blocks under way at a time
 
-  // The pieces of a pass: inlined by force, since passing their results through memory costs half as much as the work. Stiff
-  // constraints need no velocities beside the positions.
-  template <bool soft, bool moved>
+  // What rows are made of: stiff ones need no velocities beside the positions; linear ones are those of the velocity level.
+  enum class Law { stiff, soft, linear };
+
+  // The pieces of a pass: inlined by force, since passing their results through memory costs half as much as the work.
+  template <Law law, bool moved>
   [[gnu::always_inline]] static inline Ends gather(const Block& block, const StepStart& start,
                                                    std::span<const SolverBody> bodies);
-  template <bool soft>
+  template <Law law>
   [[gnu::always_inline]] inline Solution residual_of(std::size_t b, const Ends& ends, const Rows<stencil, rows>& at,
-                                                     const Solution& lambda, double step, Vec4d over_step) const;
+                                                     const Solution& lambda, const StepStart& start, Vec4d over_step) const;
   template <bool soft>
   [[gnu::always_inline]] inline Solution solve_block(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
                                                      const Solution& r, double step) const;
@@ -127,9 +130,10 @@ class ConstraintBatch {
                                                                                             const Solution& change,
                                                                                             const Solution& lambda);
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
-  template <bool soft, bool total>
+  Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
+  template <Law law, bool total>
   void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta, SweepSums& sums);
-  template <bool soft, bool total>
+  template <Law law, bool total>
   double relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 
   std::vector<Block> blocks_;

@@ -98,11 +98,12 @@ void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) con
 // A body's record is read as a row of four, x = x_l + h v in all but its fourth component, and rows are turned into lanes. A
 // Jacobi sweep, which moves no body, finds the rows ready (`moved`).
 template <ConstraintType C>
-template <bool soft, bool moved>
+template <typename ConstraintBatch<C>::Law law, bool moved>
 inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block& block, const StepStart& start,
                                                                     std::span<const SolverBody> bodies) {
   Ends ends;
-  const Vec4d step{start.step, start.step, start.step, 0};
+  const double ahead = law == Law::linear ? 0 : start.step;
+  const Vec4d step{ahead, ahead, ahead, 0};
   for (std::size_t e = 0; e < stencil; ++e) {
     const auto& s = block.slot[e];
     const auto velocity = [&](std::size_t l) { return *reinterpret_cast<const Vec4dView*>(&bodies[s[l]]); };  // and 1/m
@@ -110,7 +111,7 @@ inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block&
     Vec4d x = place(0), y = place(1), z = place(2), w = place(3);
     transpose(x, y, z, w);
     ends.x[e] = {x, y, z}, ends.weight[e] = w;
-    if constexpr (soft) {
+    if constexpr (law != Law::stiff) {
       Vec4d v0 = velocity(0), v1 = velocity(1), v2 = velocity(2), v3 = velocity(3);
       transpose(v0, v1, v2, v3);
       ends.u[e] = {v0, v1, v2};
@@ -120,15 +121,25 @@ inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block&
 }
 
 template <ConstraintType C>
-template <bool soft>
+template <typename ConstraintBatch<C>::Law law>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std::size_t b, const Ends& ends,
                                                                              const Rows<stencil, rows>& at,
-                                                                             const Solution& lambda, double step,
+                                                                             const Solution& lambda, const StepStart& start,
                                                                              Vec4d over_step) const {
   // Of a stiff constraint both ways give the same bits: which is taken depends on what else this rank has.
   Solution r;
+  const double step = start.step;
   for (std::size_t k = 0; k < rows; ++k) {
-    if constexpr (soft) {
+    if constexpr (law == Law::linear) {
+      const Softness s = softness_of(b);
+      Vec4d rate = broadcast(0);
+      for (std::size_t e = 0; e < stencil; ++e) rate += dot(at.gradient[k][e], ends.u[e]);
+      Mask4 has_law = (s.compliance[k] > broadcast(0)) | (s.damping > broadcast(0));
+      if (is_unilateral<C>) has_law = has_law | (at.value[k] >= broadcast(0));  // open: it may close within the step
+      const Vec4d value = at.value[k] * select(has_law, broadcast(1), broadcast(start.stabilisation));
+      const Vec4d whole = broadcast(step) + s.damping;
+      r[k] = (value + s.compliance[k] * lambda[k] * over_step + whole * rate) * (broadcast(1) / whole);
+    } else if constexpr (law == Law::soft) {
       const Softness& s = softness_[b];
       Vec4d rate = broadcast(0);
       for (std::size_t e = 0; e < stencil; ++e) rate += dot(at.gradient[k][e], ends.u[e]);
@@ -159,7 +170,10 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std
       P[i][j] = of_end(0);
       for (std::size_t e = 1; e < stencil; ++e) P[i][j] += of_end(e);
     }
-    if constexpr (soft) P[i][i] += softness_[b].compliance[i] / (broadcast(step) * (broadcast(step) + softness_[b].damping));
+    if constexpr (soft) {
+      const Softness s = softness_of(b);
+      P[i][i] += s.compliance[i] / (broadcast(step) * (broadcast(step) + s.damping));
+    }
     right[i] = -r[i];
   }
   return constraint_kernels::solve_symmetric<rows>(P, right);
@@ -234,7 +248,8 @@ template <ConstraintType C>
 void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) {
   const bool total = form_ == Form::total;
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather<false, false>(blocks_[b], start, bodies);
+    const Ends ends = start.is_linear() ? gather<Law::linear, false>(blocks_[b], start, bodies)
+                                        : gather<Law::stiff, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
     const auto added =
@@ -246,7 +261,7 @@ void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const So
 // In two passes over a few blocks at a time: what a block asks of the bodies first, what it does to them after. So the roots and
 // divisions of one block are under way while the next is read.
 template <ConstraintType C>
-template <bool soft, bool total>
+template <typename ConstraintBatch<C>::Law law, bool total>
 void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
                                SweepSums& sums) {
   std::array<Rows<stencil, rows>, ahead> at;
@@ -258,11 +273,11 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
     const std::size_t count = std::min(ahead, blocks_.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t b = first + i;
-      const Ends ends = gather<soft, true>(blocks_[b], start, bodies);
+      const Ends ends = gather<law, true>(blocks_[b], start, bodies);
       C::evaluate(blocks_[b].parameters, ends.x, at[i]);
-      r[i] = residual_of<soft>(b, ends, at[i], y_[b], h, over_step);
+      r[i] = residual_of<law>(b, ends, at[i], y_[b], start, over_step);
       if constexpr (total) add_misfit(b, at[i], ends, y_[b], r[i]);
-      step[i] = solve_block<soft>(b, at[i], ends, r[i], h);
+      step[i] = solve_block<law != Law::stiff>(b, at[i], ends, r[i], h);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution moved = extrapolate(first + i, r[i], step[i], totals);
@@ -305,15 +320,19 @@ void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const So
                                       double beta, SweepSums& sums) {
   if (y_.empty()) y_ = lambda_;
   const bool soft = !softness_.empty(), total = form_ == Form::total;
-  if (total)
-    soft ? sweep<true, true>(start, bodies, impulses, beta, sums) : sweep<false, true>(start, bodies, impulses, beta, sums);
+  if (start.is_linear())
+    sweep<Law::linear, false>(start, bodies, impulses, beta, sums);
+  else if (total)
+    soft ? sweep<Law::soft, true>(start, bodies, impulses, beta, sums)
+         : sweep<Law::stiff, true>(start, bodies, impulses, beta, sums);
   else
-    soft ? sweep<true, false>(start, bodies, impulses, beta, sums) : sweep<false, false>(start, bodies, impulses, beta, sums);
+    soft ? sweep<Law::soft, false>(start, bodies, impulses, beta, sums)
+         : sweep<Law::stiff, false>(start, bodies, impulses, beta, sums);
 }
 
 // In two passes, as in sweep(): the blocks of a group have no moving body in common.
 template <ConstraintType C>
-template <bool soft, bool total>
+template <typename ConstraintBatch<C>::Law law, bool total>
 double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> step;
@@ -325,11 +344,11 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
     const std::size_t count = std::min<std::size_t>(ahead, group_end_[group] - first);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t b = first + i;
-      const Ends ends = gather<soft, false>(blocks_[b], start, bodies);
+      const Ends ends = gather<law, false>(blocks_[b], start, bodies);
       C::evaluate(blocks_[b].parameters, ends.x, at[i]);
-      Solution r = residual_of<soft>(b, ends, at[i], lambda_[b], h, over_step);
+      Solution r = residual_of<law>(b, ends, at[i], lambda_[b], start, over_step);
       if constexpr (total) add_misfit(b, at[i], ends, lambda_[b], r);
-      step[i] = solve_block<soft>(b, at[i], ends, r, h);
+      step[i] = solve_block<law != Law::stiff>(b, at[i], ends, r, h);
       const Vec4d part = part_taken(lambda_[b], step[i]);
       weight[i] = ends.weight;
       for (std::size_t k = 0; k < rows; ++k) {
@@ -355,9 +374,10 @@ template <ConstraintType C>
 double ConstraintBatch<C>::relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   if (group >= group_end_.size()) return 0;
   const bool soft = !softness_.empty();
+  if (start.is_linear()) return relax_group<Law::linear, false>(group, start, bodies);
   if (form_ == Form::total)
-    return soft ? relax_group<true, true>(group, start, bodies) : relax_group<false, true>(group, start, bodies);
-  return soft ? relax_group<true, false>(group, start, bodies) : relax_group<false, false>(group, start, bodies);
+    return soft ? relax_group<Law::soft, true>(group, start, bodies) : relax_group<Law::stiff, true>(group, start, bodies);
+  return soft ? relax_group<Law::soft, false>(group, start, bodies) : relax_group<Law::stiff, false>(group, start, bodies);
 }
 
 template <ConstraintType C>
@@ -366,11 +386,13 @@ double ConstraintBatch<C>::residual(const StepStart& start, std::span<const Solv
   const Vec4d over_step = broadcast(1 / h);
   Vec4d worst = broadcast(0);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = gather<true, false>(blocks_[b], start, bodies);
+    const Ends ends = start.is_linear() ? gather<Law::linear, false>(blocks_[b], start, bodies)
+                                        : gather<Law::soft, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    Solution r = softness_.empty() ? residual_of<false>(b, ends, at, lambda_[b], h, over_step)
-                                   : residual_of<true>(b, ends, at, lambda_[b], h, over_step);
+    Solution r = start.is_linear()   ? residual_of<Law::linear>(b, ends, at, lambda_[b], start, over_step)
+                 : softness_.empty() ? residual_of<Law::stiff>(b, ends, at, lambda_[b], start, over_step)
+                                     : residual_of<Law::soft>(b, ends, at, lambda_[b], start, over_step);
     Vec4d part = broadcast(1);
     if (form_ == Form::total) add_misfit(b, at, ends, lambda_[b], r);
     if constexpr (is_unilateral<C>) {

@@ -11,6 +11,7 @@
 #include "constraints/inversion_guard.hpp"
 #include "constraints/membrane.hpp"
 #include "constraints/tetrahedron.hpp"
+#include "constraints/tetrahedron_current_volume.hpp"
 
 namespace unibody {
 
@@ -21,7 +22,8 @@ struct TypeList {
   using Tuple = std::tuple<Of<C>...>;
 };
 
-using ConstraintTypes = TypeList<Distance, BendingLink, Membrane, Dihedral, Area, Tetrahedron, InversionGuard>;
+using ConstraintTypes =
+    TypeList<Distance, BendingLink, Membrane, Dihedral, Area, Tetrahedron, TetrahedronCurrentVolume, InversionGuard>;
 
 // Calls f(type index, element) for each element of a tuple made by ConstraintTypes::Tuple.
 template <typename Set, typename F>
@@ -34,6 +36,13 @@ void for_each_type(Set& set, F&& f) {
 template <class C>
 using ConstraintList = std::vector<Constraint<C>>;
 struct ConstraintSet : ConstraintTypes::Tuple<ConstraintList> {};
+
+// Calls f(list) for the constraints of each type that is an element of a solid.
+template <class Set, typename F>
+void for_each_solid_type(Set& set, F&& f) {
+  f(std::get<ConstraintList<Tetrahedron>>(set));
+  f(std::get<ConstraintList<TetrahedronCurrentVolume>>(set));
+}
 
 // Of each constraint of a set, its impulses (N s) in the last step.
 template <class C>

@@ -29,6 +29,9 @@ struct Stage {
   double recovery_time = 0.016;  // s; position stage only
   double recovery_speed = 0.25;  // m/s, 0: unbounded; position stage only
 
+  // Of the velocity level: open gaps may close, and penetration falls by the share gamma a step, at any speed.
+  static Stage stabilised(double step, double gamma) { return {Kind::position, step, step * (1 / gamma - 1), 0}; }
+
   // Bias (m/s) of the normal row at a gap (m): what the approach speed is measured against. Open gaps may close within the step;
   // a velocity stage leaves penetration alone; a position stage takes it out at a bounded speed.
   Vec4d bias(Vec4d gap) const {
@@ -139,6 +142,7 @@ class ContactBatch {
   std::int64_t leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const;
 
   std::size_t group_count() const { return group_end_.size(); }
+  std::size_t group_end(std::size_t group) const { return group_end_[group]; }  // in blocks
 
   std::pmr::vector<Block> blocks;
   std::pmr::vector<Point> points;

@@ -53,21 +53,23 @@ struct PointVelocity {
   Vec4d n, s, t;
 };
 
+// Inlined by force, as the pieces below: called, they pass their vectors through memory.
 template <bool tangential>
-PointVelocity relative_velocity(const Block& block, const Vec3x4& t, const Point& p, const Side& a, const Side& b) {
+[[gnu::always_inline]] inline PointVelocity relative_velocity(const Block& block, const Vec3x4& t, const Point& p, const Side& a,
+                                                              const Side& b) {
   const Vec3x4 u = (a.v + cross(a.w, p.arm_a)) - (b.v + cross(b.w, p.arm_b));
   if constexpr (tangential) return {dot(block.n, u), dot(block.s, u), dot(t, u)};
   return {dot(block.n, u), broadcast(0), broadcast(0)};
 }
 
 template <bool tangential>
-Vec3x4 impulse_vector(const Block& block, const Vec3x4& t, Vec4d n, Vec4d s, Vec4d along_t) {
+[[gnu::always_inline]] inline Vec3x4 impulse_vector(const Block& block, const Vec3x4& t, Vec4d n, Vec4d s, Vec4d along_t) {
   if constexpr (tangential) return (block.n * n + block.s * s) + t * along_t;
   return block.n * n;
 }
 
 template <bool isotropic>
-void push(Side& a, Side& b, const Point& p, const Inertia* inertia, const Vec3x4& f) {
+[[gnu::always_inline]] inline void push(Side& a, Side& b, const Point& p, const Inertia* inertia, const Vec3x4& f) {
   const Vec3x4 torque_a = cross(p.arm_a, f), torque_b = cross(p.arm_b, f);
   a.v = a.v + f * a.mass, b.v = b.v - f * b.mass;
   if constexpr (isotropic) {
@@ -79,7 +81,8 @@ void push(Side& a, Side& b, const Point& p, const Inertia* inertia, const Vec3x4
 
 // New multipliers of a point from trial ones: a gradient step of length 1/P, then the cone.
 template <FrictionModel model, bool tangential>
-ConeForce project_step(const Block& block, const Point& p, const Tangents* tangent, const PointVelocity& u, ConeForce from) {
+[[gnu::always_inline]] inline ConeForce project_step(const Block& block, const Point& p, const Tangents* tangent,
+                                                     const PointVelocity& u, ConeForce from) {
   if constexpr (!tangential) return {max(broadcast(0), from.n - p.inverse_scale * (u.n + p.bias)), broadcast(0), broadcast(0)};
   Vec4d r = u.n + p.bias;
   if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
@@ -148,7 +151,8 @@ Vec4d relax_block(const Block& block, Point* points, Tangents* tangents, const C
 }
 
 // Adds the four lanes' impulses to the wrenches, lane after lane: for each body in ascending key order.
-void add_wrenches(const Block& block, Vec3x4 force, Vec3x4 torque_a, Vec3x4 torque_b, std::span<Wrench> wrenches) {
+[[gnu::always_inline]] inline void add_wrenches(const Block& block, Vec3x4 force, Vec3x4 torque_a, Vec3x4 torque_b,
+                                                std::span<Wrench> wrenches) {
   Vec4d none_f{}, none_a{}, none_b{};
   transpose(force.x, force.y, force.z, none_f);
   transpose(torque_a.x, torque_a.y, torque_a.z, none_a);
@@ -239,6 +243,7 @@ void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wr
   const double per_unit = 1 / sums.unit;
   with_model(friction_, [&]<FrictionModel model>() {
     Vec4d change = broadcast(0), largest = broadcast(0);
+    Mask4 gradient{}, progress{};
     for (const Block& block : blocks) {
       const std::uint32_t p = block.first_point;
       const std::int32_t t = block.first_tangent;
@@ -248,12 +253,12 @@ void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wr
                                            wrenches);
       change = max(change, terms.change);
       largest = max(largest, max(abs(terms.gradient), terms.progress));
-      for (std::size_t l = 0; l < lanes; ++l) {
-        if (block.manifold[l] < 0 || !counted[block.manifold[l]]) continue;
-        sums.gradient += whole_units(terms.gradient[l], per_unit);
-        sums.progress += whole_units(terms.progress[l], per_unit);
-      }
+      Mask4 counts;
+      for (std::size_t l = 0; l < lanes; ++l) counts[l] = block.manifold[l] >= 0 && counted[block.manifold[l]] != 0 ? -1 : 0;
+      gradient += whole_units(terms.gradient, per_unit) & counts;
+      progress += whole_units(terms.progress, per_unit) & counts;
     }
+    for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
     sums.change = std::max(sums.change, step_ * horizontal_max(change));
     sums.largest = std::max(sums.largest, horizontal_max(largest));
   });

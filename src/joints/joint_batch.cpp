@@ -26,14 +26,6 @@ namespace {
 constexpr double least_pivot = 1e-10;  // of a row's diagonal
 constexpr double most_turn = 0.5;      // rad in a step, up to which rows are taken as curved as they are
 
-Mat3 inverse_inertia_of(const SolverBody& body, std::span<const InverseInertia> inertia, bool isotropic, std::size_t slot) {
-  if (isotropic) return body.inverse_inertia * Mat3::Identity();
-  const InverseInertia& w = inertia[slot];
-  Mat3 all;
-  all << w.xx, w.xy, w.xz, w.xy, w.yy, w.yz, w.xz, w.yz, w.zz;
-  return all;
-}
-
 Vec3 velocity_of(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
 Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
 void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
@@ -133,8 +125,8 @@ void JointBatch::limit_approach(Part& part, JointKind kind) const {
 void JointBatch::build(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots, bool by_colour,
                        std::int32_t colours, const World& world, std::span<const SolverBody> bodies,
                        std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-                       std::span<const std::int32_t> counts, double scaling, double step) {
-  step_ = step;
+                       std::span<const std::int32_t> counts, double scaling, double step, double stabilisation) {
+  step_ = step, stabilisation_ = stabilisation;
   parts_.clear(), colour_end_.clear();
   std::vector<std::uint32_t> order(list.size());
   std::iota(order.begin(), order.end(), 0);
@@ -147,7 +139,7 @@ void JointBatch::build(std::span<const Joint> joints, const JointList& list, std
     Quat attitude = Quat::Identity();
     if (s < world.size()) side.centre = world.position[s], attitude = world.orientation_of(s);
     side.axes = attitude * joint.frame[end], side.arm = joint.frame[end].conjugate() * joint.anchor[end];
-    side.inverse_inertia = inverse_inertia_of(bodies[s], inertia, isotropic[s] != 0, s);
+    side.inverse_inertia = inverse_inertia_of(bodies, inertia, isotropic, s);
     return side;
   };
   std::size_t next = 0;
@@ -190,31 +182,49 @@ JointEnd JointBatch::end_of(const Side& side, const SolverBody& body, double ste
   return {centre, axes, centre + axes * side.arm};
 }
 
+// At the start of the step.
 template <class T>
-JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const SolverBody> bodies, double step) {
-  const JointEnd a = end_of(part.side[0], bodies[static_cast<std::size_t>(part.side[0].slot)], step);
-  const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], step);
+JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const SolverBody> bodies) {
+  const JointEnd a = end_of(part.side[0], bodies[static_cast<std::size_t>(part.side[0].slot)], 0);
+  const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], 0);
   Rows<T> rows;
   T::evaluate(a, b, rows);
-  if (step > 0) {  // the values after the step; less of their curve the farther a body turns
-    const auto value = rows.value;
-    rows = evaluate<T>(part, bodies, 0);
-    const SolverBody &of_a = bodies[static_cast<std::size_t>(part.side[0].slot)],
-                     &of_b = bodies[static_cast<std::size_t>(part.side[1].slot)];
-    const Vec3 along = velocity_of(of_a) - velocity_of(of_b), spin_a = spin_of(of_a), spin_b = spin_of(of_b);
-    const double turn = step * step * std::max(spin_a.squaredNorm(), spin_b.squaredNorm());
-    const double part_of_curve = std::min(1.0, most_turn * most_turn / turn);
-    for (std::size_t k = 0; k < T::rows; ++k) {
-      const double straight =
-          rows.value[k] + step * (rows.linear[k].dot(along) + rows.angular[k].dot(spin_a) + rows.angular_b[k].dot(spin_b));
-      double curve = value[k] - straight;
-      if (T::rows == 1 && T::angles == 1) curve = std::remainder(curve, 2 * M_PI);
-      rows.value[k] = straight + part_of_curve * curve;
-    }
-    return rows;
-  }
   for (std::size_t k = 0; k < T::rows; ++k) rows.angular_b[k] = other_angular(rows.linear[k], rows.angular[k], a, b);
   return rows;
+}
+
+// The same with the values after the step; less of their curve the farther a body turns, and none at velocity level.
+template <class T>
+JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const SolverBody> bodies) const {
+  Rows<T> rows = evaluate<T>(part, bodies);
+  const SolverBody &of_a = bodies[static_cast<std::size_t>(part.side[0].slot)],
+                   &of_b = bodies[static_cast<std::size_t>(part.side[1].slot)];
+  const Vec3 along = velocity_of(of_a) - velocity_of(of_b), spin_a = spin_of(of_a), spin_b = spin_of(of_b);
+  const double turn = step_ * step_ * std::max(spin_a.squaredNorm(), spin_b.squaredNorm());
+  const double part_of_curve = std::min(1.0, most_turn * most_turn / turn);
+  Rows<T> ahead;
+  if (stabilisation_ < 0) T::evaluate(end_of(part.side[0], of_a, step_), end_of(part.side[1], of_b, step_), ahead);
+  for (std::size_t k = 0; k < T::rows; ++k) {
+    const double straight =
+        rows.value[k] + step_ * (rows.linear[k].dot(along) + rows.angular[k].dot(spin_a) + rows.angular_b[k].dot(spin_b));
+    if (stabilisation_ >= 0) {
+      rows.value[k] = straight - left_alone<T>(part, k, rows.value[k]);
+      continue;
+    }
+    double curve = ahead.value[k] - straight;
+    if (T::rows == 1 && T::angles == 1) curve = std::remainder(curve, 2 * M_PI);
+    rows.value[k] = straight + part_of_curve * curve;
+  }
+  return rows;
+}
+
+// What the velocity level leaves for later steps of a row's error at the start of this one.
+template <class T>
+double JointBatch::left_alone(const Part& part, std::size_t row, double value) const {
+  const double compliance = row + T::angles < T::rows ? part.compliance : part.turning;
+  if (part.law == Law::equal) return compliance > 0 || part.damping > 0 ? 0 : (1 - stabilisation_) * value;
+  if (part.law != Law::within) return 0;
+  return (1 - stabilisation_) * (value > part.upper ? value - part.upper : std::min(0.0, value - part.lower));
 }
 
 // r of a joint's own rows, or what a drive misses (m/s or rad/s).
@@ -244,7 +254,7 @@ template <class T>
 JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies,
                                           bool shared) const {
   constexpr std::size_t n = T::rows;
-  Step<T> step{evaluate<T>(part, bodies, step_), {}, {}};
+  Step<T> step{evaluate_ahead<T>(part, bodies), {}, {}};
   const Rows<T>& at = step.rows;
   const Side &a = part.side[0], &b = part.side[1];
   const double share_a = shared ? a.share : 1, share_b = shared ? b.share : 1;
@@ -303,7 +313,7 @@ void add_wrench(const std::array<Vec3, 3>& wrench, Slot a, Slot b, std::span<Wre
 void JointBatch::add_impulses(std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const {
   for (const Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
-      add_wrench(wrench_of(evaluate<T>(part, bodies, 0), part.lambda), part.side[0].slot, part.side[1].slot, wrenches);
+      add_wrench(wrench_of(evaluate<T>(part, bodies), part.lambda), part.side[0].slot, part.side[1].slot, wrenches);
     });
 }
 

@@ -5,8 +5,10 @@
 // kept, nothing is damped, and what a step comes to does not depend on the way of the iterations. Unknowns are impulses
 // lambda = h gamma (N s, N m s). Of a body that turns far in the step the rows are taken straight: c + h D u. A joint's own rows
 // are solved as one block, whose bodies' masses are shared by their counts with the Jacobi solvers. Rows that others of the block
-// determine already are left alone: those whose pivot falls below 1e-10 of their diagonal. What loops of joints determine twice
-// needs no rule: every step is along a safe block, and the multipliers settle where the start and the iterations leave them.
+// determine already are left alone: those whose pivot falls below 1e-10 of their diagonal. At velocity level all rows are taken
+// straight, and of a row without compliance and damping, or beyond a limit, only the share gamma of its error is to be taken out.
+// What loops of joints determine twice needs no rule: every step is along a safe block, and the multipliers settle where the
+// start and the iterations leave them.
 //
 // Limits, motors and friction are rows of their own beside the block. They see one angle, offset or span, c, and have a bounded
 // multiplier: within limits, lambda is 0 where lower < c < upper; a drive wants its rate, or c where that is near, at a target
@@ -39,7 +41,7 @@ class JointBatch {
   void build(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots, bool by_colour,
              std::int32_t colours, const World& world, std::span<const SolverBody> bodies,
              std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-             std::span<const std::int32_t> counts, double scaling, double step);
+             std::span<const std::int32_t> counts, double scaling, double step, double stabilisation = -1);
 
   // How many rows or blocks a joint puts between its bodies: what it adds to their counts.
   static std::int32_t parts_of(const Joint& joint);
@@ -93,7 +95,11 @@ class JointBatch {
   void limit_approach(Part& part, JointKind kind) const;
   static JointEnd end_of(const Side& side, const SolverBody& body, double step);
   template <class T>
-  static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies, double step);
+  static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies);
+  template <class T>
+  Rows<T> evaluate_ahead(const Part& part, std::span<const SolverBody> bodies) const;
+  template <class T>
+  double left_alone(const Part& part, std::size_t row, double value) const;
   template <class T>
   std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,
                                           std::span<const SolverBody> bodies) const;
@@ -104,7 +110,7 @@ class JointBatch {
 
   std::pmr::vector<Part> parts_;
   std::vector<std::size_t> colour_end_;
-  double step_ = 0.016;
+  double step_ = 0.016, stabilisation_ = -1;  // the latter: gamma of the velocity level, else negative
 };
 
 }  // namespace unibody

@@ -336,7 +336,7 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
       file_ = h5::open_file(comm, path);
       if (h5::read_string(file_, "format") != format) throw std::runtime_error("its format is not '" + format + "'");
       const auto found = h5::read_string(file_, "fingerprint");
-      if (found != fingerprint)
+      if (!found.starts_with(fingerprint))
         throw InputError("'" + path + "' belongs to another scene or other overrides (fingerprint " + found + ", this scene " +
                          fingerprint + ")");
       frame_ = h5::read_integer(file_, "frame"), time_ = h5::read_double(file_, "time"),

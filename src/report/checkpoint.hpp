@@ -27,7 +27,8 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
 // Reads a checkpoint, on any number of ranks. All members throw InputError when the file is damaged.
 class Checkpoint {
  public:
-  // Throws InputError on every rank if the file is missing, truncated, no checkpoint, of another scene, or not as it was written:
+  // Throws InputError on every rank if the file is missing, truncated, no checkpoint, of another scene (its fingerprint does not
+  // begin with this one), or not as it was written:
   // all of it is read and compared with the hash that it carries. Collective.
   Checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint);
 

@@ -105,7 +105,7 @@ Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings
       surfaces_(std::move(surfaces)) {
   MPI_Comm_rank(comm, &rank_);
   Id corners = 0;
-  for (const Surface& surface : surfaces_) corners += surface.count * surface.corners;
+  for (const Surface& surface : surfaces_) corners += surface.count * surface.corners + 4 * surface.tetrahedron_count;
   reserve(10 * count_ + corners);
   const h5::Quiet quiet;
   std::string fault;
@@ -195,16 +195,20 @@ void Output::write_surfaces() {
   for (std::size_t n = 0; n < surfaces_.size(); ++n) {
     const Surface& surface = surfaces_[n];
     const auto own = h5::create_group(group, frame_name(static_cast<std::int64_t>(n)));
-    const IdBlocks blocks = id_blocks(comm_, surface.count);
-    std::vector<std::int64_t> ids;
-    for (Id k = blocks.first(rank_); k < blocks.first(rank_ + 1); ++k) {
-      const auto cell = surface.cell(k);
-      ids.insert(ids.end(), cell.begin(), cell.begin() + surface.corners);
-    }
-    BlockWriter writer{own, surface.count, blocks.first(rank_)};
-    writer.write("cells", H5T_STD_I64LE, H5T_NATIVE_INT64, static_cast<std::size_t>(surface.corners), ids);
+    const auto write_cells = [&](const char* name, Id count, int corners, const auto& cell_at) {
+      const IdBlocks blocks = id_blocks(comm_, count);
+      std::vector<std::int64_t> ids;
+      for (Id k = blocks.first(rank_); k < blocks.first(rank_ + 1); ++k) {
+        const auto cell = cell_at(k);
+        ids.insert(ids.end(), cell.begin(), cell.begin() + corners);
+      }
+      BlockWriter writer{own, count, blocks.first(rank_)};
+      writer.write(name, H5T_STD_I64LE, H5T_NATIVE_INT64, static_cast<std::size_t>(corners), ids);
+      good = writer.good && good;
+    };
+    write_cells("cells", surface.count, surface.corners, surface.cell);
+    if (surface.tetrahedron_count > 0) write_cells("tetrahedra", surface.tetrahedron_count, 4, surface.tetrahedron);
     h5::write_attribute(own, "name", surface.name.empty() ? "surface " + std::to_string(n) : surface.name);
-    good = writer.good && good;
   }
   throw_if_any(good ? "" : "cannot write " + path_ + ": is the disk full?");
 }
@@ -296,17 +300,20 @@ std::string Output::xdmf_bodies(const std::string& at) const {
   return grid;
 }
 
-// Cloths as triangles and threads as segments between the bodies of that frame.
+// Cloths as triangles, threads as segments and solids as tetrahedra between the bodies of that frame.
 std::string Output::xdmf_surfaces(const std::string& at) const {
   const int real = single_ ? 4 : 8;
   std::string grids;
   for (std::size_t n = 0; n < surfaces_.size(); ++n) {
     const Surface& surface = surfaces_[n];
-    const std::string kind = surface.corners == 3 ? "Triangle" : "Polyline\" NodesPerElement=\"2";
-    const std::string cells = "/surfaces/" + frame_name(static_cast<std::int64_t>(n)) + "/cells";
+    const bool solid = surface.tetrahedron_count > 0;
+    const Id count = solid ? surface.tetrahedron_count : surface.count;
+    const int corners = solid ? 4 : surface.corners;
+    const std::string kind = solid ? "Tetrahedron" : corners == 3 ? "Triangle" : "Polyline\" NodesPerElement=\"2";
+    const std::string cells = "/surfaces/" + frame_name(static_cast<std::int64_t>(n)) + (solid ? "/tetrahedra" : "/cells");
     grids += "    <Grid Name=\"surface " + std::to_string(n) + "\" GridType=\"Uniform\">\n";
-    grids += "      <Topology TopologyType=\"" + kind + "\" NumberOfElements=\"" + std::to_string(surface.count) + "\">" +
-             data_item(cells, surface.count, surface.corners, "Int", 8) + "</Topology>\n";
+    grids += "      <Topology TopologyType=\"" + kind + "\" NumberOfElements=\"" + std::to_string(count) + "\">" +
+             data_item(cells, count, corners, "Int", 8) + "</Topology>\n";
     grids += "      <Geometry GeometryType=\"XYZ\">" + data_item(at + "position", count_, 3, "Float", real) + "</Geometry>\n";
     grids += attribute("velocity", "Vector", data_item(at + "velocity", count_, 3, "Float", real));
     grids += "    </Grid>\n";

@@ -12,7 +12,8 @@ namespace unibody {
 namespace {
 
 // F of one tetrahedron: see Tetrahedron.
-Eigen::Matrix3d deformation_gradient(const World& world, const Constraint<Tetrahedron>& c) {
+template <class C>
+Eigen::Matrix3d deformation_gradient(const World& world, const Constraint<C>& c) {
   const auto place = [&](std::size_t e) -> const Vec3& { return world.position[static_cast<std::size_t>(world.find(c.ids[e]))]; };
   Eigen::Matrix3d edges, X;
   edges << place(1) - place(0), place(2) - place(0), place(3) - place(0);
@@ -22,10 +23,13 @@ Eigen::Matrix3d deformation_gradient(const World& world, const Constraint<Tetrah
 }
 
 // J, the sum of c_k^2 / 2 E_k over the rows: with the rows' eigenvectors, of one volumetric and five deviatoric strains.
-double energy_of(const Constraint<Tetrahedron>& c, const Eigen::Matrix3d& strain) {
+template <class C>
+double energy_of(const Constraint<C>& c, const Eigen::Matrix3d& strain, double volume) {
   const double length = c.parameters[9], trace = strain.trace();
   const double volumetric = trace * trace / 3, deviatoric = std::max(0.0, strain.squaredNorm() - volumetric);
-  return 0.5 * length * length * (volumetric / c.compliance[0] + deviatoric / c.compliance[1]);
+  double weight = 0.5 * length * length;
+  if constexpr (std::is_same_v<C, TetrahedronCurrentVolume>) weight *= std::max(volume, C::least_share);
+  return weight * (volumetric / c.compliance[0] + deviatoric / c.compliance[1]);
 }
 
 }  // namespace
@@ -36,8 +40,8 @@ std::vector<Strain> measure_strain(MPI_Comm comm, const World& world, const Cons
   std::vector<ExactSum> energy(material_count);
   std::vector<double> extremes(3 * material_count, -infinity);  // of each: strain, volume, -volume
   std::vector<std::int64_t> counts(2 * material_count, 0);      // of each: all, inverted
-  for (const auto& c : std::get<ConstraintList<Tetrahedron>>(constraints)) {
-    if (!counts_here(world, c)) continue;
+  const auto measure = [&](const auto& c) {
+    if (!counts_here(world, c)) return;
     const auto m = static_cast<std::size_t>(world.properties[static_cast<std::size_t>(world.find(c.ids[0]))].material);
     const Eigen::Matrix3d F = deformation_gradient(world, c);
     const Eigen::Matrix3d strain = 0.5 * (F.transpose() * F - Eigen::Matrix3d::Identity());
@@ -46,10 +50,11 @@ std::vector<Strain> measure_strain(MPI_Comm comm, const World& world, const Cons
     extremes[3 * m] = std::max(extremes[3 * m], principal.cwiseAbs().maxCoeff());
     extremes[3 * m + 1] = std::max(extremes[3 * m + 1], volume);
     extremes[3 * m + 2] = std::max(extremes[3 * m + 2], -volume);
-    energy[m] += energy_of(c, strain);
+    energy[m] += energy_of(c, strain, volume);
     ++counts[2 * m];
     counts[2 * m + 1] += volume < 0 ? 1 : 0;
-  }
+  };
+  for_each_solid_type(constraints, [&](const auto& list) { std::for_each(list.begin(), list.end(), measure); });
   const auto energies = all_sums(comm, energy);
   MPI_Allreduce(MPI_IN_PLACE, extremes.data(), static_cast<int>(extremes.size()), MPI_DOUBLE, MPI_MAX, comm);
   MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM, comm);

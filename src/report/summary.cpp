@@ -61,6 +61,8 @@ Json settings_json(const Scene& scene) {
   const auto name = [](const auto& names, auto value) { return Json(names[static_cast<std::size_t>(value)]); };
   Json solver = Json::object();
   solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
+  solver.set("level", name(level_names, s.level));
+  if (s.level == Level::velocity) solver.set("stabilisation", s.stabilisation);
   solver.set("stages", name(stages_names, s.stages)).set("warm_start", s.warm_start).set("leak", s.leak);
   solver.set("friction", name(friction_model_names, s.friction)).set("gap", name(gap_names, s.gap));
   solver.set("form", name(form_names, s.form))
@@ -105,6 +107,14 @@ Json final_json(const FrameReport& r) {
 
 }  // namespace
 
+void Summary::add(const FrameReport& report) {
+  final = report;
+  if (report.converged) return;
+  ++unconverged;
+  if (report.natural_residual < worst_residual) return;
+  worst_residual = report.natural_residual, worst_frame = report.step;
+}
+
 std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary) {
   int ranks = 1;
   MPI_Comm_size(comm, &ranks);
@@ -115,6 +125,9 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   j.set("versions", versions()).set("ranks", ranks);
   j.set("first_frame", summary.first_frame).set("last_frame", summary.last_frame);
   if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);
+  j.set("frames_not_converged", summary.unconverged);
+  if (summary.unconverged > 0)
+    j.set("worst_natural_residual (m)", summary.worst_residual).set("worst_frame", summary.worst_frame);
   j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);
   return j.set("state_hash", hex(summary.state_hash)).text() + "\n";
 }

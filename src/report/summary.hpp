@@ -24,10 +24,15 @@ struct Summary {
   double wall_total = 0;  // s, of the whole run
   std::vector<PhaseTimes> phases;
   FrameReport final;
-  std::vector<std::string> files;  // written, in the order of mention
+  std::int64_t unconverged = 0, worst_frame = 0;  // frames of which a step did not converge, and that of them farthest from it
+  double worst_residual = 0;                      // m, its natural residual
+  std::vector<std::string> files;                 // written, in the order of mention
   std::uint64_t state_hash = 0;
   Id dynamic_bodies = 0;
   std::string status = "finished";  // or why it stopped
+
+  std::int64_t frames() const { return last_frame - first_frame; }
+  void add(const FrameReport& report);
 };
 
 std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary);

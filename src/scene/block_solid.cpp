@@ -46,6 +46,15 @@ struct Block {
     return at;
   }
 
+  Id tetrahedron_count() const { return cells[0] * cells[1] * cells[2] * static_cast<Id>(paths.size()); }
+  // Nodes of tetrahedron t: path by path of cell after cell, the first axis fastest.
+  std::array<Id, 4> tetrahedron(Id t) const {
+    const Id c = t / static_cast<Id>(paths.size());
+    const Cell cell{c % cells[0], c / cells[0] % cells[1], c / (cells[0] * cells[1])};
+    const auto at = corners(cell, static_cast<std::size_t>(t) % paths.size());
+    return {node(at[0]), node(at[1]), node(at[2]), node(at[3])};
+  }
+
   // Calls f(cell, corner) for each cell that has this node, corner: where in the cell it is, 0 or 1 along each axis.
   template <typename F>
   void for_each_cell_at(const Cell& node, F&& f) const {
@@ -173,6 +182,8 @@ MeshShape block_solid(const Value& value, const SolidLaw& law) {
   shape.triangle_count = BlockSurface(block).triangle_count();
   shape.triangle = [block](Id t) { return BlockSurface(block).triangle(t); };
   shape.triangles_of = [block](Id node, std::vector<std::array<Id, 3>>& out) { BlockSurface(block).at(node, out); };
+  shape.tetrahedron_count = block.tetrahedron_count();
+  shape.tetrahedron = [block](Id t) { return block.tetrahedron(t); };
   return shape;
 }
 

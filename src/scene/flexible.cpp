@@ -62,6 +62,12 @@ void add_surface(const Value& entry, Scene& scene, const std::string& name, Id f
       for (Id& id : out[k]) id += first;
   };
   surface.closed = shape.closed;
+  surface.tetrahedron_count = shape.tetrahedron_count;
+  surface.tetrahedron = [first, tetrahedron = shape.tetrahedron](Id t) {
+    auto ids = tetrahedron(t);
+    for (Id& id : ids) id += first;
+    return ids;
+  };
   if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
   if (const Value* drag = entry.find("drag")) surface.drag = drag->number(not_negative, "");
 }

@@ -55,6 +55,8 @@ struct MeshShape {
   bool closed = false;                                                    // they bound a solid
   std::function<std::array<Id, 3>(Id triangle)> triangle;
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> triangles_of;  // those at a node
+  Id tetrahedron_count = 0;                                                        // of a solid, for the output
+  std::function<std::array<Id, 4>(Id tetrahedron)> tetrahedron;
 };
 
 // A box (m, world axes) that says which nodes are meant, by where they are at the start.

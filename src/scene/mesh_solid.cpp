@@ -69,6 +69,11 @@ MeshShape mesh_solid(const Value& file, double scale, const SolidLaw& law, const
       out.push_back({n[0], n[1], n[2]});
     }
   };
+  shape.tetrahedron_count = static_cast<Id>(solid->mesh.tets.size());
+  shape.tetrahedron = [solid](Id t) -> std::array<Id, 4> {
+    const auto& n = solid->mesh.tets[static_cast<std::size_t>(t)];
+    return {n[0], n[1], n[2], n[3]};
+  };
   return shape;
 }
 

@@ -1,5 +1,6 @@
 // read_scene: the sections of the file, each a table of its keys. A new section is one function and one line in `sections`.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <sstream>
@@ -50,11 +51,12 @@ const Field<OutputSettings> output_fields[] = {
      }},
 };
 
+constexpr const char* position_shares = "auto or a number in [0, 0.5]: a full warm start at position level is unstable";
+
 double read_warm_start(const Value& v) {
   const double share = number_or_auto(v, any_number, "");
   const bool is_auto = v.text == "auto";
-  if (!is_auto && !(share >= 0 && share <= 0.5))
-    v.fail_expected("auto or a number in [0, 0.5]: a full warm start at position level is unstable");
+  if (!is_auto && !(share >= 0)) v.fail_expected(position_shares);  // from above: check_level
   return share;
 }
 
@@ -66,6 +68,11 @@ const Field<SolverSettings> solver_fields[] = {
      }},
     {"iterations", [](const Value& v, SolverSettings& s) { s.iterations = static_cast<int>(v.integer(1, 1'000'000'000)); }},
     {"tolerance", [](const Value& v, SolverSettings& s) { s.tolerance = number_or_auto(v, not_negative, "m"); }},
+    {"level", [](const Value& v, SolverSettings& s) { s.level = static_cast<Level>(v.choice(names_of(level_names))); }},
+    {"stabilisation",
+     [](const Value& v, SolverSettings& s) {
+       s.stabilisation = v.number({0, 1}, "");
+     }},
     {"stages", [](const Value& v, SolverSettings& s) { s.stages = static_cast<Stages>(v.choice(names_of(stages_names))); }},
     {"form", [](const Value& v, SolverSettings& s) { s.form = static_cast<Form>(v.choice(names_of(form_names))); }},
     {"warm_start", [](const Value& v, SolverSettings& s) { s.warm_start = read_warm_start(v); }},
@@ -86,20 +93,41 @@ const Field<SolverSettings> solver_fields[] = {
     {"margin", [](const Value& v, SolverSettings& s) { s.margin = v.number(not_negative, "m"); }},
 };
 
+// What one of the two levels has no use for is refused there. (recovery_time and recovery_speed are of the position level alone,
+// but any scene may have them.)
+void check_level(const Value& value, const SolverSettings& solver) {
+  const auto refuse = [&](const char* key, bool wrong, const std::string& expected) {
+    const Value* found = value.find(key);
+    if (found && wrong) found->fail_expected(expected);
+  };
+  if (solver.level == Level::position) {
+    refuse("warm_start", solver.warm_start > 0.5, position_shares);
+    return refuse("stabilisation", true, "level: velocity beside it (position has recovery_time)");
+  }
+  refuse("warm_start", solver.warm_start > 1, "auto or a number in [0, 1]");
+  refuse("name", solver.name == "newton", "an iterative solver at level: velocity");
+  refuse("stages", solver.stages != Stages::automatic, "auto at level: velocity, which has one stage");
+  refuse("leak", solver.leak >= 0, "auto at level: velocity, which has one stage");
+  refuse("gap", solver.gap == Gap::reevaluated, "frozen at level: velocity, whose constraints are linear in a step");
+  refuse("form", solver.form == Form::total, "incremental at level: velocity, whose constraints are linear in a step");
+}
+
 void read_solver(const Value& value, Scene& scene) {
   SolverSettings& solver = scene.solver;
   read_fields(value, solver_fields, solver);
+  check_level(value, solver);
   if (solver.name == "newton") solver.form = Form::incremental;  // its own steps have neither
   const Value* iterations = value.find("iterations");
-  if (iterations && solver.stages != Stages::position && solver.iterations < 2)
+  const bool one_stage = solver.stages == Stages::position || solver.level == Level::velocity;
+  if (iterations && !one_stage && solver.iterations < 2)
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");
 }
 
 void read_gravity(const Value& value, Scene& scene) { scene.gravity = read_vector(value, scene, "m/s^2"); }
 
-double read_restitution(const Value& map, double otherwise) {
-  const Value* e = map.find("restitution");
-  return e ? e->number({0, 1}, "") : otherwise;
+double read_or(const Value& map, const char* key, const Range& range, const char* unit, double otherwise) {
+  const Value* value = map.find(key);
+  return value ? value->number(range, unit) : otherwise;
 }
 
 double read_friction(const Value& map) {
@@ -108,10 +136,29 @@ double read_friction(const Value& map) {
   return friction->number(not_negative, "");
 }
 
+// What a pair of materials may say beside its friction, and of a pair that isn't listed, what it has from its two materials.
+struct PairKey {
+  const char *key, *unit;
+  Range range;
+  std::vector<double> Scene::*values;
+  double (*mix)(double, double);
+};
+double smaller(double a, double b) { return std::min(a, b); }
+double geometric_mean(double a, double b) { return std::sqrt(a * b); }
+const PairKey pair_keys[] = {{"restitution", "", {0, 1}, &Scene::restitution, smaller},
+                             {"rolling_friction", "m", not_negative, &Scene::rolling, geometric_mean},
+                             {"spinning_friction", "m", not_negative, &Scene::spinning, geometric_mean}};
+
+std::vector<std::string> material_keys(std::vector<std::string> keys) {
+  keys.emplace_back("friction");
+  for (const PairKey& k : pair_keys) keys.emplace_back(k.key);
+  return keys;
+}
+
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
 void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
-  pair.map({"between", "friction", "restitution"});
+  pair.map(material_keys({"between"}));
   const Value* between = pair.find("between");
   if (!between) pair.fail_missing("between", "a list of 2 materials");
   if (between->kind != Value::Kind::list || between->entries.size() != 2) between->fail_expected("a list of 2 materials");
@@ -120,32 +167,38 @@ void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
   if (!listed.emplace(std::min(a, b), std::max(a, b)).second)
     between->fail(between->found() + " a second time", "each pair once");
   const std::size_t n = scene.materials.size();
-  if (pair.find("friction") || !pair.find("restitution"))
-    scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
-  scene.restitution[a * n + b] = scene.restitution[b * n + a] = read_restitution(pair, scene.restitution[a * n + b]);
+  bool other = false;
+  for (const PairKey& k : pair_keys) {
+    std::vector<double>& values = scene.*k.values;
+    values[a * n + b] = values[b * n + a] = read_or(pair, k.key, k.range, k.unit, values[a * n + b]);
+    other |= pair.find(k.key) != nullptr;
+  }
+  if (pair.find("friction") || !other) scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
 }
 
-// Names with their friction, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials;
-// its restitution is the smaller of the two.
+// Names with what they are, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials; its
+// restitution is the smaller of the two.
 void read_materials(const Value& value, Scene& scene) {
   if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
   scene.materials.clear();
-  std::vector<double> own, bounce;
+  std::vector<double> friction;
+  std::array<std::vector<double>, std::size(pair_keys)> others;
   for (const auto& [name, material] : value.children) {
     if (name == "pairs") continue;
     scene.materials.push_back(name);
-    own.push_back(read_friction(material.map({"friction", "restitution"})));
-    bounce.push_back(read_restitution(material, 0));
+    friction.push_back(read_friction(material.map(material_keys({}))));
+    for (std::size_t k = 0; k < others.size(); ++k)
+      others[k].push_back(read_or(material, pair_keys[k].key, pair_keys[k].range, pair_keys[k].unit, 0));
   }
-  if (own.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
-  const std::size_t n = own.size();
-  scene.friction.assign(n * n, 0);
-  scene.restitution.assign(n * n, 0);
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < n; ++b) {
-      scene.friction[a * n + b] = a == b ? own[a] : std::sqrt(own[a] * own[b]);
-      scene.restitution[a * n + b] = std::min(bounce[a], bounce[b]);
-    }
+  if (friction.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
+  const std::size_t n = friction.size();
+  const auto mix = [n](const std::vector<double>& own, double (*rule)(double, double)) {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < n * n; ++i) all.push_back(i / n == i % n ? own[i / n] : rule(own[i / n], own[i % n]));
+    return all;
+  };
+  scene.friction = mix(friction, geometric_mean);
+  for (std::size_t k = 0; k < others.size(); ++k) scene.*pair_keys[k].values = mix(others[k], pair_keys[k].mix);
   Pairs listed;
   if (const Value* pairs = value.find("pairs"))
     for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed);

@@ -1,6 +1,7 @@
 // Scene: what the file says, as plain structs in SI units. read_scene() is the only way in; nothing here knows of MPI.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <map>
@@ -11,6 +12,7 @@
 #include "joints/joint.hpp"
 #include "solve/settings.hpp"
 #include "world/body.hpp"
+#include "world/surface.hpp"
 
 namespace unibody {
 
@@ -68,21 +70,6 @@ struct Attachment {
   double release = std::numeric_limits<double>::infinity();  // s
 };
 
-// What lies between the nodes of a flexible body, to be touched and drawn: the triangles of a cloth or the segments of a thread.
-struct Surface {
-  std::string name;  // of the entry; may be empty
-  int corners = 3;   // 2: segments
-  Id count = 0;
-  std::function<std::array<Id, 3>(Id k)> cell;  // the bodies at the corners, the first `corners` of the three; a pure function
-
-  Id first_node = 0, node_count = 0;
-  // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
-  std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of = nullptr;
-  bool self_collision = false;  // cells touch others of the same surface
-  bool closed = false;          // around a solid: cells are counterclockwise from outside, and what is inside belongs outside
-  double drag = 0;              // 1, coefficient of the air's resistance to a triangle's motion along its normal
-};
-
 struct Scene {
   std::string path;
   std::string title;
@@ -96,6 +83,8 @@ struct Scene {
   std::vector<std::string> materials{"default"};
   std::vector<double> friction{0.5};   // materials x materials, row major, symmetric: Coulomb's mu of each pair
   std::vector<double> restitution{0};  // the same: Newton's e, of speeds before and after an impact
+  std::vector<double> rolling{0};      // the same: m, most rolling resistance as a torque over the normal force
+  std::vector<double> spinning{0};     // the same, of spinning about the normal
   std::vector<BodyGroup> groups;       // in the order of the file; ids run on from group to group
 
   std::vector<ConstraintGroup> constraint_groups;
@@ -113,6 +102,11 @@ struct Scene {
     return friction[static_cast<std::size_t>(material_a) * materials.size() + static_cast<std::size_t>(material_b)];
   }
 };
+
+// Of a coefficient of pairs of materials: whether any pair has it.
+inline bool has_any(const std::vector<double>& values) {
+  return std::any_of(values.begin(), values.end(), [](double x) { return x > 0; });
+}
 
 // A value set from the command line: path.to.key=value, the value in YAML.
 struct Override {

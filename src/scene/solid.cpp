@@ -24,6 +24,8 @@ SolidLaw read_law(const Value& entry, const Scene& scene) {
   SolidLaw law;
   law.density = need(entry, "density", "a number > 0 (kg/m^3)").number(positive, "kg/m^3");
   law.elasticity = read_elasticity(entry, nullptr);
+  if (const Value* volume = entry.find("energy_volume"))
+    law.energy_volume = static_cast<EnergyVolume>(volume->choice({"rest", "current"}));
   if (const Value* least = entry.find("least_volume")) law.least_volume = least->number({0, 1, true, true}, "");
   if (const Value* value = entry.find("position")) law.position = read_vector(*value, scene, "m");
   if (const Value* value = entry.find("orientation")) law.orientation = read_orientation(*value, scene);
@@ -49,8 +51,8 @@ MeshShape read_shape_of(const Value& entry, const SolidLaw& law, const Scene& sc
 void read_solid(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
   keys.insert(keys.end(), elasticity_keys.begin(), elasticity_keys.end());
-  for (const char* key : {"block", "mesh", "scale", "density", "regions", "least_volume", "thickness", "angular_velocity",
-                          "loads", "self_collision", "drag"})
+  for (const char* key : {"block", "mesh", "scale", "density", "regions", "energy_volume", "least_volume", "thickness",
+                          "angular_velocity", "loads", "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
@@ -85,14 +87,19 @@ const Elasticity& SolidLaw::at(const Vec3& place) const {
 
 void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const std::array<Id, 4>& ids, std::int32_t colour,
                      ConstraintSet& out) {
-  Constraint<Tetrahedron> c;
-  c.ids = ids, c.colour = colour;
-  c.parameters = Tetrahedron::at_rest(at[0], at[1], at[2], at[3]);
-  const double length = c.parameters[9], volume = length * length * length / 6;
+  const auto parameters = Tetrahedron::at_rest(at[0], at[1], at[2], at[3]);
+  const double length = parameters[9], volume = length * length * length / 6;
   const Elasticity& elasticity = law.at(0.25 * (at[0] + at[1] + at[2] + at[3]));
-  c.compliance = Tetrahedron::compliance(elasticity.youngs_modulus, elasticity.poissons_ratio, volume, length);
-  c.damping = elasticity.damping;
-  std::get<ConstraintList<Tetrahedron>>(out).push_back(c);
+  const auto add = [&](auto& list) {
+    auto& c = list.emplace_back();
+    c.ids = ids, c.colour = colour, c.parameters = parameters;
+    c.compliance = Tetrahedron::compliance(elasticity.youngs_modulus, elasticity.poissons_ratio, volume, length);
+    c.damping = elasticity.damping;
+  };
+  if (law.energy_volume == EnergyVolume::current)
+    add(std::get<ConstraintList<TetrahedronCurrentVolume>>(out));
+  else
+    add(std::get<ConstraintList<Tetrahedron>>(out));
   if (!law.least_volume) return;
   Constraint<InversionGuard> guard;
   guard.ids = ids, guard.colour = colour;

@@ -13,8 +13,12 @@ struct Elasticity {
   double damping = 0;                             // s
 };
 
+// How the energy of a tetrahedron weighs its strains: with its volume at rest, as St. Venant-Kirchhoff, or its current one.
+enum class EnergyVolume { rest, current };
+
 struct SolidLaw {
   double density = 0;  // kg/m^3
+  EnergyVolume energy_volume = EnergyVolume::rest;
   Elasticity elasticity;
   std::vector<std::pair<Part, Elasticity>> regions;  // by where a tetrahedron's centroid is at the start; the last one holds
   std::optional<double> least_volume;                // of rest, that a tetrahedron is kept from falling below

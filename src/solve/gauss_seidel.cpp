@@ -35,6 +35,7 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
       if (group < colours) {
         cut.exchange_colour(group, system.bodies);
         change = std::max(change, system.contacts.relax(group, backwards, system.bodies));
+        change = std::max(change, system.rolling.relax(group, system.contacts, system.bodies));
       } else if (group < constraints) {
         const bool of_surfaces = group < attachments;
         for (int k = 0; k < (of_surfaces ? surface_sweeps : 1); ++k) {

@@ -87,6 +87,7 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
     SweepSums sums;
     sums.unit = unit;
     system.contacts.sweep_jacobi(system.bodies, system.wrenches, beta, sums, system.counted);
+    system.rolling.sweep_jacobi(system.contacts, system.bodies, system.wrenches, beta, sums, system.counted);
     system.surface.sweep_jacobi(system.bodies, system.wrenches, beta, sums);
     if (system.attachments) system.attachments->sweep_jacobi(system.bodies, system.wrenches, beta, sums);
     if (system.joints) system.joints->sweep_jacobi(system.bodies, system.wrenches, beta, sums);

@@ -8,6 +8,11 @@
 
 namespace unibody {
 
+// position: constraints hold at the end of the step (the paper's scheme). velocity: the time stepping of Anitescu and Hart
+// (2004), with which the paper compares it (its figure 8): constraints are linear about the start of the step.
+enum class Level { position, velocity };
+inline constexpr std::array<std::string_view, 2> level_names{"position", "velocity"};
+
 enum class FrictionModel { disc, cone, saxce, box, none, postprocess };
 inline constexpr std::array<std::string_view, 6> friction_model_names{"disc", "cone", "saxce", "box", "none", "postprocess"};
 
@@ -33,17 +38,23 @@ std::vector<std::string> solver_names();
 // three quarters of it, 1/2 nothing.
 inline constexpr double automatic_share = 1.0 / 3;
 
+// The same of the velocity level, whose correction of the positions is softer: there 1 / (1 + stabilisation) leaves nothing.
+inline constexpr double automatic_velocity_share = 0.5;
+
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
   double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
+  Level level = Level::position;
+  double stabilisation = 0.4;  // velocity level: gamma, share of an error of position that a step takes out; [0, 1]
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.
   // joint: the position stage works on both stages' multipliers together: converges to the step's exact solution.
   // position: the position stage alone. auto: two, but position for Jacobi solvers in scenes with constraints beside contacts,
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
-  // contacts where it is the only stage. -1: automatic_share, but nothing of tetrahedra.
+  // contacts where it is the only stage. -1: automatic_share, but nothing of tetrahedra. Velocity level: [0, 1], of its one
+  // stage.
   double warm_start = -1;
   Form form = Form::incremental;
   double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations

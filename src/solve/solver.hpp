@@ -9,6 +9,7 @@
 
 #include "constraints/attachment_batch.hpp"
 #include "constraints/contact_batch.hpp"
+#include "constraints/rolling_batch.hpp"
 #include "constraints/surface_batch.hpp"
 #include "joints/joint_batch.hpp"
 #include "partition/cut.hpp"
@@ -30,6 +31,7 @@ struct System {
         wrenches(memory),
         impulses(memory),
         contacts(memory),
+        rolling(memory),
         surface(memory),
         attachment_rows(memory),
         places(memory),
@@ -45,6 +47,7 @@ struct System {
   std::pmr::vector<Wrench> wrenches;         // of each body; zero between sweeps; empty where nothing touches
   std::pmr::vector<Vec4d> impulses;          // N s; the same of constraints beside contacts, which turn nothing; may be empty
   ContactBatch contacts;
+  RollingBatch rolling;  // of these contacts
   SurfaceBatch surface;
   bool any_surface = false;  // some rank has contacts of surfaces
   AttachmentBatch attachment_rows;
@@ -54,16 +57,17 @@ struct System {
   std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
   std::pmr::vector<Vec4d> moved_places;    // x + h v of each body, kept by sweeps of constraints; else empty
   double step = 0.016;                     // s
+  double stabilisation = -1;               // see StepStart
   bool rotates = true;                     // some body can turn: torques count
   std::pmr::vector<std::uint8_t> counted;  // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
 
-  StepStart start() const { return {places, step, moved_places}; }
+  StepStart start() const { return {places, step, moved_places, stabilisation}; }
 
   // Home bodies: u += W (wrench, impulse), and their moved_places follow. Clears both. Guests follow by the next exchange.
   void apply_wrenches();
 
-  // Brings moved_places up to date with the velocities, of bodies from `first` on.
+  // Brings moved_places up to date with the velocities, of bodies from `first` on. (Velocity level: nothing moves them.)
   void move_places(std::size_t first = 0);
 
  private:

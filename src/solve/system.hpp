@@ -26,6 +26,16 @@ struct InverseInertia {
   double xx, yy, zz, yz, xz, xy;
 };
 
+// World-frame inverse inertia of a slot, 1/(kg m^2).
+inline Mat3 inverse_inertia_of(std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
+                               std::span<const std::uint8_t> isotropic, std::size_t slot) {
+  if (isotropic[slot]) return bodies[slot].inverse_inertia * Mat3::Identity();
+  const InverseInertia& w = inertia[slot];
+  Mat3 all;
+  all << w.xx, w.xy, w.xz, w.xy, w.yy, w.yz, w.xz, w.yz, w.zz;
+  return all;
+}
+
 // Sum of the constraint impulses on a body in one sweep: N s and N m s, about its centre.
 struct alignas(64) Wrench {
   Vec4d force, torque;  // x, y, z, 0
@@ -37,6 +47,9 @@ struct StepStart {
   std::span<const Vec4d> places;             // x_l, y_l, z_l (m), n_b / m_b (1/kg)
   double step;                               // s
   std::span<const Vec4d> moved_places = {};  // the same at x_l + h v of the last sweep's velocities; for Jacobi sweeps alone
+  double stabilisation = -1;                 // of the velocity level, whose rows are linear about x_l; else negative
+
+  bool is_linear() const { return stabilisation >= 0; }
 };
 
 // What one sweep tells the solver. Maxima and fixed-point sums: the same whatever the order or the number of ranks.

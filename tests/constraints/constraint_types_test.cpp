@@ -186,6 +186,30 @@ TEST(Membrane, ComplianceGivesThePlaneStressEnergy) {
   EXPECT_NEAR(energy, area * thickness * density, 1e-12 * energy);
 }
 
+// The pull of a bar without Poisson effect on node 1 of the unit tetrahedron, whose face across x has the area 1/2 and shares its
+// force out by thirds: V0 P e1 = P / 6 at the nominal stress P of the stretch l.
+template <class C>
+double nominal_stress(double l, double youngs_modulus) {
+  Case<C> one;
+  const auto rest = Tetrahedron::at_rest(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ());
+  const auto soft = Tetrahedron::compliance(youngs_modulus, 0, 1.0 / 6, rest[9]);
+  for (std::size_t p = 0; p < rest.size(); ++p) one.parameters[p] = broadcast(rest[p]);
+  for (auto& stencil : one.x) stencil = {Vec3::Zero(), l * Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  const auto rows = one.evaluate();
+  double slope = 0;  // of the energy by the place of node 1
+  for (std::size_t k = 0; k < 6; ++k) slope += rows.value[k][0] / soft[k] * rows.gradient[k][1].x[0];
+  return 6 * slope;
+}
+
+TEST(Tetrahedron, NominalStressOfBothWeights) {
+  const double E = 2e5;
+  for (const double l : {0.3, 0.45, 0.6, 0.8, 1.0, 1.3}) {
+    EXPECT_NEAR(nominal_stress<Tetrahedron>(l, E), 0.5 * E * l * (l * l - 1), 1e-12 * E) << l;
+    EXPECT_NEAR(nominal_stress<TetrahedronCurrentVolume>(l, E), E / 8 * (l * l - 1) * (5 * l * l - 1), 1e-12 * E) << l;
+  }
+  EXPECT_GT(nominal_stress<TetrahedronCurrentVolume>(0.44, E), 0);  // it draws what is pressed this far flat
+}
+
 TEST(Dihedral, IsTheAngleOfTheFold) {
   for (const double fold : {-3.0, -2.0, -0.5, 0.0, 0.7, 2.5, 3.1}) {
     Case<Dihedral> c;

@@ -47,6 +47,23 @@ TEST(Solid, AFreeSpinningBlockKeepsItsMomentaAndGainsNoEnergy) {
   }
 }
 
+// A block stretched by l along x has the strain (l^2 - 1) / 2 there alone.
+TEST(Solid, ElasticEnergyWithTheVolumeAtRestAndTheCurrentOne) {
+  const double l = 0.8, e = 0.5 * (l * l - 1), E = 1e5, nu = 0.3, volume = 0.4 * 0.3 * 0.2;
+  const double stress = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu)) * e;
+  for (const auto& [key, weight] : {std::pair{"rest", 1.0}, {"current", l}}) {
+    Experiment run(scene_from_text("gravity: [0, 0, 0]\n" + block("    energy_volume: " + std::string(key) + "\n")));
+    run.simulation->detect();  // makes the constraints
+    for (Vec3& x : run.world().position) x.x() *= l;
+    const double energy = weight * volume * 0.5 * e * stress;
+    EXPECT_NEAR(strain_of(run).energy, energy, 1e-12 * energy) << key;
+    EXPECT_NEAR(strain_of(run).volume_min, l, 1e-13);
+    run.steps(20);
+    EXPECT_LT(all_energy(run), energy) << key;
+    EXPECT_GT(strain_of(run).volume_max, 1) << key;  // it has sprung back
+  }
+}
+
 // Unconverged too: whatever the iterations, the fall's energy is the most there is.
 TEST(Solid, ABlockDroppedOnTheFloorComesToRestOnIt) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})

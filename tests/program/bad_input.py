@@ -155,6 +155,9 @@ class BadOptions(RefusedTest):
         for words, says in ((["-colour", "red"], ["-colour"]), (["-overwite"], ["-overwite"]), (["-set"], ["-set", "value"]),
                             (["-restart"], ["-restart", "value"]), (["-partition", "scotch"], ["-partition", "scotch", "metis"]),
                             (["-partition", "random:"], ["random:", "SEED"]), (["-partition", "random:-1"], ["random:-1"]),
+                            (["-solver_level"], ["-solver_level", "value"]),
+                            (["-solver_level", "speed"], ["key 'solver.level'", "found speed", "expected position or velocity"]),
+                            (["-solver_level", "velocity", "-set", "solver.stages=two"], ["key 'solver.stages'", "found two", "auto"]),
                             (["-rebalance", "maybe"], ["-rebalance", "maybe", "on or off"]), ([str(scene)], ["two scenes"])):
             with self.subTest(words=words):
                 self.refused(scene, *words, says=says)
@@ -284,6 +287,19 @@ bodies:
     def test_in_contact(self):
         self.stops(self.PILE.replace("FORCE", "[0, 1.0e308, 0]"),
                    says=["frame ", "body 21 (ram)", "contact with body 0 (ground)"])
+
+    def test_in_a_cloth(self):
+        self.stops("""
+            cloths:
+              - {name: sheet, grid: {size: [1, 1], nodes: [5, 5]}, mass: 1, thickness: 0.01, velocity: [1.0e200, 0, 0], pins: [{node: [0, 0]}]}
+            """, says=["frame 1: ", "body 0 (sheet", "constraint: distance with body 1 (sheet"])
+
+    def test_in_a_joint(self):
+        self.stops("""
+            bodies:
+              - {name: arm, shape: {box: {size: [0.2, 0.1, 0.1]}}, mass: 0.001, position: [0.1, 0, 0], force: [1.0e308, 0, 0]}
+            joints: [{type: ball, bodies: [arm, world], anchor: [0, 0, 0]}]
+            """, says=["frame 1: ", "body 0 (arm)", "constraint: joint 0 (ball)"])
 
     def test_the_last_checkpoint_is_kept(self):
         """It is whole: from there the same happens again."""

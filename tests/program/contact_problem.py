@@ -126,6 +126,39 @@ class ContactProblem(ProgramTest):
         np.testing.assert_allclose(problem.r[0], 2 * (1 + 10 * 0.01 + 0.5), rtol=1e-9)
         self.assertLess(problem.measures(problem.r)["residual"], 1e-9)
 
+    # At velocity level a penetration of 5 mm is to shrink by gamma of that: its velocity is added.
+    def test_a_ball_in_the_ground_at_velocity_level(self):
+        sunk = BALL.replace("0.104]", "0.095]").replace("stages: joint", "level: velocity, stabilisation: 0.3")
+        problem = Problem(self.dump(sunk, "sunk"))
+        self.assertAlmostEqual(problem.q[0], -1 - 10 * 0.01 - 0.3 * 0.005 / 0.01, places=12)
+        np.testing.assert_allclose(problem.r[0], 2 * (1 + 10 * 0.01 + 0.3 * 0.005 / 0.01), rtol=1e-9)
+        self.assertLess(problem.measures(problem.r)["residual"], 1e-9)
+
+    # Three contacts with W = [[2, 1], [1, 2]] between the normals of the first two: both are pressed, the first sticks and the second
+    # slides; the third opens.
+    def test_a_problem_made_by_hand(self):
+        W = np.diag([2.0, 4, 4, 2, 4, 4, 1, 1, 1])
+        W[0, 3] = W[3, 0] = 1
+        mu = np.array([0.5, 0.25, 1])
+        r = np.array([[2.0, 0.6, -0.8], [4, 0, 1], [0, 0, 0]])  # 1 = mu r_n of the second; the first is right at its limit
+        u = np.array([[0.0, 0, 0], [0, 0, -3], [0.5, 0.1, 0]])
+        q = u.ravel() - W @ r.ravel()
+        path = self.folder / "hand.h5"
+        with h5py.File(path, "w") as file:
+            file["fclib_local/spacedim"] = [3]
+            rows, columns = np.nonzero(W)
+            for name, value in {"m": [9], "n": [9], "nzmax": [len(rows)], "nz": [len(rows)], "i": rows, "p": columns, "x": W[rows, columns]}.items():
+                file[f"fclib_local/W/{name}"] = value
+            file["fclib_local/vectors/q"], file["fclib_local/vectors/mu"] = q, mu
+            file["guesses/1/r"] = r.ravel()
+        problem = Problem(path)
+        np.testing.assert_array_equal(problem.dense(), W)
+        self.assertLess(problem.measures(problem.r)["residual"], 1e-15)
+        for k in range(9):  # no other one is: each number of it matters
+            wrong = problem.r.copy()
+            wrong[k] += 0.01
+            self.assertGreater(problem.measures(wrong)["residual"], 1e-4, k)
+
     # The dynamics hold for what the step did, whatever its iterations; the two forms are one problem.
     def test_both_forms_hold_the_step(self):
         for solver in ("accelerated_jacobi", "gauss_seidel"):

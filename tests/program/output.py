@@ -191,6 +191,35 @@ class Results(ProgramTest):
         self.assertEqual((int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")), (320, 200))
 
 
+SOLIDS = f"""
+time: {{frames: 0}}
+solids:
+  - {{name: brick, block: {{size: [0.6, 0.5, 0.9], cells: [3, 2, 4]}}, density: 800, youngs_modulus: 1.0e+5, poissons_ratio: 0.3, thickness: 0.01}}
+  - {{name: ring, mesh: "{SOURCE}/scenes/meshes/torus.msh", position: [5, 0, 0], density: 800, youngs_modulus: 1.0e+5, poissons_ratio: 0.3,
+     thickness: 0.01}}
+"""
+
+
+class Solids(ProgramTest):
+    def test_tetrahedra_fill_what_the_surface_bounds(self):
+        self.good(self.scene(SOLIDS), "results")
+        grids = ElementTree.parse(self.folder / "results/frames.xdmf").getroot().findall(".//Grid[@GridType='Uniform']")
+        kinds = [(grid.find("Topology").get("TopologyType"), int(grid.find("Topology").get("NumberOfElements"))) for grid in grids]
+        with h5py.File(self.folder / "results/frames.h5") as file:
+            places = file["frames/000000/position"][:]
+            for number, volume in ("000000", 0.6 * 0.5 * 0.9), ("000001", None):
+                surface = file["surfaces"][number]
+                cells, tetrahedra = surface["cells"][:], surface["tetrahedra"][:]
+                self.assertIn(("Tetrahedron", len(tetrahedra)), kinds)
+                edges = places[tetrahedra[:, 1:]] - places[tetrahedra[:, :1]]
+                volumes = np.linalg.det(edges) / 6
+                self.assertGreater(volumes.min(), 0)
+                flux = np.einsum("ij,ij->i", places[cells[:, 0]], np.cross(places[cells[:, 1]], places[cells[:, 2]])) / 6
+                self.assertAlmostEqual(volumes.sum(), flux.sum(), delta=1e-12)
+                if volume:
+                    self.assertAlmostEqual(volumes.sum(), volume, delta=1e-12)
+
+
 class Switches(ProgramTest):
     def test_nothing_is_written_that_was_not_asked_for(self):
         scene = self.scene(SCENE)

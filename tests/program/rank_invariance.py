@@ -113,6 +113,24 @@ class RankInvariance(ProgramTest):
             held = sum(int(row["held_pairs (1)"]) for row in report)
             self.assertGreater(held, 0)
 
+    # Contacts, joints, links and a soft solid, all at velocity level.
+    def test_velocity_level(self):
+        cases = [(self.scene(MIXED, "mixed.yaml"), "time.frames=30"), (SCENES / "hierarchy.yaml", "time.frames=30"),
+                 (SCENES / "boxes_on_cloth.yaml", "time.frames=20"), (SCENES / "soft_block_on_floor.yaml", "time.frames=10")]
+        for scene, *more in cases:
+            others = (2, 3, 4) if scene.stem == "mixed" else (3,)
+            for solver in SOLVERS[:2]:
+                name = f"{scene.stem}_{solver}"
+                options = ["-solver_level", "velocity"]
+                for text in (f"solver.name={solver}", "solver.iterations=15", "output.every=10", *more):
+                    options += ["-set", text]
+                one = self.good(scene, f"{name}_1", *options, ranks=1)
+                self.assertNotEqual(self.good(scene, f"{name}_position", *options[2:], ranks=1).state, one.state, name)
+                for n in others:
+                    with self.subTest(scene=scene.stem, solver=solver, ranks=n):
+                        self.assertEqual(self.good(scene, f"{name}_{n}", *options, ranks=n).state, one.state)
+                        self.assert_same(f"{name}_1", f"{name}_{n}")
+
     # A chain across all ranks, and a tree that has fallen on a bar: also what each joint does.
     def test_joints(self):
         tree = ("bodies[2].tree.levels=6", "bodies[2].position=[0, 0, 3.5]", "time.frames=60")

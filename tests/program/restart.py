@@ -134,6 +134,12 @@ class Restart(ProgramTest):
     def test_warm_started_position_stage(self):
         self.check("-set", "solver.stages=position", "-set", "solver.name=jacobi", ranks=(3,))
 
+    def test_velocity_level(self):
+        self.check("-solver_level", "velocity", "-set", "solver.warm_start=0.7", ranks=(3,))
+
+    def test_another_level_is_refused(self):
+        self.check_refused(PILE, ("solver.level=velocity",))
+
     def test_cloth_and_thread(self):
         self.check(text=CLOTH, change="cloths[0].links.stiffness=3001")
 
@@ -192,6 +198,19 @@ class Restart(ProgramTest):
                 self.assertEqual(tree(self.folder), before, "something was written")
         # What is written, and how long the run is, may change.
         self.good(scene, "rest", "-restart", checkpoint, "-set", "output.every=7", "-set", "time.frames=33", "-set", "title=other")
+
+    def test_other_settings_may_start_from_a_state_but_no_other_bodies(self):
+        scene = self.scene(PILE)
+        checkpoint = self.first_half(scene)
+        same = self.good(scene, "same", "-start_from", checkpoint)
+        self.assertEqual(same.state, self.good(scene, "rest", "-restart", checkpoint).state)
+        other = self.good(scene, "other", "-start_from", checkpoint, "-set", "solver.name=gauss_seidel", "-set", "time.substeps=2")
+        self.assertNotEqual(other.state, same.state)
+        for setting in ("gravity=[0, 0, -1.62]", "materials.stone.friction=0.41"):
+            with self.subTest(setting=setting):
+                run = unibody(scene, "-output", self.folder / "bad", "-start_from", checkpoint, "-set", setting, timeout=60)
+                self.assertEqual(run.code, 2, run.err)
+                self.assertIn(str(checkpoint), run.message[0])
 
     def test_damaged_checkpoints_are_refused(self):
         scene = self.scene(PILE)

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <random>
 
+#include "chain.hpp"
+
 namespace {
 
 using rivals::Bodies;
@@ -198,6 +200,27 @@ TEST(RivalErrors, FilesReadBackAsWritten) {
   EXPECT_LT(frame.orientation[1].angularDistance(s.frame.orientation[1]), 1e-14);
   std::filesystem::remove(path);
   EXPECT_THROW(rivals::FrameReader("/nonexistent.h5"), std::runtime_error);
+}
+
+TEST(RivalErrors, ChainIsOpenWhereABodyWasMoved) {
+  // Three links of 0.2 m along a line that is turned, a ball of 0.5 m radius behind them, and a floor that is no part of it.
+  SceneOfBodies scene;
+  const Quat q = turned(0.7, {1, 2, 3});
+  const Vec3 along = q * Vec3::UnitX();
+  scene.add(Shape::plane, {0, 0, 0}, {0, 0, -9}, Motion::fixed);
+  for (const double x : {0.1, 0.3, 0.5}) scene.add(Shape::box, {0.09, 0.01, 0.01}, x * along, Motion::dynamic, q);
+  scene.add(Shape::sphere, {0.5, 0.5, 0.5}, 1.1 * along);
+  const auto anchors = rivals::chain_anchors(scene.bodies, scene.frame);
+  ASSERT_EQ(anchors.size(), 4U);
+  EXPECT_EQ(anchors[0].a, -1);
+  EXPECT_EQ(anchors[3].b, 4);
+  EXPECT_LT((anchors[3].in_b + 0.5 * along).norm(), 1e-15);  // where the last link ends
+  EXPECT_LT(chain_drift(anchors, scene.frame).max, 1e-15);
+  scene.frame.position[4] += Vec3(0, 0, 0.03);
+  EXPECT_NEAR(chain_drift(anchors, scene.frame).max, 0.03, 1e-15);
+  EXPECT_NEAR(chain_drift(anchors, scene.frame).rms, 0.015, 1e-15);
+  scene.frame.position[2] += Vec3(0.04, 0, 0);  // opens the joints at both of its ends
+  EXPECT_NEAR(chain_drift(anchors, scene.frame).rms, std::sqrt((2 * 0.0016 + 0.0009) / 4), 1e-15);
 }
 
 }  // namespace

@@ -72,6 +72,12 @@ TEST(ReadScene, EverySolverKey) {
   EXPECT_EQ(a.tolerance, -1);
   EXPECT_EQ(a.leak, -1);
   EXPECT_EQ(a.recovery_time, -1);
+  EXPECT_EQ(a.level, Level::position);
+  const SolverSettings v =
+      scene_from("solver: {level: velocity, stabilisation: 0.3, warm_start: 1, iterations: 1}\n" + ball).solver;
+  EXPECT_EQ(v.level, Level::velocity);
+  EXPECT_EQ(v.stabilisation, 0.3);
+  EXPECT_EQ(v.warm_start, 1);
 }
 
 TEST(ReadScene, FrictionOfPairs) {

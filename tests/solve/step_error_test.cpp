@@ -126,6 +126,26 @@ TEST(StepError, IsTheDistanceToAnotherRunThatConverges) {
   }
 }
 
+// Of the velocity level: the distance to its own converged step, which is another one.
+TEST(StepError, IsOfTheLevelThatTheStepHas) {
+  Experiment start(scene_from_text(with_solver(cubes, "iterations: 30")));
+  start.steps(15);
+  const std::string exactly = "name: accelerated_jacobi, tolerance: 0, iterations: 40000, ";
+  Experiment converged = from(start, with_solver(cubes, exactly + "level: velocity"));
+  Experiment of_positions = from(start, with_solver(cubes, exactly + "stages: joint"));
+  converged.step(), of_positions.step();
+  ASSERT_LT(converged.last.residual, 1e-11);
+  EXPECT_GT(distance(of_positions.world(), converged.world(), converged.h()), 1e-4);
+  for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"}) {
+    Experiment e = from(start, with_solver(cubes, "level: velocity, iterations: 12, name: " + solver));
+    const StepError error = error_of_next_step(e);
+    const double found = distance(e.world(), converged.world(), e.h());
+    EXPECT_GT(found, 1e-4) << solver;
+    EXPECT_LT(error.reference_residual, 1e-2 * found) << solver;  // Gauss-Seidel is long in coming nearer
+    EXPECT_NEAR(error.distance, found, 1e-6 * found + error.reference_residual) << solver;
+  }
+}
+
 // A rope: the total form converges to implicit Euler, of which Newton's method has the step to round-off.
 TEST(StepError, IsTheDistanceToNewtonsStep) {
   Experiment start(scene_from_text(with_solver(rope, "name: gauss_seidel, form: total, iterations: 40")));

@@ -1,0 +1,13 @@
+"""The parts of the report, in order: name on the command line -> module with TITLE and make(session) -> Section."""
+import damping
+import discs
+import hanging_cloth
+import published_tables
+import rivals
+import sliding
+import torus
+import velocity_level
+import work_precision
+
+PARTS = {'published_tables': published_tables, 'sliding': sliding, 'torus': torus, 'velocity_level': velocity_level, 'discs': discs, 'hanging_cloth': hanging_cloth, 'damping': damping,
+         'work_precision': work_precision, 'rivals': rivals}

@@ -1,0 +1,72 @@
+"""What the report wants to know of a run's frames: functions (session, folder, ...) -> something JSON can hold."""
+import csv
+import json
+import os
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+
+from runs import ROOT
+
+
+def frames_of(file):
+    return sorted(file['frames'], key=int)
+
+
+def path_of(_, folder):
+    """Travel of the mean of all dynamic bodies since frame 0, [frames][3] in m."""
+    with h5py.File(os.path.join(folder, 'frames.h5')) as file:
+        moves = file['bodies/motion'][:] == 0
+        means = [file[f'frames/{name}/position'][:][moves].mean(0) for name in frames_of(file)]
+    return (np.array(means) - means[0]).tolist()
+
+
+def measured(session, folder, *options):
+    """What scripts/rivals/measure says of the run as a whole, and L2 and max of each frame (mm)."""
+    return measure_file(session, os.path.join(folder, 'frames.h5'), *options)
+
+
+def measure_file(session, path, *options):
+    table = path + '.csv'
+    text = subprocess.run([os.path.join(session.rivals, 'measure'), '--json', *options, '--frames', table, path], check=True, text=True, capture_output=True).stdout
+    result = json.loads(text)
+    with open(table, encoding='utf-8') as file:
+        rows = list(csv.DictReader(file))
+    os.remove(table)
+    result['frame_l2_mm'] = [float(r['l2_mm']) for r in rows]
+    result['frame_max_mm'] = [float(r['max_mm']) for r in rows]
+    return result
+
+
+def away(_, folder, reference):
+    """Distance (m) of the last frame from that of a reference, by scripts/trajectory_error; None where there is no such script."""
+    script = os.path.join(ROOT, 'scripts', 'trajectory_error')
+    if not os.path.exists(script):
+        return None
+    text = subprocess.run([sys.executable, script, folder, reference, '--frames', 'last'], check=True, text=True, capture_output=True).stdout
+    return float(list(csv.DictReader(text.splitlines()))[-1]['distance (m)'])
+
+
+def chain(session, folder, reference=None):
+    """Drift of a chain's joints, and how far (m) its bodies' centres are at the end from those of a reference: root mean square by mass."""
+    path = os.path.join(folder, 'frames.h5')
+    result = measure_file(session, path, '--chain')
+    result['away'] = None
+    if reference:
+        with h5py.File(path) as a, h5py.File(os.path.join(reference, 'frames.h5') if os.path.isdir(reference) else reference) as b:
+            last = frames_of(a)[-1]
+            mass, moves = a['bodies/mass'][:], a['bodies/motion'][:] == 0
+            square = ((a[f'frames/{last}/position'][:] - b[f'frames/{last}/position'][:]) ** 2).sum(1)
+        result['away'] = float(np.sqrt((mass * square)[moves].sum() / mass[moves].sum()))
+    return result
+
+
+def copied(_, folder, to):
+    """Keeps the frames at `to`."""
+    os.replace(os.path.join(folder, 'frames.h5'), to)
+    return to
+
+
+LOOKS = {'path': path_of, 'measure': measured, 'away': away, 'chain': chain, 'copy': copied}

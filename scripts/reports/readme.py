@@ -1,0 +1,40 @@
+"""The README's results: plots and tables of the report, written between two markers."""
+import os
+
+from page import markdown
+from runs import ROOT
+
+BEGIN, END = '<!-- scripts/report --readme writes from here -->', '<!-- to here -->'
+PLOTS, TABLES = ('work_precision', 'rivals_boxes', 'velocity_level'), ('settings', 'rivals')
+PICTURES = os.path.join('scenes', 'pictures')
+
+
+def result_lines(sections, facts, size):
+    facts = dict(facts)
+    option = '' if size == 'full' else f' --{size}'
+    lines = [f'Made by `scripts/report{option} --readme` on {facts["made"]}: {facts["machine"]}, {facts["compiler"]}; load at the start {facts["load at the start"]}.']
+    for kind, names in (('plots', PLOTS), ('tables', TABLES)):
+        for name in names:
+            item = next((i for s in sections for i in getattr(s, kind) if i.name == name), None)
+            if item is None:
+                continue
+            lines += ['', f'{item.caption} (`{item.command}`):' if item.command else f'{item.caption}:', '']
+            lines += markdown(item) if kind == 'tables' else [f'![{item.caption.split(".")[0]}]({PICTURES}/report_{name}.png)']
+    return lines
+
+
+def write(sections, facts, size, root=ROOT):
+    """Rewrites what stands between the markers, and the plots it shows."""
+    path = os.path.join(root, 'README.md')
+    with open(path, encoding='utf-8') as file:
+        text = file.read()
+    if text.count(BEGIN) != 1 or text.count(END) != 1:
+        raise SystemExit(f'report: README.md needs the markers "{BEGIN}" and "{END}", once each')
+    before, after = text.split(BEGIN)[0], text.split(END)[1]
+    for section in sections:
+        for plot in section.plots:
+            if plot.name in PLOTS:
+                with open(os.path.join(root, PICTURES, f'report_{plot.name}.png'), 'wb') as file:
+                    file.write(plot.png)
+    with open(path, 'w', encoding='utf-8') as file:
+        file.write(before + BEGIN + '\n' + '\n'.join(result_lines(sections, facts, size)) + '\n' + END + after)

@@ -1,0 +1,126 @@
+"""Other programs on the same bodies: time a frame beside error, both measured by one tool of ours from the bodies' poses."""
+import os
+
+from page import Section, Table, draw
+from work_precision import SOLVERS
+
+TITLE = 'Other programs on the same bodies'
+COLUMNS = ['scene', 'program', 'settings', 'ranks', 'ms a frame', 'error (mm)', 'max (mm)', 'KE/body (J)', 'mean height (m)', 'ours with no more error', 'its ms / these ms']
+
+
+def ours(solver, iterations, substeps=1, ranks=1):
+    return ('unibody', solver, iterations, substeps, ranks)
+
+
+def other(name, text, *options):
+    return (name, text, options)
+
+
+PILE = [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 40), ours('accelerated_jacobi', 50), ours('gauss_seidel', 5, 4),
+        ours('gauss_seidel', 20, 1, 2), ours('accelerated_jacobi', 50, 1, 2)]
+ENGINES = [other('Bullet', '10 iterations', '--iterations', 10), other('Bullet', '50 iterations', '--iterations', 50), other('Bullet', '4 substeps of 5', '--iterations', 5, '--substeps', 4),
+           other('ODE', 'quickstep, 20 iterations', '--iterations', 20), other('ODE', 'quickstep, 50', '--iterations', 50), other('ODE', 'quickstep, 4 substeps of 10', '--iterations', 10, '--substeps', 4)]
+DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30), other('DART', 'PGS, 100 iterations', '--iterations', 100)]
+SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '2e6': '1.333e-4'}
+
+
+def soft_spheres(session):
+    stiffnesses = session.pick(['3.7e4'], ['3.7e4', '2e6'], list(SPRINGS))
+    return [other(name, f'kn = {kn} N/m, dt = {SPRINGS[kn]} s', '--kn', kn, '--dt', SPRINGS[kn], '--ranks', ranks)
+            for name in ('LIGGGHTS', 'LAMMPS') for kn in stiffnesses for ranks in (1, 2)]
+
+
+def chain_settings(session):
+    found = [ours('accelerated_jacobi', 100), ours('accelerated_jacobi', 400), ours('accelerated_jacobi', 100, 4), ours('gauss_seidel', 100, 4)]
+    for name, text, *options in (('Bullet', '100 iterations', '--iterations', 100), ('ODE', 'quickstep, 100', '--iterations', 100), ('ODE', 'direct', '--direct', 1), ('DART', 'reduced coordinates')):
+        found += [other(name, text + f', {n} substeps', *options, '--substeps', n) for n in session.pick((4,), (4, 16), (1, 4, 16))]
+    return found
+
+
+def scenes(session):
+    """name -> (scene, settings, frames, what is run, chain?)"""
+    boxes = ['bodies[1].lattice.count=' + str(session.pick(20, 500, 2000))]
+    spheres = ['bodies[1].lattice.count=' + str(session.pick(20, 1000, 5000))]
+    frames = session.pick(10, 300, 400)
+    found = {'boxes': (session.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + ENGINES, False),
+             '100 boxes': ('boxes_500', ['bodies[1].lattice.count=' + str(session.pick(10, 100, 100))], session.pick(10, 200, 400), PILE[:4] + ENGINES[:1] + ENGINES[3:4] + DART, False),
+             'spheres': ('spheres_5000', spheres, frames, PILE + ENGINES[:1] + ENGINES[3:4] + soft_spheres(session), False),
+             'chain': ('chain_heavy_ball', ['output.joints=false'] + session.pick(['bodies[0].chain.count=5'], [], []), session.pick(5, 60, 150), chain_settings(session), True)}
+    if session.size == 'tiny':  # each program once
+        found = {name: (scene, settings, frames, list({entry[0]: entry for entry in entries}.values()), chain) for name, (scene, settings, frames, entries, chain) in found.items()}
+    if session.size == 'full':
+        found['50,000 spheres'] = ('spheres_5000', ['bodies[1].lattice.count=50000', 'bodies[1].lattice.columns=[41, 41]', 'bodies[0].container.size=[4.74, 4.74]'], 150,
+                                   [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(session), False)
+    return found
+
+
+def reference_of(session, start, frames, gravity):
+    """A chain in fine steps by a program in reduced coordinates, where there is one; its folder or file, or None."""
+    path = os.path.join(session.folder, 'states', f'chain_{session.mark(os.path.join(start, "frames.h5"))}_{frames}.h5')
+    if not os.path.exists(path):
+        session.rival('DART', start, ['--chain', 1, '--frames', frames, '--substeps', session.pick(8, 64, 256)], ['copy', path], gravity)
+    return path if os.path.exists(path) else None
+
+
+def rows_of(session, name, scene, settings, frames, entries, chain):
+    settings = settings + ['gravity=[0, 0, -9.8]', f'time.frames={frames}']
+    start = session.folder_of(scene, settings[:-1] + ['output.every=1'], 1)
+    look = ['chain', reference_of(session, start, frames, 9.8)] if chain else ['measure']
+    rows = []
+    for entry in entries:
+        if entry[0] == 'unibody':
+            _, solver, iterations, substeps, ranks = entry
+            run = session.run(scene, settings + [f'solver.name={solver}', f'solver.iterations={iterations}', f'time.substeps={substeps}'], ranks, look=look)
+            text, ms, seen = f'{SOLVERS[solver]}, {iterations} iterations' + (f', {substeps} substeps' if substeps > 1 else ''), run.frame_ms(), run.seen
+        else:
+            _, text, options = entry
+            ranks = options[options.index('--ranks') + 1] if '--ranks' in options else 1
+            done = session.rival(entry[0], start, [*options, '--frames', frames] + (['--chain', 1] if chain else []), look)
+            if done is None or done['ms'] is None:
+                rows.append([name, entry[0], text + (': not installed' if done is None else ': ended in an error'), ranks] + [None] * (len(COLUMNS) - 4))
+                continue
+            ms, seen = done['ms'], done['seen']
+        if chain:
+            values = [seen['drift_rms_mm'], seen['drift_peak_mm'], seen['kinetic_j'], None if seen['away'] is None else 1e3 * seen['away']]
+        else:
+            values = [seen['rms_mm'], seen['max_mm'], seen['kinetic_j'], seen['height_m']]
+        rows.append([name, entry[0], text, ranks, ms, *values, None, None])
+    compare(rows)
+    return rows
+
+
+def compare(rows):
+    """Fills the last two columns of other programs' rows: our fastest setting on as many ranks or fewer whose error is no larger, and how its time compares."""
+    for row in rows:
+        if row[1] == 'unibody' or row[4] is None:
+            continue
+        best = min(((r[4], r[2]) for r in rows if r[1] == 'unibody' and r[3] <= row[3] and r[5] <= row[5]), default=None)
+        if best:
+            row[9], row[10] = best[1], best[0] / row[4]
+
+
+def make(session):
+    rows, ties = [], []
+    for name, (scene, settings, frames, entries, chain) in scenes(session).items():
+        (ties if chain else rows).extend(rows_of(session, name, scene, settings, frames, entries, chain))
+    piles = Table('rivals', 'Piles at rest: RMS and largest penetration of all pairs, medians of the last 100 frames, from the poses; one thread against one rank; h = 16 ms, mu = .3', COLUMNS, rows,
+                  'scripts/report rivals')
+    heading = COLUMNS[:5] + ['drift RMS (mm)', 'largest drift of all (mm)', COLUMNS[7], 'from the fine reference (mm)'] + COLUMNS[9:]
+    joints = Table('rivals_chain', 'a chain of 100 links with a ball of 1,000 times their mass: how far its joints are open, and how far its bodies are at the end from a run of DART in fine steps', heading, ties,
+                   'scripts/report rivals')
+
+    def paint(axes):
+        for axis, name in zip(axes, ('boxes', 'spheres')):
+            of = [r for r in rows if r[0] == name and r[3] == 1 and r[4] is not None]
+            for program in dict.fromkeys(r[1] for r in of):
+                points = sorted((r[4], max(r[5], 1e-4)) for r in of if r[1] == program)
+                axis.loglog(*zip(*points), marker='o', ls='-' if program == 'unibody' else ':', label=program)
+            axis.set(title=name, xlabel='ms a frame, one thread', ylabel='RMS penetration (mm)')
+            axis.legend(fontsize=8)
+
+    plot = draw('rivals_boxes', 'Time a frame against penetration at rest, this program and others, each with several settings', paint, 2, command='scripts/report rivals')
+    return Section(TITLE, [
+        'All start from the same file; scripts/rivals/measure judges the poses that each recorded. Bullet, ODE and DART as the distribution builds them, no sleeping, no damping, otherwise their defaults; '
+        'LIGGGHTS and LAMMPS with linear springs. Times: ODE, Bullet, DART CPU time of their step; LIGGGHTS, LAMMPS wall time without output; unibody contacts, solve and exchange.',
+        'DART (projected Gauss-Seidel on an assembled matrix) is not made for piles: it has its own, small one. In a chain it has reduced coordinates, and its joints cannot open: what is wrong there is '
+        'the step, as the last column but two tells. Siconos compares on single steps: scripts/rivals/solve_siconos.py.'], [piles, joints], [plot])

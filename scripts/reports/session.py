@@ -1,0 +1,189 @@
+"""Runs that are made once: what a part of the report asks for is looked up by program, scene and settings before it is run."""
+import concurrent.futures
+import hashlib
+import json
+import os
+import shutil
+import sys
+import tempfile
+import time
+
+import poses
+from runs import BUILD, COMMON, ROOT, command, report_rows
+
+SIZES = ('tiny', 'quick', 'full')
+
+
+def digest(*things):
+    text = json.dumps(things, sort_keys=True, default=str)
+    return hashlib.sha256(text.encode()).hexdigest()[:20]
+
+
+def digest_of_file(path):
+    with open(path, 'rb') as file:
+        return hashlib.file_digest(file, 'sha256').hexdigest()[:20] if hasattr(hashlib, 'file_digest') else hashlib.sha256(file.read()).hexdigest()[:20]
+
+
+class Failed(Exception):
+    """A program could not be run; says why."""
+
+
+class Run:
+    """What a run of unibody reported: columns of report.csv by name, and what `look` made of its frames."""
+
+    def __init__(self, kept):
+        self.columns, self.seen = kept['columns'], kept['seen']
+
+    def column(self, name):
+        """The column `name`, whose header may add a unit or a material; numbers, None where the cell is empty."""
+        for header, values in self.columns.items():
+            if header == name or header.split('(')[0].split('[')[0].strip() == name:
+                return values
+        raise Failed(f'report.csv has no column {name}; it has {", ".join(self.columns)}')
+
+    def frame_ms(self, first=0):
+        """Median time (ms) of a frame's contacts, solve and exchange, from row `first` on."""
+        sums = sorted(sum(parts) for parts in list(zip(*(self.column(f'wall_{p}') for p in ('collide', 'solve', 'halo'))))[first:])
+        return 1e3 * sums[len(sums) // 2]
+
+
+class Session:
+    """One making of the report. `folder` holds what was run; `again` runs it anew."""
+
+    def __init__(self, size, folder, again=False, core=None, build=BUILD):
+        self.size, self.folder, self.again, self.core = size, folder, again, core
+        self.program, self.rivals = os.path.join(build, 'unibody'), os.path.join(build, 'scripts', 'rivals')
+        self.part, self.made, self.found, self.begin = '', 0, 0, time.monotonic()
+        self.fresh = set()  # made in this session: not again even with --again
+        self.marks = {}
+        for name in ('runs', 'states', 'scratch'):
+            os.makedirs(os.path.join(folder, name), exist_ok=True)
+
+    def pick(self, tiny, quick, full):
+        return {'tiny': tiny, 'quick': quick, 'full': full}[self.size]
+
+    def say(self, text):
+        print(f'report: {time.monotonic() - self.begin:6.0f} s  {self.part}: {text}', file=sys.stderr, flush=True)
+
+    def mark(self, path):
+        """The hash of a file, read once."""
+        if path not in self.marks:
+            self.marks[path] = digest_of_file(path)
+        return self.marks[path]
+
+    def keep(self, key, what, make):
+        """The JSON kept under `key`, or what make() gives, which is then kept."""
+        path = os.path.join(self.folder, 'runs', key + '.json')
+        if os.path.exists(path) and (not self.again or key in self.fresh):
+            self.found += 1
+            with open(path, encoding='utf-8') as file:
+                return json.load(file)
+        self.say(what)
+        result = make()
+        self.made += 1
+        self.fresh.add(key)
+        with open(path + '.part', 'w', encoding='utf-8') as file:
+            json.dump(result, file)
+        os.replace(path + '.part', path)
+        return result
+
+    def key(self, scene, settings, ranks=1, options=(), start=None, look=()):
+        return digest(self.mark(self.program), self.mark(scene_path(scene)), settings, ranks, options, start and self.mark(start), [str(x) for x in look])
+
+    def unibody(self, scene, settings, output, ranks=1, options=(), start=None):
+        words = [self.program, scene_path(scene), '-output', output, '-overwrite', *options] + (['-start_from', start] if start else [])
+        for value in COMMON + list(settings):
+            words += ['-set', value]
+        try:
+            command(words, 0 if ranks == 1 else ranks, self.core)
+        except SystemExit as fault:
+            raise Failed(str(fault)) from fault
+
+    def run(self, scene, settings, ranks=1, options=(), start=None, look=None):
+        """One run. `start`: the checkpoint it starts from. `look`: [name, *arguments] of a function of poses.py, which sees its
+        frames; without it none are written."""
+        settings = list(settings) + ([] if look else ['output.every=0'])
+
+        def make():
+            output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
+            try:
+                self.unibody(scene, settings, output, ranks, options, start)
+                rows = report_rows(output)
+                columns = {h: [float(r[h]) if r[h] else None for r in rows] for h in rows[0]}
+                return {'columns': columns, 'seen': poses.LOOKS[look[0]](self, output, *look[1:]) if look else None}
+            finally:
+                shutil.rmtree(output, ignore_errors=True)
+
+        short = ' '.join(s for s in settings if s.startswith(('solver', 'time')))
+        return Run(self.keep(self.key(scene, settings, ranks, options, start, look or ()), f'{name_of(scene)} {short} on {ranks}', make))
+
+    def together(self, wishes):
+        """Runs whose times do not matter, as many at once as there are cores; wishes: keyword arguments of run()."""
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            core, self.core = self.core, None
+            try:
+                return list(pool.map(lambda wish: self.run(**wish), wishes))
+            finally:
+                self.core = core
+
+    def folder_of(self, scene, settings, frames=None, start=None, options=()):
+        """The folder of a run with its frames and the checkpoint at its end, kept as a whole: for states and references."""
+        settings = list(settings) + ([f'time.frames={frames}'] if frames is not None else [])
+        path = os.path.join(self.folder, 'states', self.key(scene, settings, 1, options, start))
+        if not os.path.exists(path) or (self.again and path not in self.fresh):
+            self.say(f'{name_of(scene)}: a state or reference, {" ".join(settings[-3:])}')
+            shutil.rmtree(path, ignore_errors=True)
+            shutil.rmtree(path + '.part', ignore_errors=True)
+            self.unibody(scene, settings + ['output.checkpoint_every=0'], path + '.part', 1, options, start)
+            os.replace(path + '.part', path)
+            self.made += 1
+            self.fresh.add(path)
+        return path
+
+    def rival(self, name, start, options=(), look=('measure',), gravity=9.8):
+        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees}, or None
+        where the program is not there."""
+        words, needs = RIVALS[name](self)
+        if not all(os.path.exists(p) or shutil.which(p) for p in needs):
+            return None
+        start = os.path.join(start, 'frames.h5')
+        options = [*map(str, options), '--gravity', str(gravity)]
+        key = digest([self.mark(p if os.path.exists(p) else shutil.which(p)) for p in needs], self.mark(start), self.mark(os.path.join(self.rivals, 'measure')), options,
+                     [str(x) for x in look])
+
+        def make():
+            output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
+            try:
+                said = command([*words, start, os.path.join(output, 'frames.h5'), *options], 0, None if '--ranks' in options else self.core)
+                return {'ms': float(said.split('median_ms')[1]), 'seen': poses.LOOKS[look[0]](self, output, *look[1:])}
+            except SystemExit as fault:
+                return {'ms': None, 'seen': None, 'failed': str(fault)[-300:]}
+            finally:
+                shutil.rmtree(output, ignore_errors=True)
+
+        return self.keep(key, f'{name} {" ".join(options)}', make)
+
+    def state(self, scene, settings, frames):
+        """The checkpoint at the end of a run."""
+        return os.path.join(self.folder_of(scene, list(settings) + ['output.every=0'], frames), 'checkpoint.h5')
+
+
+def driver(name):
+    return lambda session: ([os.path.join(session.rivals, name)], [os.path.join(session.rivals, name)])
+
+
+def script(name, program):
+    path = os.path.join(ROOT, 'scripts', 'rivals', name)
+    return lambda session: ([sys.executable, path], [path, program])
+
+
+# Name -> how it is started, and the files or programs that must be there.
+RIVALS = {'Bullet': driver('bullet'), 'ODE': driver('ode'), 'DART': driver('dart'), 'LIGGGHTS': script('liggghts.py', 'liggghts'), 'LAMMPS': script('lammps.py', 'lmp')}
+
+
+def scene_path(scene):
+    return scene if scene.endswith('.yaml') else os.path.join(ROOT, 'scenes', scene + '.yaml')
+
+
+def name_of(scene):
+    return os.path.basename(scene).removesuffix('.yaml')

@@ -1,0 +1,45 @@
+"""Figure 8: penetration over time of a pile of boxes, velocity time stepping against position projection."""
+import statistics
+
+from page import Section, Table, draw
+from session import Failed
+
+TITLE = 'Figure 8: velocity level against position level'
+GS = ['solver.name=gauss_seidel', 'solver.iterations=10']
+AJ = ['solver.name=accelerated_jacobi', 'solver.iterations=10']
+CASES = {'velocity level, GS 10': GS + ['solver.level=velocity'], 'velocity level, AJ 10': AJ + ['solver.level=velocity'],
+         "position level, GS 10, the paper's": GS + ['solver.stages=position', 'solver.warm_start=0'],
+         'two stages, GS 10 (ours by default)': GS, 'two stages, GS 50': ['solver.name=gauss_seidel', 'solver.iterations=50']}
+
+
+def make(session):
+    frames = session.pick(15, 400, 400)
+    scene = session.pick(['bodies[1].lattice.count=30'], [], [])
+    found, rows = {}, []
+    for name, settings in CASES.items():
+        try:
+            run = session.run('boxes_2000', scene + settings + [f'time.frames={frames}'], look=['measure'])
+        except Failed as fault:
+            if 'level' not in str(fault):
+                raise
+            rows.append([name] + [None] * 5)
+            session.say(f'{name}: not available, this program has no solver.level')
+            continue
+        m, kinetic = run.seen, run.column('kinetic_energy')
+        found[name] = m['frame_l2_mm']
+        rows.append([name, statistics.mean(m['frame_l2_mm']), m['peak_l2_mm'], m['l2_mm'], max(kinetic), run.frame_ms()])
+    table = Table('velocity_level', '2000 boxes: L2 of the penetration of all pairs (mm), measured from the poses', ['solver', 'mean of all frames', 'peak', 'settled (last 100)', 'largest kinetic energy (J)',
+                  'ms a frame'], rows, 'scripts/report velocity_level')
+
+    def paint(axis):
+        for name, values in found.items():
+            axis.semilogy([max(v, 1e-3) for v in values], label=name, lw=1)
+        axis.set(xlabel='frame', ylabel='penetration L2 (mm)')
+        axis.legend(fontsize=7)
+
+    plot = draw('velocity_level', '2000 falling boxes, penetration (L2, mm) frame by frame: velocity level and position level', paint, command='scripts/report velocity_level')
+    return Section(TITLE, [
+        'The paper has a plot without numbers (10 iterations, mu = 0.3, stabilisation 0.4) and concludes that position projection leaves less penetration with many '
+        'bodies. Its curves hold the sum over contact points of its own detection; ours are per pair of bodies, from their poses alone.',
+        'Why ours differ: contacts here are made before bodies touch, for both levels, which takes most of the penetration out of the impact; and the '
+        'default has a velocity stage before the position stage, which beats either alone.'], [table], [plot])

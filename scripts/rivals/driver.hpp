@@ -1,0 +1,36 @@
+// What drivers of other engines have in common: options, the clock, and the loop over frames.
+//   ENGINE INPUT.h5 OUTPUT.h5 [--iterations 10] [--substeps 1] [--frames 400] [--step 0.016] [--friction 0.3] [--gravity 9.8]
+//          [--chain 0] [--direct 0]
+// --chain 1 ties the dynamic bodies to a chain (chain.hpp), which then touch nothing; --direct 1 takes an engine's direct solver
+// where it has one. Prints the median CPU time of a frame's steps alone; writing is not timed.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "bodies.hpp"
+#include "chain.hpp"
+
+namespace rivals {
+
+struct Settings {
+  int iterations = 10, substeps = 1, direct = 0, tied = 0;
+  long frames = 400;
+  double step = 0.016, friction = 0.3, gravity = 9.8;
+  std::vector<Anchor> chain;  // empty: not tied
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual void step(double dt) = 0;                                // s
+  virtual void read(const Bodies& scene, Frame& frame) const = 0;  // the dynamic bodies' states
+};
+
+using MakeEngine = std::function<std::unique_ptr<Engine>(const Bodies&, const Frame& start, const Settings&)>;
+
+// All of a driver's main: returns its exit code. `single`: the engine computes in single precision, and so its frames are stored.
+int drive(int argc, char** argv, const char* name, bool single, const MakeEngine& make);
+
+}  // namespace rivals

@@ -1,0 +1,170 @@
+#include "constraints/rolling_batch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace unibody {
+
+namespace {
+
+Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
+
+// The sum over a manifold's points, in their order.
+double normal_impulse(const ContactBatch& batch, std::size_t block_number, std::size_t lane) {
+  const ContactBatch::Block& block = batch.blocks[block_number];
+  double sum = 0;
+  for (std::uint32_t p = 0; p < block.lane_count[lane]; ++p) sum += batch.points[block.first_point + p].lambda[lane];
+  return std::max(0.0, sum);
+}
+
+}  // namespace
+
+void RollingBatch::build(std::span<const RollingContact> list, const Contacts& contacts, const ContactBatch& batch,
+                         const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
+                         std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
+                         std::span<const std::int32_t> counts, double scaling, double step) {
+  rows_.clear(), group_end_.clear();
+  step_ = step;
+  if (list.empty()) return;
+  rows_.reserve(list.size());
+  const auto add = [&](const RollingContact& contact, std::size_t block, std::size_t lane) {
+    const Manifold& m = contacts.manifolds[contact.manifold];
+    Row row{contact.manifold,
+            static_cast<std::uint32_t>(block),
+            static_cast<std::uint32_t>(lane),
+            m.slot_a,
+            m.slot_b,
+            contact.rolling,
+            contact.spinning,
+            0,
+            {},
+            {},
+            {},
+            {},
+            {},
+            {},
+            {},
+            {}};
+    row.axes = {m.normal, first_tangent_of(m.normal), m.normal.cross(first_tangent_of(m.normal))};
+    const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
+    row.turn_a = inverse_inertia_of(bodies, inertia, isotropic, a),
+    row.turn_b = inverse_inertia_of(bodies, inertia, isotropic, b);
+    for (const std::size_t s : {a, b})
+      if (bodies[s].inverse_mass > 0) row.lever = std::max(row.lever, (contacts.points[m.first].position - position[s]).norm());
+    const auto share = [&](std::size_t s) { return counts.empty() ? 1 : std::max(1.0, scaling * counts[s]); };
+    row.own_scale = scale_of(row, 1, 1), row.scale = scale_of(row, share(a), share(b));
+    rows_.push_back(row);
+  };
+  std::size_t block = 0;
+  for (std::size_t g = 0; g < batch.group_count(); ++g) {
+    for (; block < batch.group_end(g); ++block)
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const std::int32_t manifold = batch.blocks[block].manifold[l];
+        if (manifold < 0) continue;
+        const auto found = std::lower_bound(list.begin(), list.end(), static_cast<std::uint32_t>(manifold),
+                                            [](const RollingContact& c, std::uint32_t m) { return c.manifold < m; });
+        if (found != list.end() && found->manifold == static_cast<std::uint32_t>(manifold)) add(*found, block, l);
+      }
+    group_end_.push_back(rows_.size());
+  }
+}
+
+std::array<double, 2> RollingBatch::scale_of(const Row& row, double share_a, double share_b) {
+  const Mat3 W = share_a * row.turn_a + share_b * row.turn_b;
+  const auto entry = [&](std::size_t i, std::size_t j) { return std::abs(row.axes[i].dot(W * row.axes[j])); };
+  const double coupling = row.spinning > 0 && row.rolling > 0 ? 1 : 0, across = entry(1, 2);
+  return {entry(0, 0) + coupling * (entry(0, 1) + entry(0, 2)),
+          std::max(entry(1, 1) + across + coupling * entry(0, 1), entry(2, 2) + across + coupling * entry(0, 2))};
+}
+
+RollingBatch::Torque RollingBatch::rates(const Row& row, std::span<const SolverBody> bodies) {
+  const Vec3 w = spin_of(bodies[static_cast<std::size_t>(row.a)]) - spin_of(bodies[static_cast<std::size_t>(row.b)]);
+  return {row.axes[0].dot(w), row.axes[1].dot(w), row.axes[2].dot(w)};
+}
+
+RollingBatch::Torque RollingBatch::project_step(const Row& row, const std::array<double, 2>& scale, const Torque& from,
+                                                const Torque& rates, const ContactBatch& batch) {
+  const double N = normal_impulse(batch, row.block, row.lane);
+  Torque next{};
+  if (row.spinning > 0 && scale[0] > 0) {
+    const double most = row.spinning * N;
+    next[0] = std::clamp(from[0] - rates[0] / scale[0], -most, most);
+  }
+  if (row.rolling > 0 && scale[1] > 0) {
+    const double s = from[1] - rates[1] / scale[1], t = from[2] - rates[2] / scale[1], most = row.rolling * N;
+    const double length2 = s * s + t * t, shrink = length2 > most * most ? most / std::sqrt(length2) : 1;
+    next[1] = shrink * s, next[2] = shrink * t;
+  }
+  return next;
+}
+
+Vec3 RollingBatch::torque_of(const Row& row, const Torque& lambda) {
+  return lambda[0] * row.axes[0] + lambda[1] * row.axes[1] + lambda[2] * row.axes[2];
+}
+
+void RollingBatch::sweep_jacobi(const ContactBatch& batch, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+                                double beta, SweepSums& sums, std::span<const std::uint8_t> counted) {
+  const double per_unit = 1 / sums.unit;
+  for (Row& row : rows_) {
+    const Torque r = rates(row, bodies), next = project_step(row, row.scale, row.y, r, batch);
+    Torque moved;
+    double gradient = 0, progress = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double step = next[k] - row.y[k], forward = next[k] - row.lambda[k], y = next[k] + beta * forward;
+      const double scaled = row.scale[k == 0 ? 0 : 1] * step;
+      gradient += r[k] * forward, progress += scaled * step;
+      sums.change = std::max(sums.change, step_ * row.lever * std::abs(scaled));
+      moved[k] = y - row.y[k];
+      row.lambda[k] = next[k], row.y[k] = y;
+    }
+    sums.largest = std::max(sums.largest, std::max(std::abs(gradient), progress));
+    if (counted[row.manifold]) sums.gradient += whole_units(gradient, per_unit), sums.progress += whole_units(progress, per_unit);
+    const Vec3 torque = torque_of(row, moved);
+    const Vec4d four{torque.x(), torque.y(), torque.z(), 0};
+    wrenches[static_cast<std::size_t>(row.a)].torque += four, wrenches[static_cast<std::size_t>(row.b)].torque -= four;
+  }
+}
+
+double RollingBatch::relax(std::size_t group, const ContactBatch& batch, std::span<SolverBody> bodies) {
+  if (rows_.empty()) return 0;
+  double change = 0;
+  for (std::size_t i = group == 0 ? 0 : group_end_[group - 1]; i < group_end_[group]; ++i) {
+    Row& row = rows_[i];
+    const Torque next = project_step(row, row.scale, row.lambda, rates(row, bodies), batch);
+    Torque moved;
+    for (std::size_t k = 0; k < 3; ++k) {
+      moved[k] = next[k] - row.lambda[k], row.lambda[k] = next[k];
+      change = std::max(change, step_ * row.lever * row.scale[k == 0 ? 0 : 1] * std::abs(moved[k]));
+    }
+    const Vec3 torque = torque_of(row, moved), of_a = row.turn_a * torque, of_b = row.turn_b * torque;
+    SolverBody &a = bodies[static_cast<std::size_t>(row.a)], &b = bodies[static_cast<std::size_t>(row.b)];
+    for (int k = 0; k < 3; ++k) a.w[k] += of_a[k], b.w[k] -= of_b[k];
+  }
+  return change;
+}
+
+void RollingBatch::keep_impulses(bool joint) {
+  for (Row& row : rows_) {
+    if (!joint) row.kept = row.lambda, row.lambda = Torque{};
+    row.y = row.lambda;
+  }
+}
+
+void RollingBatch::join_stages() {
+  for (Row& row : rows_) {
+    for (std::size_t k = 0; k < 3; ++k) row.lambda[k] += row.kept[k];
+    row.y = row.lambda, row.kept = Torque{};
+  }
+}
+
+double RollingBatch::residual(const ContactBatch& batch, std::span<const SolverBody> bodies) const {
+  double worst = 0;
+  for (const Row& row : rows_) {
+    const Torque next = project_step(row, row.own_scale, row.lambda, rates(row, bodies), batch);
+    for (std::size_t k = 0; k < 3; ++k)
+      worst = std::max(worst, row.lever * row.own_scale[k == 0 ? 0 : 1] * std::abs(next[k] - row.lambda[k]));
+  }
+  return step_ * worst;
+}
+
+}  // namespace unibody

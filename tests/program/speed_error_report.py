@@ -1,0 +1,153 @@
+#!/usr/bin/python3
+"""scripts/report: that its parts still run, that what they compute is right on known cases, and that it goes on where it stopped."""
+import csv
+import os
+import pathlib
+import re
+import shutil
+import sys
+import tempfile
+import unittest
+
+from unibody_runs import PROGRAM, SOURCE, execute
+
+sys.path[:0] = [str(SOURCE / "scripts" / folder) for folder in ("reports", "benchmarks", "rivals")]
+import discs  # noqa: E402
+import readme  # noqa: E402
+import rivals  # noqa: E402
+import sliding  # noqa: E402
+import work_precision  # noqa: E402
+from page import Section, Table, cell, draw, page  # noqa: E402
+from parts import PARTS  # noqa: E402
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+class KnownCases(unittest.TestCase):
+    def test_closed_form_of_the_sliding_box_is_the_published_figure(self):
+        for mu, along, bisector in ((.1, 12.715115520, 8.979263430), (.5, 2.511129600, 1.763920875), (1., 1.235635200, .862361317)):
+            self.assertAlmostEqual(sliding.expected("disc", mu, 30), along, 8)
+            self.assertAlmostEqual(sliding.expected("box", mu, 45), bisector, 8)
+        self.assertIsNone(sliding.expected("cone", .1, 0))
+
+    def test_measure_of_figure_9(self):
+        # Two frames and three counts, the second frame without penetration at all: it says nothing.
+        self.assertEqual(discs.paper_measure({1: ([4., 0.], None), 2: ([2., 0.], None), 9: ([1., 0.], None)}), {1: 1., 2: .5, 9: .25})
+
+    def test_the_cheapest_setting_is_the_fastest_within_the_error(self):
+        def setting(solver, iterations, substeps=1, ranks=1):
+            return work_precision.Setting(solver, iterations, substeps, ranks)
+
+        found = [(setting("gauss_seidel", 10), 1., .02, .5, 0.), (setting("gauss_seidel", 40), 3., .002, .05, 0.),
+                 (setting("accelerated_jacobi", 50, 4, 2), 2., .002, None, 0.), (setting("accelerated_jacobi", 500), 9., .0001, .01, 0.)]
+        self.assertEqual(work_precision.cheapest(found, .02, 2), (1., "GS 10"))
+        self.assertEqual(work_precision.cheapest(found, .01, 2), (2., "AJ 50 x 4 substeps on 2 ranks"))
+        self.assertEqual(work_precision.cheapest(found, .05, 3), (3., "GS 40"))
+        self.assertIsNone(work_precision.cheapest(found, 1e-5, 2))
+        case = work_precision.Case("any", .1, "penetration_rms")
+        self.assertEqual(work_precision.choices(case, found, 2), ["AJ 500: 9 ms", "AJ 500: 9 ms", "none"])
+
+    def test_other_programs_are_compared_at_no_more_error_and_no_more_ranks(self):
+        def row(program, settings, ranks, ms, error):
+            return ["boxes", program, settings, ranks, ms, error, 0, 0, 0, None, None]
+
+        table = [row("unibody", "a", 1, 4., .1), row("unibody", "b", 1, 8., .01), row("unibody", "c", 2, 2., .01), row("Bullet", "", 1, 10., .1), row("Bullet", "", 1, 10., .05),
+                 row("LAMMPS", "", 2, 10., .05), row("ODE", "", 1, 10., .001), row("ODE", "", 1, None, None)]
+        rivals.compare(table)
+        self.assertEqual([r[9:] for r in table[3:]], [["a", .4], ["b", .8], ["c", .2], [None, None], [None, None]])
+        self.assertEqual(table[0][9:], [None, None])
+
+    def test_page_and_readme_hold_the_tables(self):
+        self.assertEqual([cell(v) for v in (None, 12, .25, 1.5e-7, "text <b>")], ["-", "12", "0.25", "1.50e-7", "text <b>"])
+        plot = draw("velocity_level", "A line.", lambda axis: axis.plot([1, 2]), command="scripts/report velocity_level")
+        table = Table("settings", "What to take", ["scene", "1e-2"], [["boxes", "GS 10 < 20"], ["cloth", None]])
+        section = Section("Title & more", ["text"], [table], [plot])
+        text = page([section], [("machine", "this")])
+        self.assertIn("<td>GS 10 &lt; 20</td>", text)
+        self.assertIn("Title &amp; more", text)
+        root = pathlib.Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, root)
+        (root / "scenes" / "pictures").mkdir(parents=True)
+        (root / "README.md").write_text(f"before\n{readme.BEGIN}\nold\n{readme.END}\nafter\n")
+        facts = [("made", "then"), ("machine", "this"), ("compiler", "g++"), ("load at the start", "0.0")]
+        readme.write([section], facts, "quick", root)
+        lines = (root / "README.md").read_text().splitlines()
+        self.assertEqual((lines[0], lines[-1]), ("before", "after"))
+        self.assertNotIn("old", lines)
+        self.assertIn("| cloth | - |", lines)
+        self.assertIn("![A line](scenes/pictures/report_velocity_level.png)", lines)
+        self.assertEqual((root / "scenes" / "pictures" / "report_velocity_level.png").read_bytes(), plot.png)
+
+
+class Report(unittest.TestCase):
+    """All parts on a few frames of small scenes: once for all tests."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="unibody_report_"))
+        cls.first = cls.report()
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder, ignore_errors=True)
+
+    @classmethod
+    def report(cls, *words):
+        return execute([sys.executable, str(SOURCE / "scripts" / "report"), "--tiny", "--build", os.path.dirname(PROGRAM), "--output", str(cls.folder), *words], 600)
+
+    def table(self, name):
+        return rows_of(self.folder / "report" / f"{name}.csv")
+
+    def test_every_part_is_on_one_page_with_nothing_outside_of_it(self):
+        self.assertEqual(self.first.code, 0, self.first.err)
+        text = (self.folder / "report.html").read_text()
+        for name, part in PARTS.items():
+            self.assertIn(f">{part.TITLE.replace(chr(39), '&#x27;')}</h2>", text, name)
+        tables = re.findall(r'<table id="(\w+)">', text)
+        self.assertEqual(sorted(tables), sorted(p.stem for p in (self.folder / "report").glob("*.csv")))
+        self.assertNotRegex(text, r'(src|href)="(?!data:|#)')
+        for name in tables:
+            self.assertGreater(len(self.table(name)), 0, name)
+
+    def test_the_sliding_box_stops_where_the_closed_form_says(self):
+        rows = {(r["friction"], r["direction (degrees)"]): r for r in self.table("sliding_box")}
+        for model, degrees, distance in (("disc", "0", 1.2356352), ("disc", "45", 1.2356352), ("saxce", "45", 1.2356352), ("box", "45", .8623613)):
+            self.assertAlmostEqual(float(rows[model, degrees]["ours (m)"]) / distance, 1, 2)
+            self.assertLess(float(rows[model, degrees]["lift (m)"]), 1e-3)
+        self.assertAlmostEqual(float(rows["cone", "0"]["lift (m)"]) / .318874, 1, 2)  # the cone's own, published
+
+    def test_the_first_iteration_of_both_jacobi_solvers_is_the_same(self):
+        first = {r["solver"]: r["same states, L2 (mm)"] for r in self.table("discs") if r["k"] == "1"}
+        self.assertEqual(first["AJ"], first["J"])
+        self.assertNotEqual(first["AJ"], first["GS"])
+
+    def test_more_iterations_end_nearer_to_the_converged_step(self):
+        rows = [r for r in self.table("work_precision") if r["scene"] == "boxes" and r["substeps"] == "1" and r["ranks"] == "1"]
+        for solver in ("AJ", "GS"):
+            errors = [float(r["to the converged step"]) for r in rows if r["solver"] == solver]
+            self.assertEqual(len(errors), 2)
+            self.assertLess(errors[1], errors[0])
+
+    def test_what_was_run_is_not_run_again(self):
+        before = {p.name: p.read_bytes() for p in (self.folder / "report").glob("*.csv")}
+        again = self.report("sliding", "hanging_cloth")
+        self.assertIn(" 0 runs made", again.err)
+        kept = sorted((self.folder / "report" / "runs").glob("*.json"))
+        self.assertEqual({p.name: p.read_bytes() for p in (self.folder / "report").glob("*.csv")}, before)
+        self.assertIn(" 10 runs made", self.report("--again", "sliding").err)
+        self.assertEqual((self.folder / "report" / "sliding_box.csv").read_bytes(), before["sliding_box.csv"])
+        for path in kept:  # as if stopped before the first run
+            path.unlink()
+        self.assertIn(" 10 runs made", self.report("sliding").err)
+
+    def test_an_unknown_part_is_refused(self):
+        run = self.report("sliding", "slidding")
+        self.assertEqual(run.code, 2)
+        self.assertIn("slidding", run.err)
+
+
+if __name__ == "__main__":
+    unittest.main()
