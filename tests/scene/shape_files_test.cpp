@@ -53,7 +53,7 @@ TEST(ShapeFiles, TerrainIsStatic) {
   const Scene scene =
       scene_from("bodies:\n  - {shape: {mesh: {height_field: {size: [2, 2], cells: [1, 1], heights: [0, 0, 0, 1]}}}}\n");
   EXPECT_TRUE(scene.groups[0].is_static);
-  const MeshShape& mesh = shape_library().meshes[scene.body(0).properties.shape.data];
+  const MeshSurface& mesh = shape_library().meshes[scene.body(0).properties.shape.data];
   EXPECT_EQ(mesh.triangles.size(), 2u);
   EXPECT_EQ(mesh.nodes[3], Vec3(1, 1, 1));
 }
