@@ -88,7 +88,7 @@ class Session:
         return result
 
     def key(self, scene, settings, ranks=1, options=(), start=None, look=()):
-        return digest(self.mark(self.program), self.mark(scene_path(scene)), settings, ranks, options, start and self.mark(start), [str(x) for x in look])
+        return digest(self.mark(self.program), self.mark(scene_path(scene)), settings, ranks, options, start and self.mark(start), named(look))
 
     def unibody(self, scene, settings, output, ranks=1, options=(), start=None):
         words = [self.program, scene_path(scene), '-output', output, '-overwrite', *options] + (['-start_from', start] if start else [])
@@ -149,7 +149,7 @@ class Session:
         start = os.path.join(start, 'frames.h5')
         options = [*map(str, options), '--gravity', str(gravity)]
         key = digest([self.mark(p if os.path.exists(p) else shutil.which(p)) for p in needs], self.mark(start), self.mark(os.path.join(self.rivals, 'measure')), options,
-                     [str(x) for x in look])
+                     named(look))
 
         def make():
             output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
@@ -179,6 +179,11 @@ def script(name, program):
 
 # Name -> how it is started, and the files or programs that must be there.
 RIVALS = {'Bullet': driver('bullet'), 'ODE': driver('ode'), 'DART': driver('dart'), 'LIGGGHTS': script('liggghts.py', 'liggghts'), 'LAMMPS': script('lammps.py', 'lmp')}
+
+
+def named(look):
+    """The words of a look without folders: what is kept may be moved."""
+    return [os.path.basename(str(x)) for x in look]
 
 
 def scene_path(scene):
