@@ -50,7 +50,9 @@ void Cut::set_joints(const World& world, std::span<const Joint> joints, const Jo
                      std::int32_t by_colour) {
   if (halo_.size() == 1) return;
   std::vector<std::map<int, Traffic>> of_colour(static_cast<std::size_t>(std::max(1, by_colour)));
+  const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
   for (std::size_t i = 0; i < list.size(); ++i) {
+    if (!is_home(slots[i].a) && !is_home(slots[i].b)) continue;  // here for its tree alone
     const auto colour = by_colour > 0 ? joints[static_cast<std::size_t>(list[i])].colour : 0;
     share(world, std::array{slots[i].a, slots[i].b}, of_colour[static_cast<std::size_t>(colour)]);
   }
@@ -58,6 +60,16 @@ void Cut::set_joints(const World& world, std::span<const Joint> joints, const Jo
     add_constrained(traffic);
     by_joint_colour_.push_back(sorted(std::move(traffic)));
   }
+  std::map<std::int32_t, std::vector<Slot>> trees;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (const std::int32_t tree = joints[static_cast<std::size_t>(list[i])].tree; tree >= 0)
+      trees[tree].insert(trees[tree].end(), {slots[i].a, slots[i].b});
+  std::map<int, Traffic> of_trees;
+  for (auto& [tree, bodies] : trees) {
+    sort_unique(bodies);
+    share(world, bodies, of_trees);
+  }
+  add_constrained(of_trees);
 }
 
 // To what all constraints beside contacts share.
@@ -84,11 +96,14 @@ void Cut::share(const World& world, std::span<const Slot> ends, std::map<int, Tr
   const auto is_guest = [&](Slot s) {
     return s >= 0 && static_cast<std::size_t>(s) < world.size() && !world.is_home(s) && !world.is_static(s);
   };
+  std::vector<int> told;  // ranks
   for (const Slot guest : ends) {
     if (!is_guest(guest)) continue;
     const int rank = halo_.home_rank_of_guest(static_cast<std::size_t>(guest) - world.homes);
     Traffic& shared = traffic.try_emplace(rank, Traffic{rank, {}, {}}).first->second;
     shared.receive.push_back(guest);
+    if (std::find(told.begin(), told.end(), rank) != told.end()) continue;
+    told.push_back(rank);
     for (const Slot home : ends)
       if (home >= 0 && world.is_home(home)) shared.send.push_back(home);
   }

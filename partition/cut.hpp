@@ -30,7 +30,8 @@ class Cut {
   // Finds the bodies shared by the constraints other than contacts, and by each of their groups: once, until slots move. Local.
   void set_constraints(const World& world, const ConstraintBatches& constraints);
 
-  // The same of joints; by_colour: the number of colours that Gauss-Seidel takes them by, or 0. After set_constraints.
+  // The same of joints, and of their trees, of which each rank has all bodies; by_colour: the number of colours that Gauss-Seidel
+  // takes them by, or 0. After set_constraints.
   void set_joints(const World& world, std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
                   std::int32_t by_colour);
 

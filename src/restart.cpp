@@ -19,6 +19,7 @@ std::string settings_of(const Scene& scene) {
        << static_cast<int>(s.stages) << ' ' << s.warm_start << ' ' << s.leak << ' ' << static_cast<int>(s.friction) << ' '
        << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling
        << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
+  if (s.joints == JointSolve::direct) text << "trees\n";
   if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
   return text.str();
 }
@@ -41,7 +42,7 @@ std::string physics_of(const Scene& scene) {
   for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
   for (const Joint& j : scene.joints) {
     text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
-         << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' '
+         << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' ' << j.swing << ' '
          << static_cast<int>(j.motor) << ' ' << j.target << ' ' << j.strength << ' ' << j.friction;
     for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
     text << '\n';

@@ -234,9 +234,7 @@ void Simulation::build_system() {
     count_ends(contacts.surface, counts);
     count_ends(attached_, counts);
     constraint_batches_->count(counts);
-    for (std::size_t i = 0; i < joints.size(); ++i)
-      for (const Slot s : {joint_slots_[i].a, joint_slots_[i].b})
-        counts[static_cast<std::size_t>(s)] += JointBatch::parts_of(scene_.joints[static_cast<std::size_t>(joints[i])]);
+    JointBatch::count(scene_.joints, joints, joint_slots_, counts);
     cut_.exchange(std::span(counts));
   } else if (scene_.solver.order == Order::sequential) {
     groups.resize(n);
@@ -290,6 +288,7 @@ void Simulation::build_attachments(std::span<const std::int32_t> counts_of_all) 
 
 void Simulation::build_joints(std::span<const std::int32_t> counts) {
   if (!has_joints()) return;
+  system_.any_tree = scene_.joint_trees > 0;
   joint_batch_.build(scene_.joints, joints, joint_slots_, solver_.sweeps_by_colour, scene_.joint_colours, world, system_.bodies,
                      system_.inertia, system_.isotropic, counts, scene_.solver.scaling, step_, system_.stabilisation);
 }

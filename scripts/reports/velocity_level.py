@@ -7,9 +7,13 @@ from session import Failed
 TITLE = 'Figure 8: velocity level against position level'
 GS = ['solver.name=gauss_seidel', 'solver.iterations=10']
 AJ = ['solver.name=accelerated_jacobi', 'solver.iterations=10']
-CASES = {'velocity level, GS 10': GS + ['solver.level=velocity'], 'velocity level, AJ 10': AJ + ['solver.level=velocity'],
-         "position level, GS 10, the paper's": GS + ['solver.stages=position', 'solver.warm_start=0'],
-         'two stages, GS 10': GS, 'two stages, GS 50': ['solver.name=gauss_seidel', 'solver.iterations=50']}
+COLD = ['solver.warm_start=0']
+VELOCITY = ['solver.level=velocity']
+POSITION = ['solver.stages=position', 'solver.recovery_time=0', 'solver.recovery_speed=0']  # as the paper's: in one step, at any speed
+CASES = {'velocity level, GS 10, cold': GS + VELOCITY + COLD, 'position level, GS 10, cold': GS + POSITION + COLD,
+         'velocity level, AJ 10, cold': AJ + VELOCITY + COLD, 'position level, AJ 10, cold': AJ + POSITION + COLD,
+         'velocity level, GS 10, all old multipliers kept': GS + VELOCITY + ['solver.warm_start=1'],
+         'two stages, GS 10 (ours by default)': GS, 'two stages, GS 50': ['solver.name=gauss_seidel', 'solver.iterations=50']}
 
 
 def make(session):
@@ -41,5 +45,6 @@ def make(session):
     return Section(TITLE, [
         'The paper has a plot without numbers (10 iterations, mu = 0.3, stabilisation 0.4) and concludes that position projection leaves less penetration with many '
         'bodies. Its curves hold the sum over contact points of its own detection; ours are per pair of bodies, from their poses alone.',
-        'Why ours differ: at 10 iterations the position level as printed, from a cold start, does not leave less than the velocity level does here, which starts from half of its old '
-        'multipliers. What does is a velocity stage, warm-started in full, before the position stage: the default of this program.'], [table], [plot])
+        'Each step started cold, as in the paper, ours agree: what iterations leave undone sinks in by 1 / gamma, 2.5 times as far at velocity level. What '
+        'its figure does not show is that the velocity level may keep its multipliers, and a velocity stage before the position stage may too, as ours by '
+        'default does. Contacts here are made before bodies touch, at both levels, which takes much of the penetration out of the impact.'], [table], [plot])

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "collide/convex_pairs.hpp"
+#include "collide/mesh_side.hpp"
 #include "collide/mesh_triangles.hpp"
 #include "collide/narrowphase.hpp"
 #include "world/shape_library.hpp"
@@ -24,7 +25,11 @@ Proxy part_of(const Proxy& whole, const Compound::Part& part) {
   return p;  // its spin_reach is that of the whole, which moves the part's centre too
 }
 
-// A mesh's triangles in its own frame; b is the mesh.
+// Into a mesh that is not solid all the way, from how deep a body is pushed back, in units of its smallest size.
+constexpr double deepest_behind = 3;
+
+// A mesh's triangles in its own frame; b is the mesh. A body whose centre has got behind them, however that came, is pushed to
+// the nearest point of the surface, as out of a half space; until then the triangles hold it.
 class OnMesh {
  public:
   OnMesh(const Proxy& a, const Proxy& b, const CollideSettings& settings)
@@ -34,24 +39,33 @@ class OnMesh {
     place_ = back * (a.position - b.position);
     velocity_ = back * (a.velocity - b.velocity);
     const Mat3 turn = back * a.rotation;
-    const Vec3 extent = bounding_half_extents(a.shape(), turn).array() + margin_ + 2 * deepest_behind * a.half_size;
-    mesh_.find(place_ - extent, place_ + extent, triangles_);
+    extent_ = bounding_half_extents(a.shape(), turn).array() + margin_;
     body_ = convex_body(a.shape(), turn, Vec3::Zero());
   }
 
   void run(bool swapped, const Found& f) {
-    for (const std::int32_t t : triangles_) {
-      PairManifold m;
-      if (!collide(mesh_.triangles[static_cast<std::size_t>(t)], m)) continue;
+    const auto say = [&](PairManifold& m) {
       for (int i = 0; i < m.count; ++i) m.points[i].position = b_.position + b_.rotation * (place_ + m.points[i].position);
       m.normal = b_.rotation * m.normal;
       if (swapped) m.normal = -m.normal;
       f(m);
+    };
+    MeshPlace centre;
+    if (find_place(mesh_, place_, mesh_.is_solid ? HUGE_VAL : deepest_behind * body_.size, centre) && centre.depth > 0) {
+      PairManifold m;
+      if (push_out(centre, m)) say(m);
+      return;
+    }
+    std::vector<std::int32_t> triangles;
+    mesh_.find(place_ - extent_, place_ + extent_, triangles);
+    for (const std::int32_t t : triangles) {
+      PairManifold m;
+      if (collide(mesh_.triangles[static_cast<std::size_t>(t)], m)) say(m);
     }
   }
 
  private:
-  MeshTriangle in_place(const MeshShape::Triangle& t, const Vec3& centre) const {
+  MeshTriangle in_place(const MeshSurface::Triangle& t, const Vec3& centre) const {
     MeshTriangle result{{}, {}, &t, t.normal};
     for (std::size_t k = 0; k < 3; ++k) {
       result.nodes[k] = mesh_.nodes[static_cast<std::size_t>(t.nodes[k])] - centre;
@@ -60,8 +74,16 @@ class OnMesh {
     return result;
   }
 
-  // Positions from the body's centre.
-  bool collide(const MeshShape::Triangle& t, PairManifold& m) {
+  // Positions from the body's centre, here and below.
+  bool push_out(const MeshPlace& centre, PairManifold& m) const {
+    const bool deep = centre.depth > 1e-6 * body_.size;
+    const Vec3 way = centre.point - place_, normal = deep ? Vec3(way / centre.depth) : centre.normal;
+    half_space_manifold(body_, way, normal, margin_, m);
+    tidy(m, std::min(margin_, margin_along(b_.rotation * normal, a_, b_, settings_)));
+    return m.count > 0;
+  }
+
+  bool collide(const MeshSurface::Triangle& t, PairManifold& m) {
     const double travel = settings_.step * velocity_.norm();
     double time = 0;
     if (travel > a_.half_size && velocity_.dot(t.normal) < 0) time = first_touch(t);
@@ -74,7 +96,7 @@ class OnMesh {
   }
 
   // s; 0 where it is not within the step, or they touch already.
-  double first_touch(const MeshShape::Triangle& t) const {
+  double first_touch(const MeshSurface::Triangle& t) const {
     double time = 0;
     for (int i = 0; i < 32; ++i) {
       const MeshTriangle triangle = in_place(t, place_ + time * velocity_);
@@ -93,11 +115,10 @@ class OnMesh {
 
   const Proxy &a_, &b_;
   const CollideSettings& settings_;
-  const MeshShape& mesh_;
+  const MeshSurface& mesh_;
   double margin_;
-  Vec3 place_, velocity_;
+  Vec3 place_, velocity_, extent_;
   ConvexBody body_;
-  std::vector<std::int32_t> triangles_;
 };
 
 bool may_touch(const Proxy& a, const Proxy& b, const CollideSettings& settings) {

@@ -81,14 +81,19 @@ class Expansion {
 
   void run(ConvexDistance& result) {
     start();
-    std::size_t face = 0;
+    Face best = faces_[0];
+    double least = HUGE_VAL;  // m, of the depths along the normals so far: what a polytope that gets no further has found
     for (int i = 0; i < 200; ++i) {
-      face = nearest();
-      const Vertex w = rounded(faces_[face].normal);
-      if (faces_[face].normal.dot(w.w) - faces_[face].offset <= 1e-10 * scale_) break;
-      if (!grow(w)) break;
+      const std::size_t number = nearest();
+      const Face face = faces_[number];
+      if (face.offset == HUGE_VAL) break;
+      const Vertex w = rounded(face.normal);
+      const double depth = face.normal.dot(w.w);
+      if (depth < least) least = depth, best = face;
+      if (!(depth - face.offset > 1e-10 * scale_)) break;
+      if (!grow(w, 1e-13 * scale_) && !grow(w, 1e-10 * scale_)) faces_[number].offset = HUGE_VAL;  // others may say more
     }
-    finish(faces_[face], result);
+    finish(best, result);
   }
 
  private:
@@ -151,11 +156,11 @@ class Expansion {
     return best;
   }
 
-  // Takes out the faces that the new vertex sees, and closes the hole around it. False, with nothing changed, where it sees none
-  // or there is no such hole.
-  bool grow(const Vertex& w) {
+  // Takes out the faces that the new vertex sees, by more than `rounding` (m) in front of them, and closes the hole around it.
+  // False, with nothing changed, where it sees none or there is no such hole.
+  bool grow(const Vertex& w, double rounding) {
     edges_.clear();
-    const auto seen = [&](const Face& f) { return f.normal.dot(w.w) - f.offset > 1e-13 * scale_; };
+    const auto seen = [&](const Face& f) { return f.normal.dot(w.w) - f.offset > rounding; };
     for (const Face& f : faces_)
       if (seen(f))
         for (std::size_t k = 0; k < 3; ++k) edges_.push_back({f.corners[k], f.corners[(k + 1) % 3]});

@@ -226,20 +226,13 @@ bool convex_manifold(const ConvexBody& a, const ConvexBody& b, double margin, Pa
 
 bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, double margin, PairManifold& out) {
   const Vec3& up = triangle.normal;
-  const double height = up.dot(body.centre - triangle.nodes[0]);
-  if (height < -deepest_behind * body.size) return false;
+  if (up.dot(body.centre - triangle.nodes[0]) <= 0) return false;
   const ConvexBody face = convex_triangle(triangle.nodes, body.size);
   ConvexDistance distance;
   const Cores cores = distance_of_cores(body, face, margin, distance);
   if (cores == Cores::far) return false;
   double gap = gap_along(body, face, up);
   Vec3 normal = up;
-  if (cores == Cores::apart && height <= 0) {          // its centre has gone through
-    if (-distance.normal.dot(up) < 0.9) return false;  // past its border
-    out.normal = up;
-    out.add(body.support(-up) - (body.rounding + 0.5 * gap) * up, gap, nearest_feature);
-    return true;
-  }
   if (cores == Cores::apart) {
     if (!stands_out(triangle, distance)) return false;
     const bool flat = gap > distance.gap - 5e-4 * body.size - 0.02 * std::abs(distance.gap);
@@ -288,22 +281,26 @@ void convex_convex(const Proxy& a, const Proxy& b, const PairSettings& settings,
                   settings.margin, out);
 }
 
-// Every corner that is turned to the plane, and the lowest of all.
-void convex_plane(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out) {
-  out.normal = b.rotation.col(2);
-  const ConvexBody body = convex_body(a.shape(), a.rotation, Vec3::Zero());
-  const double height = out.normal.dot(a.position - b.position) - body.rounding;
+bool half_space_manifold(const ConvexBody& body, const Vec3& on_plane, const Vec3& normal, double margin, PairManifold& out) {
+  out.normal = normal;
+  const double height = -normal.dot(on_plane) - body.rounding;
   SupportFeature feature;
-  feature_towards(body, -out.normal, feature);
+  feature_towards(body, -normal, feature);
   double least = HUGE_VAL;
   const auto add = [&](const Vec3& on_core, std::uint32_t number) {
-    const double gap = height + out.normal.dot(on_core);
+    const double gap = height + normal.dot(on_core);
     least = std::min(least, gap);
-    if (gap <= settings.margin) out.add(on_core - (body.rounding + 0.5 * gap) * out.normal, gap, number);
+    if (gap <= margin) out.add(on_core - (body.rounding + 0.5 * gap) * normal, gap, number);
   };
-  for (int k = 0; k < feature.count; ++k) add(a.rotation * feature.corners[k], static_cast<std::uint32_t>(k));
-  const Vec3 lowest = body.support(-out.normal);
-  if (height + out.normal.dot(lowest) < least - 1e-9 * body.size) add(lowest, nearest_feature);
+  for (int k = 0; k < feature.count; ++k) add(body.centre + body.rotation * feature.corners[k], static_cast<std::uint32_t>(k));
+  const Vec3 lowest = body.support(-normal);
+  if (height + normal.dot(lowest) < least - 1e-9 * body.size) add(lowest, nearest_feature);
+  return out.count > 0;
+}
+
+void convex_plane(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out) {
+  half_space_manifold(convex_body(a.shape(), a.rotation, Vec3::Zero()), b.position - a.position, b.rotation.col(2),
+                      settings.margin, out);
 }
 
 // The distance of two convex bodies that move along a line is a convex function of time: as for a sphere and a box.

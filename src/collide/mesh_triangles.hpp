@@ -11,17 +11,17 @@ namespace unibody {
 struct MeshTriangle {
   std::array<Vec3, 3> nodes;
   std::array<Vec3, 3> across;  // the corner behind each edge
-  const MeshShape::Triangle* of;
+  const MeshSurface::Triangle* of;
   Vec3 normal;
 };
 
-// A body whose centre has gone through is pushed back from no deeper than this times its smallest size.
-constexpr double deepest_behind = 3;
-
 // Normal and points of contact, none further apart than `margin` (m), at most PairManifold::capacity. A triangle pushes outwards
-// only, and at an edge or node only in directions that lie between its own and its neighbours': a solid that slides over a flat
-// surface does not feel its edges. False where there are none.
+// only, bodies whose centre is on its outer side, and at an edge or node only in directions that lie between its own and its
+// neighbours': a solid that slides over a flat surface does not feel its edges. False where there are none.
 bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, double margin, PairManifold& out);
+
+// The same on the half space behind a plane: the corners that the solid turns to it, and its lowest point.
+bool half_space_manifold(const ConvexBody& body, const Vec3& on_plane, const Vec3& normal, double margin, PairManifold& out);
 
 // The same of a triangle with two sides: it pushes to the one where the body's centre is.
 bool sheet_manifold(const ConvexBody& body, const std::array<Vec3, 3>& triangle, double margin, PairManifold& out);

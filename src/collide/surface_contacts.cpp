@@ -11,9 +11,7 @@ namespace unibody {
 
 namespace {
 
-// How far a direction may lean towards a neighbour, as a sine, and still count as least: without it a box that lies flat would
-// lose contacts by a turn in the last bit.
-constexpr double lean_of_points = 1e-9, lean_of_boxes = 0.05;
+constexpr double lean_of_points = 1e-9;  // as lean_of_boxes
 
 constexpr std::uint32_t edges_feature = 1000, convex_feature = 2000;
 
@@ -35,6 +33,8 @@ int edge_of(const Vec3& weights) {
   return -1;
 }
 
+}  // namespace
+
 bool is_one_node(const Vec3& weights) { return (weights.array() > 0).count() == 1; }
 
 // A segment has its second node twice: all of the weight goes to the first of the two.
@@ -42,8 +42,6 @@ Vec3 without_twin(const SurfaceFace& face, Vec3 weights) {
   if (face.is_segment()) weights[1] += weights[2], weights[2] = 0;
   return weights;
 }
-
-}  // namespace
 
 TriangleNodes SurfaceCollider::places(const SurfaceFace& face, double time) const {
   TriangleNodes nodes;
@@ -364,33 +362,6 @@ void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
     const double gap = c.gap - pair.radii;
     if (time == 0 && gap > margin(pair, c.normal)) continue;
     add(pair, arm, c.normal, gap + closed, c.feature);
-  }
-}
-
-// As a box, but for fast bodies: their margin alone sees to it that they are found in time.
-void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature) {
-  Pair pair;
-  pair.slots = {body.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
-  pair.radii = radius(face.nodes[0]), pair.spin = body.spin_reach;
-  double fastest = body.speed;
-  for (const Slot s : face.nodes) fastest = std::max({fastest, velocity(s).norm(), (velocity(s) - body.velocity).norm()});
-  const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
-  const double widest = pair.radii + settings_.margin + settings_.step * fastest + pair.spin + fall;
-  TriangleNodes nodes = places(face, 0);
-  for (Vec3& x : nodes) x -= body.position;
-  PairManifold found;
-  if (!sheet_manifold(convex_body(body.shape(), body.rotation, Vec3::Zero()), nodes, widest, found)) return;
-  tidy(found, widest);
-  for (int i = 0; i < found.count; ++i) {
-    const ContactPoint& c = found.points[i];
-    const Vec3 on_body = c.position + 0.5 * c.gap * found.normal, on_face = c.position - 0.5 * c.gap * found.normal;
-    const Vec3 weights = without_twin(face, closest_on_triangle(on_face, nodes[0], nodes[1], nodes[2]).weights);
-    if (is_one_node(weights)) continue;  // nodes touch bodies as the particles that they are
-    if (!owns(face, weights) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
-    pair.weights = {1, -weights[0], -weights[1], -weights[2]};
-    const double gap = c.gap - pair.radii;
-    if (gap > margin(pair, found.normal)) continue;
-    add(pair, on_body + body.position - place(body.slot), found.normal, gap, first_feature + c.feature);
   }
 }
 

@@ -23,6 +23,14 @@
 
 namespace unibody {
 
+// How far a direction may lean towards a neighbour, as a sine, and still count as least: without it a box that lies flat would
+// lose contacts by a turn in the last bit.
+constexpr double lean_of_boxes = 0.05;
+
+// Of the weights of a face's nodes. A segment has its second node twice: all of the weight goes to the first of the two.
+bool is_one_node(const Vec3& weights);
+Vec3 without_twin(const SurfaceFace& face, Vec3 weights);
+
 class SurfaceCollider {
  public:
   // Adds to `contacts`.
@@ -76,6 +84,8 @@ class SurfaceCollider {
   void box_face(const Proxy& box, const SurfaceFace& face);
   void convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;
+  double first_touch_of_solid(const Proxy& solid, const SurfaceFace& face, double radius) const;
+  void add_if_through(Pair pair, const Proxy& solid, const SurfaceFace& face, std::uint32_t feature);
 
   const World& world_;
   const Surfaces& surfaces_;

@@ -1,7 +1,7 @@
 // A joint as the scene defines it: which points and axes of two bodies belong together, and what drives and bounds their motion.
 //
 // Each body carries a copy of the joint's axes, and its anchor; at the start of a scene the two copies coincide as a rule. Its
-// angle or offset is that of the first body against the second, about or along the axis z of the copies.
+// angle, twist or offset is that of the first body against the second, about or along the axis z of the copies.
 #pragma once
 
 #include <array>
@@ -21,6 +21,7 @@ enum class Motor : std::uint8_t { none, speed, position };
 struct Joint {
   JointKind kind = JointKind::ball;
   bool collide = false;        // its bodies may touch each other
+  std::int32_t tree = -1;      // its own rows are solved with those of that tree (settings.hpp: direct); -1: by themselves
   std::int32_t colour = 0;     // two joints of a colour share no moving body
   std::array<Id, 2> ids{};     // the second -1: the world
   std::array<Vec3, 2> anchor;  // m, from each body's centre, in its axes; of the world a point
@@ -30,22 +31,25 @@ struct Joint {
   double damping = 0;          // s, rho: its rows see c + rho dc/dt
   double lever = 1;            // m, what one radian counts as where errors are compared with lengths
   double length = 0;           // m, of a rope
-  double lower = -std::numeric_limits<double>::infinity(), upper = -lower;  // rad or m, of the angle or offset
+  double lower = -std::numeric_limits<double>::infinity(), upper = -lower;  // rad or m, of the angle, twist or offset
+  double swing = upper;  // rad, of a ball: the most that the second body's axis z and the first's may part
   Motor motor = Motor::none;
   double target = 0;    // rad/s, m/s, rad or m
   double strength = 0;  // N m or N, the most that the motor gives
   double friction = 0;  // N m or N, the most that dry friction gives
 
   bool is_limited() const { return lower > -infinity || upper < infinity; }
+  bool has_cone() const { return swing < infinity; }
   bool has_coordinate() const { return kind == JointKind::hinge || kind == JointKind::slider; }
 
  private:
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 };
 
-// Impulses (N s or N m s) of a joint in the last step: of its own rows, six at most, of limits, motor and friction.
+// Impulses (N s or N m s) of a joint in the last step: of its own rows, six at most, of limits, motor and friction; of a ball's
+// cone behind its three rows.
 struct JointImpulses {
-  static constexpr std::size_t limits = 6, motor = 7, friction = 8;
+  static constexpr std::size_t cone = 3, limits = 6, motor = 7, friction = 8;
   std::array<double, 9> value{};
 };
 

@@ -57,8 +57,20 @@ double within_limits(double lambda, double value, double lower, double upper, do
 
 }  // namespace
 
-std::int32_t JointBatch::parts_of(const Joint& joint) {
-  return 1 + (joint.is_limited() ? 1 : 0) + (joint.motor != Motor::none ? 1 : 0) + (joint.friction > 0 ? 1 : 0);
+void JointBatch::count(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
+                       std::span<std::int32_t> counts) {
+  std::vector<std::uint8_t> in_tree(counts.size(), 0);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Joint& joint = joints[static_cast<std::size_t>(list[i])];
+    const std::int32_t beside = (joint.is_limited() ? 1 : 0) + (joint.has_cone() ? 1 : 0) + (joint.motor != Motor::none ? 1 : 0) +
+                                (joint.friction > 0 ? 1 : 0);
+    for (const Slot slot : {slots[i].a, slots[i].b}) {
+      const auto s = static_cast<std::size_t>(slot);
+      counts[s] += beside;
+      if (joint.tree < 0 || !in_tree[s]) ++counts[s];
+      if (joint.tree >= 0) in_tree[s] = 1;
+    }
+  }
 }
 
 void JointBatch::add_parts(const Joint& joint, const Part& common) {
@@ -68,11 +80,16 @@ void JointBatch::add_parts(const Joint& joint, const Part& common) {
   part.lower = -std::numeric_limits<double>::infinity(), part.upper = joint.length;
   part.compliance = joint.compliance, part.turning = joint.turning, part.damping = joint.damping;
   parts_.push_back(part);
+  part.link = -1;
   const auto add_row = [&](std::size_t first, Law law, double lower, double upper) {
     part.type = coordinate_of(joint.kind), part.first = static_cast<std::uint8_t>(first), part.law = law;
     part.compliance = part.turning = part.damping = 0, part.lower = lower, part.upper = upper;
     parts_.push_back(part);
   };
+  if (joint.has_cone()) {
+    add_row(JointImpulses::cone, Law::within, -joint.swing, joint.swing);
+    parts_.back().type = joint_type_index<Swing>();
+  }
   if (joint.is_limited()) add_row(JointImpulses::limits, Law::within, joint.lower, joint.upper);
   if (joint.motor == Motor::speed) add_row(JointImpulses::motor, Law::rate, joint.target, joint.strength);
   if (joint.motor == Motor::position) {
@@ -127,7 +144,7 @@ void JointBatch::build(std::span<const Joint> joints, const JointList& list, std
                        std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
                        std::span<const std::int32_t> counts, double scaling, double step, double stabilisation) {
   step_ = step, stabilisation_ = stabilisation;
-  parts_.clear(), colour_end_.clear();
+  parts_.clear(), colour_end_.clear(), trees_.clear();
   std::vector<std::uint32_t> order(list.size());
   std::iota(order.begin(), order.end(), 0);
   const auto joint_at = [&](std::uint32_t i) -> const Joint& { return joints[static_cast<std::size_t>(list[i])]; };
@@ -150,16 +167,87 @@ void JointBatch::build(std::span<const Joint> joints, const JointList& list, std
       Part part{};
       part.side[0] = side_of(joint, 0, ends.a), part.side[1] = side_of(joint, 1, ends.b);
       part.joint = order[next], part.counted = ends.counted, part.lever = joint.lever;
+      part.link = -1;
+      const std::size_t own = parts_.size();
       add_parts(joint, part);
+      if (joint.tree >= 0) add_to_tree(parts_[own], joint.tree, bodies);
+      const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
+      if (!is_home(ends.a) && !is_home(ends.b))  // here for its tree alone
+        parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(own) + 1, parts_.end());
     }
     colour_end_.push_back(parts_.size());
   }
+  trees_.factor();
+  residual_.assign(trees_.size(), JointTrees::Vector6::Zero()), change_ = residual_;
+}
+
+namespace {
+
+// S of W = S S^T, W symmetric and positive semidefinite.
+Mat3 square_root_of(const Mat3& W) {
+  Mat3 S = Mat3::Zero();
+  for (int j = 0; j < 3; ++j) {
+    const double pivot = W(j, j) - S.row(j).head(j).squaredNorm();
+    if (!(pivot > least_pivot * W(j, j))) continue;
+    S(j, j) = std::sqrt(pivot);
+    for (int i = j + 1; i < 3; ++i) S(i, j) = (W(i, j) - S.row(i).head(j).dot(S.row(j).head(j))) / S(j, j);
+  }
+  return S;
+}
+
+}  // namespace
+
+void JointBatch::add_to_tree(Part& part, std::int32_t tree, std::span<const SolverBody> bodies) {
+  with_joint_type(part.type, [&]<class T>() {
+    const Rows<T> at = evaluate<T>(part, bodies);
+    JointTrees::Vector6 compliance = JointTrees::Vector6::Zero();
+    std::array<JointTrees::Side, 2> sides;
+    for (std::size_t e = 0; e < 2; ++e) {
+      const Side& side = part.side[e];
+      sides[e] = {side.slot, side.inverse_mass > 0, JointTrees::Matrix6::Zero()};
+      const Mat3 turn = square_root_of(side.share * side.inverse_inertia);
+      const double move = std::sqrt(side.share * side.inverse_mass) * (e == 0 ? 1 : -1);
+      for (std::size_t k = 0; k < T::rows; ++k) {
+        const auto row = static_cast<Eigen::Index>(k);
+        sides[e].rows.row(row).head<3>() = move * at.linear[k].transpose();
+        sides[e].rows.row(row).tail<3>() = (e == 0 ? at.angular[k] : at.angular_b[k]).transpose() * turn;
+        compliance[row] = (k + T::angles < T::rows ? part.compliance : part.turning) / (step_ * (step_ + part.damping));
+      }
+    }
+    part.link = static_cast<std::int32_t>(trees_.add(tree, sides[0], sides[1], compliance));
+  });
+}
+
+// Leaves in change_ what the multipliers of the trees' joints are to change by.
+void JointBatch::solve_trees(std::span<const SolverBody> bodies, bool extrapolated) {
+  if (trees_.size() == 0) return;
+  for (const Part& part : parts_)
+    if (part.link >= 0)
+      with_joint_type(part.type, [&]<class T>() {
+        const auto r = residual_of<T>(part, evaluate_ahead<T>(part, bodies), extrapolated ? part.y : part.lambda, bodies);
+        for (std::size_t k = 0; k < T::rows; ++k)
+          residual_[static_cast<std::size_t>(part.link)][static_cast<Eigen::Index>(k)] = r[k];
+      });
+  trees_.solve(residual_, change_);
+}
+
+// After solve_trees.
+template <class T>
+JointBatch::Step<T> JointBatch::step_in_tree(const Part& part, const std::array<double, 6>& from,
+                                             std::span<const SolverBody> bodies) const {
+  const auto link = static_cast<std::size_t>(part.link);
+  Step<T> step{evaluate<T>(part, bodies), {}, {}};
+  for (std::size_t k = 0; k < T::rows; ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    step.next[k] = from[k] + change_[link][row], step.defect[k] = residual_[link][row];
+  }
+  return step;
 }
 
 void JointBatch::set_impulses(std::span<const JointImpulses> impulses, double share) {
   for (Part& part : parts_) {
     part.lambda.fill(0);
-    if (share > 0)
+    if (share > 0 && part.link < 0)
       with_joint_type(part.type, [&]<class T>() {
         for (std::size_t k = 0; k < T::rows; ++k) part.lambda[k] = share * impulses[part.joint].value[part.first + k];
       });
@@ -319,9 +407,10 @@ void JointBatch::add_impulses(std::span<const SolverBody> bodies, std::span<Wren
 
 void JointBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums) {
   const double per_unit = 1 / sums.unit;
+  solve_trees(bodies, true);
   for (Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
-      const Step<T> step = step_from<T>(part, part.y, bodies, true);
+      const Step<T> step = part.link < 0 ? step_from<T>(part, part.y, bodies, true) : step_in_tree<T>(part, part.y, bodies);
       std::array<double, T::rows> moved;
       double gradient = 0, progress = 0;
       for (std::size_t k = 0; k < T::rows; ++k) {
@@ -337,26 +426,45 @@ void JointBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wren
     });
 }
 
+// Applies a step of a part's multipliers to its bodies; returns the largest change (m).
+template <class T>
+double JointBatch::push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const {
+  double change = 0;
+  std::array<double, T::rows> moved;
+  for (std::size_t k = 0; k < T::rows; ++k) {
+    if (step.next[k] != part.lambda[k]) change = std::max(change, step_ * length_of<T>(part, k, step.defect[k]));
+    moved[k] = step.next[k] - part.lambda[k], part.lambda[k] = step.next[k];
+  }
+  const std::array<Vec3, 3> wrench = wrench_of(step.rows, moved);
+  const auto add_to = [&](const Side& side, const Vec3& impulse, const Vec3& torque) {
+    SolverBody& body = bodies[static_cast<std::size_t>(side.slot)];
+    const Vec3 v = side.inverse_mass * impulse, w = side.inverse_inertia * torque;
+    for (int k = 0; k < 3; ++k) body.v[k] += v[k], body.w[k] += w[k];
+  };
+  add_to(part.side[0], wrench[0], wrench[1]), add_to(part.side[1], -wrench[0], wrench[2]);
+  return change;
+}
+
 double JointBatch::relax(std::size_t colour, std::span<SolverBody> bodies) {
   double change = 0;
   for (std::size_t i = colour == 0 ? 0 : colour_end_[colour - 1]; i < colour_end_[colour]; ++i) {
     Part& part = parts_[i];
+    if (part.link >= 0) continue;
     with_joint_type(part.type, [&]<class T>() {
-      const Step<T> step = step_from<T>(part, part.lambda, bodies, false);
-      std::array<double, T::rows> moved;
-      for (std::size_t k = 0; k < T::rows; ++k) {
-        if (step.next[k] != part.lambda[k]) change = std::max(change, step_ * length_of<T>(part, k, step.defect[k]));
-        moved[k] = step.next[k] - part.lambda[k], part.lambda[k] = step.next[k];
-      }
-      const std::array<Vec3, 3> wrench = wrench_of(step.rows, moved);
-      const auto push = [&](const Side& side, const Vec3& impulse, const Vec3& torque) {
-        SolverBody& body = bodies[static_cast<std::size_t>(side.slot)];
-        const Vec3 v = side.inverse_mass * impulse, w = side.inverse_inertia * torque;
-        for (int k = 0; k < 3; ++k) body.v[k] += v[k], body.w[k] += w[k];
-      };
-      push(part.side[0], wrench[0], wrench[1]), push(part.side[1], -wrench[0], wrench[2]);
+      change = std::max(change, push<T>(part, step_from<T>(part, part.lambda, bodies, false), bodies));
     });
   }
+  return change;
+}
+
+double JointBatch::relax_trees(std::span<SolverBody> bodies) {
+  double change = 0;
+  solve_trees(bodies, false);
+  for (Part& part : parts_)
+    if (part.link >= 0)
+      with_joint_type(part.type, [&]<class T>() {
+        change = std::max(change, push<T>(part, step_in_tree<T>(part, part.lambda, bodies), bodies));
+      });
   return change;
 }
 

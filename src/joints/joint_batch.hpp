@@ -10,6 +10,9 @@
 // What loops of joints determine twice needs no rule: every step is along a safe block, and the multipliers settle where the
 // start and the iterations leave them.
 //
+// Where the scene asks for it, the own rows of a tree of joints are one block, all of them here, solved directly: to the Jacobi
+// solvers one constraint, which counts once at each of its bodies; to Gauss-Seidel a group of its own. They start from zero.
+//
 // Limits, motors and friction are rows of their own beside the block. They see one angle, offset or span, c, and have a bounded
 // multiplier: within limits, lambda is 0 where lower < c < upper; a drive wants its rate, or c where that is near, at a target
 // with |lambda| below h times its strength.
@@ -20,6 +23,7 @@
 #include <vector>
 
 #include "joints/joint.hpp"
+#include "joints/joint_trees.hpp"
 #include "joints/joint_type.hpp"
 #include "solve/system.hpp"
 #include "world/world.hpp"
@@ -43,8 +47,9 @@ class JointBatch {
              std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
              std::span<const std::int32_t> counts, double scaling, double step, double stabilisation = -1);
 
-  // How many rows or blocks a joint puts between its bodies: what it adds to their counts.
-  static std::int32_t parts_of(const Joint& joint);
+  // Adds to the bodies' counts how many rows and blocks the joints put at them.
+  static void count(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
+                    std::span<std::int32_t> counts);
 
   // Index = that of the joint in build()'s list.
   void set_impulses(std::span<const JointImpulses> impulses, double share);
@@ -59,12 +64,13 @@ class JointBatch {
   // One Gauss-Seidel pass over a colour: each joint changes its bodies at once. Returns the largest change (m).
   std::size_t colour_count() const { return colour_end_.size(); }
   double relax(std::size_t colour, std::span<SolverBody> bodies);
+  double relax_trees(std::span<SolverBody> bodies);
 
   // Natural residual (m): the largest (h + rho) |r| of the joints' own rows, and of bounded ones what a step by their own
   // mobility would change. Angles count by their joint's lever.
   double residual(std::span<const SolverBody> bodies) const;
 
-  std::size_t bytes() const { return parts_.capacity() * sizeof(Part); }
+  std::size_t bytes() const { return parts_.capacity() * sizeof(Part) + trees_.bytes(); }
 
  private:
   enum class Law : std::uint8_t { equal, within, rate, place };
@@ -79,6 +85,7 @@ class JointBatch {
   struct Part {
     Side side[2];
     std::uint32_t joint;  // in build()'s list
+    std::int32_t link;    // in trees_; -1: a block or row by itself
     std::uint8_t type, first;
     Law law;
     bool counted;
@@ -91,6 +98,12 @@ class JointBatch {
   template <class T>
   struct Step;
 
+  void add_to_tree(Part& part, std::int32_t tree, std::span<const SolverBody> bodies);
+  void solve_trees(std::span<const SolverBody> bodies, bool extrapolated);
+  template <class T>
+  Step<T> step_in_tree(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies) const;
+  template <class T>
+  double push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const;
   void add_parts(const Joint& joint, const Part& common);
   void limit_approach(Part& part, JointKind kind) const;
   static JointEnd end_of(const Side& side, const SolverBody& body, double step);
@@ -110,7 +123,9 @@ class JointBatch {
 
   std::pmr::vector<Part> parts_;
   std::vector<std::size_t> colour_end_;
-  double step_ = 0.016, stabilisation_ = -1;  // the latter: gamma of the velocity level, else negative
+  JointTrees trees_;
+  std::vector<JointTrees::Vector6> residual_, change_;  // of each of their joints
+  double step_ = 0.016, stabilisation_ = -1;            // the latter: gamma of the velocity level, else negative
 };
 
 }  // namespace unibody

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "joints/joint_types.hpp"
 
@@ -21,8 +23,12 @@ const Joint& at(std::span<const Joint> joints, std::int64_t number) { return joi
 
 JointList joints_here(std::span<const Joint> joints, const World& world) {
   JointList list;
+  const auto touches = [&](const Joint& joint) { return is_home(world, joint.ids[0]) || is_home(world, joint.ids[1]); };
+  std::unordered_set<std::int32_t> trees;
+  for (const Joint& joint : joints)
+    if (joint.tree >= 0 && touches(joint)) trees.insert(joint.tree);
   for (std::size_t j = 0; j < joints.size(); ++j)
-    if (is_home(world, joints[j].ids[0]) || is_home(world, joints[j].ids[1])) list.push_back(static_cast<std::int64_t>(j));
+    if (touches(joints[j]) || trees.contains(joints[j].tree)) list.push_back(static_cast<std::int64_t>(j));
   return list;
 }
 
@@ -77,6 +83,38 @@ std::int32_t colour_joints(std::span<Joint> joints, const std::function<bool(Id)
   return colours;
 }
 
+std::int32_t plant_trees(std::span<Joint> joints, const std::function<bool(Id)>& is_static) {
+  std::unordered_map<Id, Id> above;  // of each body one of its tree, towards the one that names it
+  std::unordered_set<Id> held;       // names of trees tied to what does not move
+  const auto name = [&](Id id) {
+    Id top = id;
+    while (above.try_emplace(top, top).first->second != top) top = above[top];
+    while (above[id] != top) id = std::exchange(above[id], top);
+    return top;
+  };
+  for (Joint& joint : joints) {
+    joint.tree = -1;
+    if (joint.kind == JointKind::rope) continue;
+    std::array<Id, 2> names{-1, -1};
+    for (std::size_t e = 0; e < 2; ++e)
+      if (joint.ids[e] >= 0 && !is_static(joint.ids[e])) names[e] = name(joint.ids[e]);
+    const auto is_held = [&](Id n) { return n < 0 || held.contains(n); };
+    if (names[0] == names[1] || (is_held(names[0]) && is_held(names[1]))) continue;
+    const bool holds = is_held(names[0]) || is_held(names[1]);
+    const Id one = std::max(names[0], names[1]), other = std::min(names[0], names[1]);
+    if (other >= 0) above[other] = one;
+    if (holds) held.insert(one);
+    joint.tree = 0;
+  }
+  std::unordered_map<Id, std::int32_t> numbers;
+  for (Joint& joint : joints) {
+    if (joint.tree < 0) continue;
+    const Id body = joint.ids[0] >= 0 && !is_static(joint.ids[0]) ? joint.ids[0] : joint.ids[1];
+    joint.tree = numbers.emplace(name(body), static_cast<std::int32_t>(numbers.size())).first->second;
+  }
+  return static_cast<std::int32_t>(numbers.size());
+}
+
 JointEnd joint_end(const Joint& joint, std::size_t end, const World& world, Slot slot) {
   const auto s = static_cast<std::size_t>(slot);
   const bool is_body = s < world.size();
@@ -92,6 +130,27 @@ double turning_stiffness(const Joint& joint, std::size_t end, const JointImpulse
     return std::sqrt(force) * joint.anchor[end].norm() + std::sqrt(torque);
   });
 }
+
+namespace {
+
+// What passes a ball's limits, and their torque.
+void measure_ball(const Joint& joint, const JointEnd& a, const JointEnd& b, const JointImpulses& impulses, double step,
+                  JointState& state) {
+  JointRows<1> swing, twist;
+  Swing::evaluate(a, b, swing), Twist::evaluate(a, b, twist);
+  Vec3 torque = Vec3::Zero();
+  if (joint.has_cone()) {
+    state.turn = std::max(state.turn, swing.value[0] - joint.swing);
+    torque += impulses.value[JointImpulses::cone] / step * swing.angular[0];
+  }
+  if (joint.is_limited()) {
+    state.turn = std::max({state.turn, joint.lower - twist.value[0], twist.value[0] - joint.upper});
+    torque += impulses.value[JointImpulses::limits] / step * twist.angular[0];
+  }
+  if (joint.has_cone() || joint.is_limited()) state.coordinate = swing.value[0], state.limit = torque.norm();
+}
+
+}  // namespace
 
 JointState joint_state(const Joint& joint, const JointSlots& slots, const World& world, const JointImpulses& impulses,
                        double step) {
@@ -110,6 +169,7 @@ JointState joint_state(const Joint& joint, const JointSlots& slots, const World&
     state.drift = std::sqrt(drift), state.turn = std::sqrt(turn);
   });
   if (joint.kind == JointKind::rope) state.coordinate = state.drift, state.drift = std::max(0.0, state.drift - joint.length);
+  if (joint.kind == JointKind::ball) measure_ball(joint, a, b, impulses, step, state);
   if (!joint.has_coordinate()) return state;
   with_joint_type(coordinate_of(joint.kind), [&]<class T>() {
     JointRows<T::rows> rows;

@@ -12,12 +12,14 @@
 #include "joints/offset.hpp"
 #include "joints/slider.hpp"
 #include "joints/span.hpp"
+#include "joints/swing.hpp"
+#include "joints/twist.hpp"
 #include "joints/universal.hpp"
 
 namespace unibody {
 
 // In the order of JointKind, a rope's being its span; then what drives and limits act on.
-using JointTypes = std::tuple<Ball, Hinge, Slider, Fixed, Universal, Span, Angle, Offset>;
+using JointTypes = std::tuple<Ball, Hinge, Slider, Fixed, Universal, Span, Angle, Offset, Swing, Twist>;
 
 template <class T, std::size_t k = 0>
 constexpr std::uint8_t joint_type_index() {
@@ -37,8 +39,9 @@ decltype(auto) with_joint_type(std::uint8_t index, F&& f) {
   return f.template operator()<std::tuple_element_t<k, JointTypes>>();
 }
 
-// Of the angle or offset of a hinge or slider.
+// Of the angle, twist or offset of a hinge, ball or slider.
 inline std::uint8_t coordinate_of(JointKind kind) {
+  if (kind == JointKind::ball) return joint_type_index<Twist>();
   return kind == JointKind::hinge ? joint_type_index<Angle>() : joint_type_index<Offset>();
 }
 

@@ -10,7 +10,7 @@ ShapeSurface surface_of(ShapeKind kind, std::size_t number) {
     for (const Vec3& x : nodes) s.nodes.push_back({x[0], x[1], x[2]});
   };
   if (kind == ShapeKind::mesh) {
-    const MeshShape& mesh = shape_library().meshes[number];
+    const MeshSurface& mesh = shape_library().meshes[number];
     add(mesh.nodes);
     for (const auto& t : mesh.triangles) s.triangles.push_back({t.nodes[0], t.nodes[1], t.nodes[2]});
     return s;

@@ -96,27 +96,30 @@ struct Tree {
   }
 };
 
-// A figure of boxes and a ball, of 1.73 m: part by part where it is when it stands, looking along +x.
+// A figure of boxes and a ball, of 1.73 m: part by part where it is when it stands, looking along +x. Of a hinge about y: its
+// limits. Of a ball: the axis of its cone, in the parent; how far the part, along which its own axis lies, may swing from it, and
+// how far it may twist to either side of where it stands.
 struct FigurePart {
   ShapeKind shape;
   double size[3];  // m, edges; of the head its radius
   double centre[3];
   int parent;
   double joint[3];
-  double limits[2];  // degrees, of a hinge about y; equal: a ball
+  double limits[2];  // degrees: of a hinge lower and upper; of a ball swing and twist
+  double cone[3];    // 0: a hinge
 };
 constexpr FigurePart figure[] = {
-    {ShapeKind::box, {0.20, 0.30, 0.18}, {0, 0, 0.95}, -1, {}, {}},                 // pelvis
-    {ShapeKind::box, {0.22, 0.36, 0.40}, {0, 0, 1.28}, 0, {0, 0, 1.06}, {}},        // chest
-    {ShapeKind::sphere, {0.11, 0, 0}, {0, 0, 1.62}, 1, {0, 0, 1.50}, {}},           // head
-    {ShapeKind::box, {0.09, 0.09, 0.30}, {0, 0.24, 1.30}, 1, {0, 0.24, 1.45}, {}},  // upper arms
-    {ShapeKind::box, {0.09, 0.09, 0.30}, {0, -0.24, 1.30}, 1, {0, -0.24, 1.45}, {}},
-    {ShapeKind::box, {0.07, 0.07, 0.27}, {0, 0.24, 1.01}, 3, {0, 0.24, 1.15}, {-140, 0}},  // lower arms
-    {ShapeKind::box, {0.07, 0.07, 0.27}, {0, -0.24, 1.01}, 4, {0, -0.24, 1.15}, {-140, 0}},
-    {ShapeKind::box, {0.13, 0.13, 0.42}, {0, 0.09, 0.66}, 0, {0, 0.09, 0.87}, {}},  // thighs
-    {ShapeKind::box, {0.13, 0.13, 0.42}, {0, -0.09, 0.66}, 0, {0, -0.09, 0.87}, {}},
-    {ShapeKind::box, {0.10, 0.10, 0.42}, {0, 0.09, 0.23}, 7, {0, 0.09, 0.45}, {0, 130}},  // shins
-    {ShapeKind::box, {0.10, 0.10, 0.42}, {0, -0.09, 0.23}, 8, {0, -0.09, 0.45}, {0, 130}},
+    {ShapeKind::box, {0.20, 0.30, 0.18}, {0, 0, 0.95}, -1, {}, {}, {}},                                      // pelvis
+    {ShapeKind::box, {0.22, 0.36, 0.40}, {0, 0, 1.28}, 0, {0, 0, 1.06}, {40, 30}, {0.26, 0, 0.97}},          // chest
+    {ShapeKind::sphere, {0.11, 0, 0}, {0, 0, 1.62}, 1, {0, 0, 1.50}, {50, 70}, {0, 0, 1}},                   // head
+    {ShapeKind::box, {0.09, 0.09, 0.30}, {0, 0.24, 1.30}, 1, {0, 0.24, 1.45}, {90, 80}, {0.6, 0.6, -0.53}},  // upper arms
+    {ShapeKind::box, {0.09, 0.09, 0.30}, {0, -0.24, 1.30}, 1, {0, -0.24, 1.45}, {90, 80}, {0.6, -0.6, -0.53}},
+    {ShapeKind::box, {0.07, 0.07, 0.27}, {0, 0.24, 1.01}, 3, {0, 0.24, 1.15}, {-140, 0}, {}},  // lower arms
+    {ShapeKind::box, {0.07, 0.07, 0.27}, {0, -0.24, 1.01}, 4, {0, -0.24, 1.15}, {-140, 0}, {}},
+    {ShapeKind::box, {0.13, 0.13, 0.42}, {0, 0.09, 0.66}, 0, {0, 0.09, 0.87}, {65, 40}, {0.6, 0.25, -0.76}},  // thighs
+    {ShapeKind::box, {0.13, 0.13, 0.42}, {0, -0.09, 0.66}, 0, {0, -0.09, 0.87}, {65, 40}, {0.6, -0.25, -0.76}},
+    {ShapeKind::box, {0.10, 0.10, 0.42}, {0, 0.09, 0.23}, 7, {0, 0.09, 0.45}, {0, 130}, {}},  // shins
+    {ShapeKind::box, {0.10, 0.10, 0.42}, {0, -0.09, 0.23}, 8, {0, -0.09, 0.45}, {0, 130}, {}},
 };
 constexpr Id parts_of_a_figure = std::size(figure);
 
@@ -150,10 +153,19 @@ struct Ragdolls {
     const Body body = (*this)(k), parent = (*this)(k - k % parts_of_a_figure + f.parent);
     const Quat& turn = body.state.orientation;
     const Vec3 point = body.state.position + turn * (vector(f.joint) - vector(f.centre));
-    const bool hinge = f.limits[0] < f.limits[1];
+    const Vec3 cone = vector(f.cone);
+    const bool hinge = cone.isZero();
     Joint joint =
         joint_between(hinge ? JointKind::hinge : JointKind::ball, body, &parent, point, turn * joint_axes(Vec3::UnitY()));
-    if (hinge) joint.lower = f.limits[0] * M_PI / 180, joint.upper = f.limits[1] * M_PI / 180;
+    const double degree = M_PI / 180;
+    if (hinge) {
+      joint.lower = degree * f.limits[0], joint.upper = degree * f.limits[1];
+    } else {  // no twist where it stands: its axes are the cone's, turned the shortest way to the part
+      const Vec3 along = (vector(f.centre) - vector(f.joint)).normalized();
+      const Quat of_cone = joint_axes(cone.normalized(), Vec3::UnitX());
+      joint.frame = {Quat(Quat::FromTwoVectors(cone, along) * of_cone).normalized(), of_cone};
+      joint.swing = degree * f.limits[0], joint.upper = degree * f.limits[1], joint.lower = -joint.upper;
+    }
     return joint;
   }
 };

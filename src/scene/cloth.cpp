@@ -69,7 +69,7 @@ ClothLaw read_law(const Value& entry, double thickness) {
 MeshShape read_shape_of(const Value& entry, const ClothLaw& law, const Scene& scene) {
   const Value *grid = entry.find("grid"), *mesh = entry.find("mesh"), *scale = entry.find("scale");
   if (grid && mesh) mesh->fail("a mesh beside a grid", "only one of grid and mesh");
-  if (!grid && !mesh) entry.fail_missing("grid", "a map with size and nodes, or mesh: an OBJ file");
+  if (!grid && !mesh) entry.fail_missing("grid", "a map with size and nodes, or mesh: an OBJ or STL file");
   if (grid && scale) scale->fail_expected("no such key beside a grid");
   return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, scale ? scale->number(positive, "") : 1, law, scene);
 }

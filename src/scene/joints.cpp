@@ -14,7 +14,13 @@ namespace {
 constexpr double degree = M_PI / 180;
 const std::vector<std::string> kinds{joint_names.begin(), joint_names.end()};
 
-bool turns_about_axis(JointKind kind) { return kind == JointKind::hinge; }
+bool turns_about_axis(JointKind kind) { return kind == JointKind::hinge || kind == JointKind::ball; }
+bool needs_axis(const Joint& joint) {
+  return joint.has_coordinate() || joint.kind == JointKind::universal || joint.has_cone() || joint.is_limited();
+}
+bool takes_axis(JointKind kind) {
+  return kind == JointKind::hinge || kind == JointKind::slider || kind == JointKind::universal || kind == JointKind::ball;
+}
 
 // Numbers along a hinge's or slider's way: degrees or metres.
 double read_place(const Value& value, JointKind kind, const std::string& what = "") {
@@ -132,11 +138,11 @@ void read_axes(const Value& entry, const Scene& scene, const std::array<BodyStat
     for (std::size_t e = 0; e < 2; ++e) z[e] = at[e].orientation * axes->entries[e].unit_vector();
   } else if (axis) {
     z.fill(axis->unit_vector());
-  } else if (joint.has_coordinate() || joint.kind == JointKind::universal) {
+  } else if (needs_axis(joint)) {
     entry.fail_missing("axis", "a vector of length 1 (world axes), or axes: a list of 2 in the bodies' axes");
   }
   const Value* given = axes ? axes : axis;
-  if (given && scene.planar && turns_about_axis(joint.kind) && (std::abs(z[0].y()) < 1 - 1e-9 || std::abs(z[1].y()) < 1 - 1e-9))
+  if (given && scene.planar && joint.kind == JointKind::hinge && (std::abs(z[0].y()) < 1 - 1e-9 || std::abs(z[1].y()) < 1 - 1e-9))
     given->fail_expected("an axis along y (planar scene)");
   Vec3 x = Vec3::Zero();
   if (second) {
@@ -166,7 +172,7 @@ Joint read_joint(const Value& entry, const Scene& scene) {
   std::vector<std::string> keys = joint_keys(joint.kind);
   keys.insert(keys.end(), {"type", "bodies", "anchors", rope ? "points" : "anchor"});
   if (rope) keys.emplace_back("length");
-  if (joint.has_coordinate() || joint.kind == JointKind::universal) keys.insert(keys.end(), {"axis", "axes"});
+  if (takes_axis(joint.kind)) keys.insert(keys.end(), {"axis", "axes"});
   if (joint.kind == JointKind::universal) keys.emplace_back("second_axis");
   entry.map(keys);
   const Value& bodies = need(entry, "bodies", "a list of 2 bodies, the second of which may be world");
@@ -179,10 +185,10 @@ Joint read_joint(const Value& entry, const Scene& scene) {
     bodies.fail("no body that moves freely", "at least one dynamic body");
   joint.ids = {a.body->id, b.body ? b.body->id : -1};
   const std::array<BodyState, 2> at{a.body->state, b.body ? b.body->state : BodyState{}};
+  read_joint_behaviour(entry, joint);
   read_anchors(entry, scene, at, joint);
   read_axes(entry, scene, at, joint);
   set_lever(*a.body, b.body ? &*b.body : nullptr, joint);
-  read_joint_behaviour(entry, joint);
   if (rope) {
     const auto place = [&](std::size_t e) { return Vec3(at[e].position + at[e].orientation * joint.anchor[e]); };
     const Value* length = entry.find("length");
@@ -224,6 +230,7 @@ std::vector<std::string> joint_keys(JointKind kind) {
   if (kind != JointKind::rope) keys.insert(keys.end(), {"compliance", "damping"});
   if (kind != JointKind::rope && kind != JointKind::ball) keys.emplace_back("turning_compliance");
   if (kind == JointKind::hinge || kind == JointKind::slider) keys.insert(keys.end(), {"limits", "motor", "friction"});
+  if (kind == JointKind::ball) keys.insert(keys.end(), {"swing_limit", "twist_limits"});
   return keys;
 }
 
@@ -233,6 +240,8 @@ void read_joint_behaviour(const Value& map, Joint& joint) {
   if (const Value* v = map.find("turning_compliance")) joint.turning = v->number(not_negative, "rad/(N m)");
   if (const Value* v = map.find("damping")) joint.damping = v->number(not_negative, "s");
   if (const Value* v = map.find("limits")) read_limits(*v, joint);
+  if (const Value* v = map.find("twist_limits")) read_limits(*v, joint);
+  if (const Value* v = map.find("swing_limit")) joint.swing = degree * v->number({0, 180, true}, "degrees");
   if (const Value* v = map.find("motor")) read_motor(*v, joint);
   if (const Value* v = map.find("friction")) joint.friction = v->number(not_negative, turns_about_axis(joint.kind) ? "N m" : "N");
 }
@@ -254,8 +263,7 @@ JointTemplate read_joint_template(const Value& value, const Scene& scene, const 
   const JointKind kind = result.joint.kind;
   std::vector<std::string> keys = joint_keys(kind);
   keys.emplace_back("type");
-  const bool directed = kind == JointKind::hinge || kind == JointKind::universal || kind == JointKind::slider;
-  if (directed) keys.emplace_back("axis");
+  if (takes_axis(kind)) keys.emplace_back("axis");
   if (kind == JointKind::universal) keys.emplace_back("second_axis");
   value.map(keys);
   if (const Value* axis = value.find("axis")) {

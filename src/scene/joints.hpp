@@ -12,8 +12,8 @@ Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& po
 // Axes whose z is along the unit vector `axis`, and whose x is as near to `second` as can be, or is any where that is none.
 Quat joint_axes(const Vec3& axis, const Vec3& second = Vec3::Zero());
 
-// The keys that say how a joint of known type behaves: compliance, turning_compliance, damping, collide, and of hinges and
-// sliders limits, motor and friction.
+// The keys that say how a joint of known type behaves: compliance, turning_compliance, damping, collide, of hinges and sliders
+// limits, motor and friction, of balls swing_limit and twist_limits.
 std::vector<std::string> joint_keys(JointKind kind);
 void read_joint_behaviour(const Value& map, Joint& joint);
 

@@ -1,4 +1,4 @@
-// Mesh cloths: nodes and triangles of an OBJ file.
+// Mesh cloths: nodes and triangles of an OBJ or STL file.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -7,7 +7,7 @@
 #include "scene/cloth_shape.hpp"
 #include "scene/mesh_constraints.hpp"
 #include "scene/mesh_topology.hpp"
-#include "scene/obj.hpp"
+#include "scene/surface_file.hpp"
 
 namespace unibody {
 
@@ -112,10 +112,11 @@ struct MeshCloth {
 
 TriangleMesh read_mesh(const Value& file, const Scene& scene, std::string& path) {
   namespace fs = std::filesystem;
-  path = (fs::path(scene.path).parent_path() / file.string("an OBJ file")).string();
+  path = (fs::path(scene.path).parent_path() / file.string("an OBJ or STL file")).string();
   std::error_code error;
-  if (!fs::is_regular_file(path, error)) file.fail(path + ", which isn't there", "an OBJ file, its path from the scene's folder");
-  return read_obj(path);
+  if (!fs::is_regular_file(path, error))
+    file.fail(path + ", which isn't there", "an OBJ or STL file, its path from the scene's folder");
+  return read_surface(path);
 }
 
 }  // namespace

@@ -82,6 +82,8 @@ const Field<SolverSettings> solver_fields[] = {
      }},
     {"friction", [](const Value& v,
                     SolverSettings& s) { s.friction = static_cast<FrictionModel>(v.choice(names_of(friction_model_names))); }},
+    {"joints",
+     [](const Value& v, SolverSettings& s) { s.joints = static_cast<JointSolve>(v.choice(names_of(joint_solve_names))); }},
     {"gap", [](const Value& v, SolverSettings& s) { s.gap = static_cast<Gap>(v.choice(names_of(gap_names))); }},
     {"order", [](const Value& v, SolverSettings& s) { s.order = static_cast<Order>(v.choice(names_of(order_names))); }},
     {"scaling",
@@ -284,7 +286,9 @@ Scene read_scene(const std::string& path, const std::vector<Override>& overrides
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_form(root, scene);
-  scene.joint_colours = colour_joints(scene.joints, [&](Id id) { return group_of(scene, id).is_static; });
+  const auto is_static = [&](Id id) { return group_of(scene, id).is_static; };
+  scene.joint_colours = colour_joints(scene.joints, is_static);
+  if (scene.solver.joints == JointSolve::direct) scene.joint_trees = plant_trees(scene.joints, is_static);
   if (scene.solver.name == "newton") check_newton(*root.find("solver")->find("name"), scene);
   return scene;
 }

@@ -92,7 +92,7 @@ struct Scene {
   std::vector<Attachment> attachments;  // ascending nodes
   std::vector<Surface> surfaces;
   std::vector<Joint> joints;
-  std::int32_t joint_colours = 0;
+  std::int32_t joint_colours = 0, joint_trees = 0;
 
   Id body_count() const;
   bool has_rotations() const;          // false: all bodies are particles

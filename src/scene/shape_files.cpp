@@ -1,5 +1,6 @@
 #include "scene/shape_files.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -8,8 +9,8 @@
 #include "scene/body_entry.hpp"
 #include "scene/convex_pieces.hpp"
 #include "scene/mesh_topology.hpp"
-#include "scene/obj.hpp"
 #include "scene/random.hpp"
+#include "scene/surface_file.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
@@ -25,9 +26,9 @@ const Value& need(const Value& map, const char* key, const std::string& expected
 
 // A sound mesh from the key `key` with the factor `scale`.
 TriangleMesh read_mesh(const Value& value, const char* key, const Scene& scene, std::string& path) {
-  const std::string& name = need(value, key, "an OBJ file").string("an OBJ file");
+  const std::string& name = need(value, key, "an OBJ or STL file").string("an OBJ or STL file");
   path = (std::filesystem::path(scene.path).parent_path() / name).string();
-  TriangleMesh mesh = read_obj(path);
+  TriangleMesh mesh = read_surface(path);
   const Value* scale = value.find("scale");
   const double factor = scale ? scale->number(positive, "") : 1;
   for (Vec3& x : mesh.nodes) x *= factor;
@@ -115,11 +116,13 @@ std::function<double(Id, Id)> hills(double height, std::uint64_t seed, const std
   };
 }
 
-TriangleMesh read_height_field(const Value& value) {
+// below: m, how far down it is solid at least.
+TriangleMesh read_height_field(const Value& value, double& below) {
   value.map({"size", "cells", "heights", "hills", "seed"});
   const auto size = need(value, "size", "2 numbers > 0 (m)").numbers(2, positive, "m");
   const Value& count = need(value, "cells", "2 integers >= 1");
   if (count.kind != Value::Kind::list || count.entries.size() != 2) count.fail_expected("2 integers >= 1");
+  below = std::min(size[0], size[1]) / 4;
   const std::array<Id, 2> cells{count.entries[0].integer(1, 10'000), count.entries[1].integer(1, 10'000)};
   const Value *heights = value.find("heights"), *height = value.find("hills"), *seed = value.find("seed");
   if ((heights != nullptr) == (height != nullptr)) value.fail("both or none of heights and hills", "one of the two");
@@ -199,9 +202,10 @@ Shape read_mesh_shape(const Value& value, const Scene& scene) {
     value.fail("not one of file, height_field and tube", "one of the three");
   if (const Value* scale = value.find("scale"); scale && !file) scale->fail_expected("no scale without a file");
   std::string path = *value.origin;
-  TriangleMesh mesh = field ? read_height_field(*field) : tube ? read_tube(*tube) : read_mesh(value, "file", scene, path);
+  double below = 0;
+  TriangleMesh mesh = field ? read_height_field(*field, below) : tube ? read_tube(*tube) : read_mesh(value, "file", scene, path);
   check_mesh(mesh, path);
-  return shape_library().add(make_mesh_shape(mesh.nodes, mesh.triangles));
+  return shape_library().add(make_mesh_shape(mesh.nodes, mesh.triangles, below));
 }
 
 }  // namespace unibody

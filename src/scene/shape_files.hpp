@@ -6,14 +6,14 @@
 
 namespace unibody {
 
-// hull: {points: [[x, y, z], ...]}, or {mesh: FILE.obj, scale: factor}: the hull of its nodes.
+// hull: {points: [[x, y, z], ...]}, or {mesh: FILE, scale: factor}: the hull of its nodes.
 Shape read_hull(const Value& value, const Scene& scene);
 
-// compound: {parts: [{shape, position, orientation}, ...]}, convex shapes in one frame; or {mesh: FILE.obj, scale: factor,
+// compound: {parts: [{shape, position, orientation}, ...]}, convex shapes in one frame; or {mesh: FILE, scale: factor,
 // pieces: n}: a closed surface as convex pieces, n cells of its longest side, with the mass properties of the solid inside.
 Shape read_compound(const Value& value, const Scene& scene);
 
-// mesh: {file: FILE.obj, scale: factor}; {height_field: {size, cells, heights or hills, seed}}; or {tube: {radius, length,
+// mesh: {file: FILE, scale: factor}; {height_field: {size, cells, heights or hills, seed}}; or {tube: {radius, length,
 // sides}}: the inside of a drum about the z axis, with its two ends.
 Shape read_mesh_shape(const Value& value, const Scene& scene);
 

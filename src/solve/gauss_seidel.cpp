@@ -1,7 +1,7 @@
 // Gauss-Seidel: every contact acts on the velocities that the ones before it have left. Coloured, so that the same sweep runs
 // four contacts at a time and on any number of ranks; the sweep's direction alternates, which halves its bias. Contacts of
 // surfaces are one group more, within which all move at once, by masses split among them, and therefore some times over;
-// attachments are another.
+// attachments are another, and so are the trees of joints that are solved directly.
 
 #include <mpi.h>
 
@@ -29,7 +29,8 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
     const std::size_t attachments = colours + (system.any_surface ? 1 : 0);
     const std::size_t constraints = attachments + (system.attachments ? 1 : 0);
     const std::size_t joints = constraints + (system.constraints ? system.constraints->group_count() : 0);
-    const std::size_t groups = joints + (system.joints ? system.joints->colour_count() : 0);
+    const std::size_t trees = joints + (system.joints ? system.joints->colour_count() : 0);
+    const std::size_t groups = trees + (system.joints && system.any_tree ? 1 : 0);
     for (std::size_t i = 0; i < groups; ++i) {
       const std::size_t group = backwards ? groups - 1 - i : i;
       if (group < colours) {
@@ -48,6 +49,9 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
           system.apply_wrenches();
           change = std::max(change, sums.change);
         }
+      } else if (group >= trees) {
+        cut.exchange(system.bodies);
+        change = std::max(change, system.joints->relax_trees(system.bodies));
       } else if (group >= joints) {
         cut.exchange_joints(group - joints, system.bodies);
         change = std::max(change, system.joints->relax(group - joints, system.bodies));

@@ -30,6 +30,10 @@ inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequen
 enum class Form { incremental, total };
 inline constexpr std::array<std::string_view, 2> form_names{"incremental", "total"};
 
+// How the joints' own rows are solved: iterative, each joint's as one block; direct, those of each tree of joints as one block.
+enum class JointSolve { iterative, direct };
+inline constexpr std::array<std::string_view, 2> joint_solve_names{"iterative", "direct"};
+
 // The solvers there are, the default first; solver.cpp has the table.
 std::vector<std::string> solver_names();
 
@@ -57,6 +61,7 @@ struct SolverSettings {
   // stage.
   double warm_start = -1;
   Form form = Form::incremental;
+  JointSolve joints = JointSolve::iterative;
   double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
   FrictionModel friction = FrictionModel::disc;
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration

@@ -53,6 +53,7 @@ struct System {
   AttachmentBatch attachment_rows;
   AttachmentBatch* attachments = nullptr;    // where the scene has any, in stages that have them
   JointBatch* joints = nullptr;              // the same
+  bool any_tree = false;                     // some of the scene's joints are solved as trees
   ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
   std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
   std::pmr::vector<Vec4d> moved_places;    // x + h v of each body, kept by sweeps of constraints; else empty

@@ -10,6 +10,8 @@
 #include "collide/continuous.hpp"
 #include "collide/triangle_distance.hpp"
 #include "solve/free_motion.hpp"
+#include "world/shape_library.hpp"
+#include "world/shape_type.hpp"
 
 namespace unibody {
 
@@ -23,6 +25,26 @@ constexpr double kept_share = 0.1;
 
 bool overlap(const Bounds& a, const Bounds& b) {
   return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
+}
+
+// The points by which a solid counts (m, body axes): corners of its core, the furthest along the diagonals and axes of its frame.
+// Of compounds, which may have hundreds of parts, the parts' centres.
+std::vector<Vec3> points_of(const Shape& shape) {
+  std::vector<Vec3> points;
+  if (shape.kind == ShapeKind::compound) {
+    for (const Compound::Part& part : shape_library().compounds[shape.data].parts) points.push_back(part.place);
+    return points;
+  }
+  const ConvexFunctions* convex = type_of(shape.kind).convex;
+  if (!convex) return points;
+  const auto add = [&](const Vec3& direction) {
+    const Vec3 point = convex->support(shape, direction);
+    if (std::find(points.begin(), points.end(), point) == points.end()) points.push_back(point);
+  };
+  for (int k = 0; k < 8; ++k) add(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+  if (shape.kind == ShapeKind::box) return points;
+  for (int k = 0; k < 3; ++k) add(Vec3::Unit(k)), add(-Vec3::Unit(k));
+  return points;
 }
 
 }  // namespace
@@ -81,15 +103,11 @@ void SurfaceGuard::list_points(std::span<const Vec3> spins) {
     const auto i = static_cast<std::size_t>(s);
     const Shape& shape = world_.properties[i].shape;
     if (is_round(shape)) points_.push_back({s});
-    if (shape.kind != ShapeKind::box || !world_.properties[i].is_dynamic()) continue;
+    if (is_round(shape) || !world_.properties[i].is_dynamic()) continue;
     const Quat q = world_.orientation_of(i);
     const Quat next = turned_by(q, spins[i], settings_.step);
-    for (int corner = 0; corner < 8; ++corner) {
-      Vec3 arm = shape.size;
-      for (int k = 0; k < 3; ++k)
-        if ((corner >> k & 1) == 0) arm[k] = -arm[k];
-      points_.push_back({s, corner, q * arm, next * arm - q * arm});
-    }
+    int corner = 0;
+    for (const Vec3& arm : points_of(shape)) points_.push_back({s, corner++, q * arm, next * arm - q * arm});
   }
 }
 

@@ -11,10 +11,11 @@
 // The surface of a solid is not held: what gets in is pushed out by contacts, and what is out of its place already would be kept
 // there. Nodes of a solid are, by others' surfaces.
 //
-// Round bodies count by their centres, dynamic boxes by their corners, on the straight way that they go while the box turns; what
-// holds a corner back acts on the box's centre, and does not turn it. Corners of boxes that are held are left to contacts: sheets
-// drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the start of the
-// step, and thrown at each other within it, are not looked for: a rank may not know of them.
+// Round bodies count by their centres, other dynamic solids by corners (boxes by all, capsules by the ends of their axes,
+// cylinders and hulls by up to 14, compounds by the centres of their parts), on the straight way that they go while the solid
+// turns; what holds a corner back acts on the solid's centre, and does not turn it. Corners of solids that are held are left to
+// contacts: sheets drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the
+// start of the step, and thrown at each other within it, are not looked for: a rank may not know of them.
 #pragma once
 
 #include <memory_resource>
@@ -39,10 +40,10 @@ class SurfaceGuard {
   std::int64_t hold(std::span<SolverBody> bodies, const Halo& halo);
 
  private:
-  // The centre of a round body, or the corner of a box.
+  // The centre of a round body, or a corner of another.
   struct Point {
     Slot slot;
-    int corner = -1;             // bit k: on the positive side of axis k
+    int corner = -1;             // its number; of a box bit k: on the positive side of axis k
     Vec3 arm = Vec3::Zero();     // m, from the centre
     Vec3 turned = Vec3::Zero();  // m, by which turning moves it in the step
   };

@@ -16,7 +16,7 @@ constexpr std::int32_t leaf = 4;  // triangles
 
 class TreeBuilder {
  public:
-  explicit TreeBuilder(MeshShape& mesh) : mesh_(mesh) {
+  explicit TreeBuilder(MeshSurface& mesh) : mesh_(mesh) {
     const auto n = static_cast<std::int32_t>(mesh.triangles.size());
     for (std::int32_t t = 0; t < n; ++t) mesh.order.push_back(t);
     build(0, 0, n);
@@ -47,10 +47,10 @@ class TreeBuilder {
     build(2 * branch + 2, first + count / 2, count - count / 2);
   }
 
-  MeshShape& mesh_;
+  MeshSurface& mesh_;
 };
 
-void join_neighbours(MeshShape& mesh) {
+void join_neighbours(MeshSurface& mesh) {
   std::map<std::pair<std::int32_t, std::int32_t>, std::pair<std::size_t, std::size_t>> open;  // edge -> triangle, place
   std::vector<bool> taken(mesh.nodes.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -69,10 +69,27 @@ void join_neighbours(MeshShape& mesh) {
   }
 }
 
+// Returns whether there is no border.
+bool add_node_normals(MeshSurface& mesh) {
+  mesh.node_normals.assign(mesh.nodes.size(), Vec3::Zero());
+  std::vector<bool> on_border(mesh.nodes.size(), false);
+  bool closed = true;
+  for (const auto& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = [&](std::size_t i) { return static_cast<std::size_t>(t.nodes[i % 3]); };
+      const Vec3 &x = mesh.nodes[at(k)], a = mesh.nodes[at(k + 1)] - x, b = mesh.nodes[at(k + 2)] - x;
+      mesh.node_normals[at(k)] += std::atan2(a.cross(b).norm(), a.dot(b)) * t.normal;
+      if (t.across[k] < 0) closed = false, on_border[at(k)] = on_border[at(k + 1)] = true;
+    }
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
+    mesh.node_normals[i] = on_border[i] ? Vec3(Vec3::Zero()) : mesh.node_normals[i].normalized();
+  return closed;
+}
+
 }  // namespace
 
-MeshShape make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles) {
-  MeshShape mesh;
+MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles, double below) {
+  MeshSurface mesh;
   mesh.nodes.assign(nodes.begin(), nodes.end());
   for (const auto& t : triangles) {
     const Vec3 &a = nodes[static_cast<std::size_t>(t[0])], &b = nodes[static_cast<std::size_t>(t[1])],
@@ -80,12 +97,14 @@ MeshShape make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::arra
     mesh.triangles.push_back({t, {-1, -1, -1}, {}, {}, (b - a).cross(c - a).normalized()});
   }
   for (const Vec3& x : nodes) mesh.size = mesh.size.cwiseMax(x.cwiseAbs()), mesh.radius = std::max(mesh.radius, x.norm());
+  if (below > 0) mesh.size.z() += below, mesh.radius = mesh.size.norm();
   join_neighbours(mesh);
+  mesh.is_solid = add_node_normals(mesh) || below > 0;
   TreeBuilder{mesh};
   return mesh;
 }
 
-void MeshShape::find(const Vec3& low, const Vec3& high, std::vector<std::int32_t>& found) const {
+void MeshSurface::find(const Vec3& low, const Vec3& high, std::vector<std::int32_t>& found) const {
   const std::size_t before = found.size();
   std::vector<std::size_t> waiting{0};
   const auto apart = [&](const Vec3& l, const Vec3& h) {
@@ -109,7 +128,7 @@ void MeshShape::find(const Vec3& low, const Vec3& high, std::vector<std::int32_t
 
 namespace {
 
-const MeshShape& mesh_of(const Shape& s) { return shape_library().meshes[s.data]; }
+const MeshSurface& mesh_of(const Shape& s) { return shape_library().meshes[s.data]; }
 double bounding(const Shape& s) { return mesh_of(s).radius; }
 Vec3 extents(const Shape& s, const Mat3& rotation) {
   return (rotation.cwiseAbs() * s.size).cwiseMin(Vec3::Constant(bounding(s)));

@@ -1,5 +1,6 @@
 // A surface of triangles that does not move by itself: terrain, or the inside of a drum. Touched from the side to which its
-// triangles turn counterclockwise.
+// triangles turn counterclockwise; behind them it is solid: all the way where the surface says what that is (it is closed, or a
+// height field), else near them.
 #pragma once
 
 #include <array>
@@ -9,7 +10,7 @@
 
 namespace unibody {
 
-struct MeshShape {
+struct MeshSurface {
   struct Triangle {
     std::array<std::int32_t, 3> nodes;
     std::array<std::int32_t, 3> across;  // the third node of the triangle over edge i (from node i to i + 1); -1: none
@@ -18,8 +19,10 @@ struct MeshShape {
   };
   std::vector<Vec3> nodes;  // m
   std::vector<Triangle> triangles;
-  Vec3 size = Vec3::Zero();  // m, the largest of each coordinate
-  double radius = 0;         // m, of the sphere about the origin that holds it
+  Vec3 size = Vec3::Zero();        // m, the largest of each coordinate
+  double radius = 0;               // m, of the sphere about the origin that holds it
+  bool is_solid = false;           // all the way behind its triangles
+  std::vector<Vec3> node_normals;  // means by angle of the triangles' (Baerentzen & Aanaes 2005); 0 on a border
 
   // Adds the numbers of the triangles whose bounds meet this box (m), ascending.
   void find(const Vec3& low, const Vec3& high, std::vector<std::int32_t>& found) const;
@@ -33,7 +36,10 @@ struct MeshShape {
   std::vector<std::int32_t> order;
 };
 
-// Nodes and triangles as those of a TriangleMesh, which must be sound: no triangle without area, no edge of three triangles.
-MeshShape make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles);
+// Nodes and triangles as those of a TriangleMesh, which must be sound: no triangle without area, no edge of three triangles,
+// neighbours that agree about which side is out. `below`: m, > 0 for a height field over the x-y plane, which is solid at least
+// so far below its lowest node.
+MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles,
+                            double below = 0);
 
 }  // namespace unibody

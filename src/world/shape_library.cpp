@@ -14,7 +14,7 @@ Shape ShapeLibrary::add(Compound compound) {
   return {ShapeKind::compound, compounds.back().size, static_cast<std::uint32_t>(compounds.size() - 1)};
 }
 
-Shape ShapeLibrary::add(MeshShape mesh) {
+Shape ShapeLibrary::add(MeshSurface mesh) {
   meshes.push_back(std::move(mesh));
   return {ShapeKind::mesh, meshes.back().size, static_cast<std::uint32_t>(meshes.size() - 1)};
 }

@@ -14,12 +14,12 @@ namespace unibody {
 struct ShapeLibrary {
   std::deque<Hull> hulls;
   std::deque<Compound> compounds;
-  std::deque<MeshShape> meshes;
+  std::deque<MeshSurface> meshes;
 
   // Each returns the shape; the same hull twice is one.
   Shape add(Hull hull);
   Shape add(Compound compound);
-  Shape add(MeshShape mesh);
+  Shape add(MeshSurface mesh);
   std::size_t count(ShapeKind kind) const;  // of the kinds that are here; else 1
 };
 

@@ -18,7 +18,7 @@ int rank_count() {
 
 // A chain with a heavy ball that swings into a wall, a door on two hinges, a motor, a rope between bodies far apart, and a
 // kinematic body that drags.
-std::string machine(const std::string& solver) {
+std::string machine(const std::string& solver, const std::string& joints) {
   return R"(
 bodies:
   - {name: wall, shape: {box: {size: [0.2, 4, 4]}}, motion: fixed, position: [-0.7, 0, -1]}
@@ -36,7 +36,7 @@ joints:
   - {type: hinge, bodies: [door, world], anchor: [2.55, 0, 0.8], axis: [0, 0, 1], motor: {speed: 3, max_torque: 30}}
   - {type: rope, bodies: [weight, door], points: [[3, 6, 0], [3.4, 0, 0]], length: 6.1}
 solver: {iterations: 12, name: )" +
-         solver + "}\n";
+         solver + ", joints: " + joints + "}\n";
 }
 
 void spread(Simulation& s, std::uint64_t seed) { s.move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(s.world, {})); }
@@ -44,9 +44,13 @@ void spread(Simulation& s, std::uint64_t seed) { s.move_homes(Balance(MPI_COMM_W
 }  // namespace
 
 TEST(RanksJoints, AMachineHasTheBitsOfOneRank) {
-  for (const char* solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"}) {
-    Experiment alone(scene_from_text(machine(solver)));
-    Experiment run(scene_from_text(machine(solver)), MPI_COMM_WORLD);
+  for (const auto& [solver, joints] : {std::pair("accelerated_jacobi", "iterative"),
+                                       {"jacobi", "iterative"},
+                                       {"gauss_seidel", "iterative"},
+                                       {"accelerated_jacobi", "direct"},
+                                       {"gauss_seidel", "direct"}}) {
+    Experiment alone(scene_from_text(machine(solver, joints)));
+    Experiment run(scene_from_text(machine(solver, joints)), MPI_COMM_WORLD);
     spread(*run.simulation, 5);
     const World& w = run.world();
     for (int k = 0; k < 90; ++k) {

@@ -21,7 +21,7 @@ solver: {iterations: 16, name: )") +
                              solver + "}\n";
     Experiment alone(scene_from_text(text)), run(scene_from_text(text), MPI_COMM_WORLD);
     run.simulation->move_homes(Balance(MPI_COMM_WORLD, 5, false).homes(run.world(), {}));
-    for (int k = 0; k < 60; ++k) {
+    for (int k = 0; k < 25; ++k) {
       alone.step(), run.step();
       ASSERT_EQ(run.last.residual, alone.last.residual) << solver << ' ' << k;
       const World& w = run.world();

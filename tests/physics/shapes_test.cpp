@@ -3,7 +3,9 @@
 
 #include <cmath>
 
+#include "collide/mesh_side.hpp"
 #include "small_worlds.hpp"
+#include "world/shape_library.hpp"
 
 namespace unibody::small_worlds {
 
@@ -83,6 +85,92 @@ TEST(Shapes, CompoundOfBoxesFallsAsTheBox) {
   EXPECT_NEAR(made.position(1).z(), 0.05, 5e-4);
   EXPECT_NEAR(whole.position(1).z(), 0.05, 5e-4);
   EXPECT_LT(made.velocity(1).norm(), 1e-3);
+}
+
+// 200 bodies of all shapes thrown on hills in a heap, at 0.5 m a step: the upper press the lower through the triangles, and all
+// come out again.
+TEST(Shapes, NoneOfAHeapThrownOnHillsIsLost) {
+  const std::string walls =
+      "  - {shape: {plane: {normal: [1, 0, 0]}}, position: [-1.4, 0, 0]}\n"
+      "  - {shape: {plane: {normal: [-1, 0, 0]}}, position: [1.4, 0, 0]}\n"
+      "  - {shape: {plane: {normal: [0, 1, 0]}}, position: [0, -1.4, 0]}\n"
+      "  - {shape: {plane: {normal: [0, -1, 0]}}, position: [0, 1.4, 0]}\n";
+  const std::string heap = R"(
+  - pile:
+      count: 200
+      columns: [6, 6]
+      gap: 0.01
+      seed: 5
+      mix:
+        - {shape: {sphere: {radius: 0.09}}, scale: [0.6, 1.2]}
+        - {shape: {box: {size: [0.16, 0.14, 0.1]}}, scale: [0.6, 1.2]}
+        - {shape: {capsule: {radius: 0.05, length: 0.14}}, scale: [0.6, 1.2]}
+        - {shape: {cylinder: {radius: 0.08, length: 0.1}}, scale: [0.6, 1.2]}
+        - {shape: {hull: {points: [[0.1, 0, 0], [-0.1, 0, 0], [0, 0.08, 0], [0, -0.08, 0], [0, 0, 0.09], [0, 0, -0.05]]}}, scale: [0.6, 1.2]}
+        - {shape: {compound: {parts: [{shape: {box: {size: [0.2, 0.05, 0.05]}}}, {shape: {box: {size: [0.05, 0.2, 0.05]}}}]}}}
+    density: 2600
+    velocity: [0, 0, -30]
+    position: [0, 0, 1.5]
+)";
+  Experiment run(
+      scene_from_text("bodies:\n  - {shape: {mesh: {height_field: {size: [3, 3], cells: [12, 12], hills: 2, seed: 3}}}}\n" +
+                      walls + heap + "solver: {name: gauss_seidel, iterations: 10}\n"));
+  const MeshSurface& hills = shape_library().meshes[run.world().properties[run.slot(0)].shape.data];
+  run.steps(60);
+  for (Id k = 5; k < 205; ++k) {
+    MeshPlace place;
+    ASSERT_TRUE(find_place(hills, run.position(k), HUGE_VAL, place)) << k;
+    EXPECT_LT(place.depth, 0.05) << k;  // of 0.1 m and more
+  }
+}
+
+// On a net whose nodes are further apart than they are wide: they come to rest on it, and fast ones do not get through.
+TEST(Shapes, ClothHoldsThemSlowAndFast) {
+  const std::string cross =
+      "compound: {parts: [{shape: {box: {size: [0.2, 0.05, 0.05]}}}, {shape: {box: {size: [0.05, 0.2, 0.05]}}}]}";
+  for (const std::string& shape : {cylinder, capsule, wedge, cross})
+    for (const double speed : {0.0, 60.0}) {
+      Scene scene =
+          scene_from_text("bodies:\n  - {shape: {" + shape + "}, mass: 0.1, position: [0.02, 0.03, 0.4], velocity: [0, 0, " +
+                          std::to_string(-speed) +
+                          "], angular_velocity: [3, 2, 0]}\ncloths:\n  - grid: {size: [1, 1], nodes: [11, 11]}\n    mass: 0.5\n  "
+                          "  thickness: 0.02\n"
+                          "    links: {}\n    pins: [{node: [0, 0]}, {node: [10, 0]}, {node: [0, 10]}, {node: [10, 10]}]\n"
+                          "solver: {name: gauss_seidel, iterations: 50}\n");
+      Experiment run(scene);
+      double above = 1;  // m, of the body over the lowest node
+      for (int i = 0; i < (speed > 0 ? 25 : 150); ++i) {
+        run.step();
+        double lowest = 1;
+        for (Id k = 1; k <= 121; ++k) lowest = std::min(lowest, run.position(k).z());
+        above = std::min(above, run.position(0).z() - lowest);
+      }
+      EXPECT_GT(above, 0) << shape << speed;
+      if (speed == 0) {
+        EXPECT_LT(run.velocity(0).norm(), 0.2) << shape;
+      }
+    }
+}
+
+// Grains that do not turn, on each shape where it is flat or round: at rest at the sum of the radii.
+TEST(Shapes, ParticlesRestOnThem) {
+  const std::string lying = "orientation: {axis: [1, 0, 0], angle: 90}, motion: fixed";
+  const auto fixed = [](const std::string& shape, const std::string& more) {
+    return "  - {shape: {" + shape + "}, " + more + "}\n";
+  };
+  Experiment run(scene_from_text(
+      "bodies:\n" + fixed(cylinder, "motion: fixed, position: [0, 0, 0]") + fixed(cylinder, lying + ", position: [1, 0, 0]") +
+      fixed(capsule, lying + ", position: [2, 0, 0]") + fixed(wedge, "motion: fixed, position: [3, 0, 0]") +
+      "  - {shape: {particle: {radius: 0.02}}, mass: 0.01, position: [0.03, 0.02, 0.3]}\n"
+      "  - {shape: {particle: {radius: 0.02}}, mass: 0.01, position: [1, 0.02, 0.3]}\n"
+      "  - {shape: {particle: {radius: 0.02}}, mass: 0.01, position: [2, 0.02, 0.3]}\n"
+      "  - {shape: {particle: {radius: 0.02}}, mass: 0.01, position: [3, 0.01, 0.3]}\n"));
+  run.seconds(2);
+  const double at[] = {0.15 + 0.02, 0.1 + 0.02, 0.1 + 0.02, 0.15 + 0.02};
+  for (Id k = 4; k < 8; ++k) {
+    EXPECT_NEAR(run.position(k).z(), at[k - 4], 5e-4) << k;
+    EXPECT_LT(run.velocity(k).norm(), 1e-4) << k;
+  }
 }
 
 TEST(Restitution, BallBouncesToTheHeightsOfItsRestitution) {

@@ -40,6 +40,21 @@ MIXED = """
 GROUND = "- shape: {plane: {normal: [0, 0, 1]}}"
 
 
+def step_solid():
+    """A step, 0.2 m long, as an ASCII STL file: closed, and not convex."""
+    outline = [(0, 0), (0.2, 0), (0.2, 0.05), (0.1, 0.05), (0.1, 0.1), (0, 0.1)]
+    fan = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+    front, back = [(x, 0.0, z) for x, z in outline], [(x, 0.1, z) for x, z in outline]
+    facets = [[front[i] for i in t] for t in fan] + [[back[i] for i in reversed(t)] for t in fan]
+    for i in range(6):
+        j = (i + 1) % 6
+        facets += [[front[j], front[i], back[i]], [front[j], back[i], back[j]]]
+    text = ["solid step"]
+    for facet in facets:
+        text += ["facet normal 0 0 0", "outer loop", *("vertex %g %g %g" % x for x in facet), "endloop", "endfacet"]
+    return "\n".join([*text, "endsolid step", ""])
+
+
 class RankInvariance(ProgramTest):
     def assert_same(self, first, other, files=("frames.h5", "frames.xdmf", "checkpoint.h5")):
         one, two = self.folder / first, self.folder / other
@@ -135,6 +150,27 @@ class RankInvariance(ProgramTest):
             self.assertLess(max(drift), 0.1)
 
     # Contacts with and without friction side by side in every block of four, which contacts share one depends on the rank.
+    # Few grains in the drum and on the hills; solids read from an STL file, in convex pieces, on a cloth.
+    def test_shapes(self):
+        solid = self.folder / "solid.stl"
+        solid.write_text(step_solid())
+        scenes = {
+            "drum": ("bodies[1].pile.count=200", "bodies[1].pile.columns=[8, 5]", "bodies[1].position=[0, 0, 0.1]", "time.frames=20"),
+            "terrain": ("bodies[1].pile.count=150", "bodies[1].pile.columns=[10, 10]", "bodies[1].velocity=[0, 0, -8]", "time.frames=25"),
+            "bunnies_on_cloth": (f"bodies[1].shape.compound.mesh={solid}", "bodies[1].density=400", "bodies[1].velocity=[0, 0, -8]",
+                                 "time.frames=8"),
+        }
+        for scene, more in scenes.items():
+            options = [word for text in ("output.every=10", *more) for word in ("-set", text)]
+            runs = [self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
+            runs.append(self.good(SCENES / f"{scene}.yaml", f"{scene}_5", *options, "-partition", "random:3", ranks=3))
+            for n in (2, 3, 4, 5):
+                with self.subTest(scene=scene, run=n):
+                    self.assertEqual(runs[n - 1].state, runs[0].state)
+                    self.assert_same(f"{scene}_1", f"{scene}_{n}")
+            report = list(csv.DictReader((self.folder / f"{scene}_1" / "report.csv").read_text().splitlines()))
+            self.assertGreater(int(report[-1]["contacts"]), 50, "nothing touches anything: such a run tells nothing")
+
     def test_every_friction_model(self):
         scene = self.scene(MIXED)
         for model in ("cone", "saxce", "box", "none", "postprocess"):

@@ -235,12 +235,13 @@ const std::string single_body = "the name of an entry of bodies that is one body
 
 const std::vector<BadInput> bad_flexibles{
     {"mesh_that_is_missing", "cloths:\n  - mesh: no/flag.obj\n    mass: 1\n    thickness: 0.01\n",
-     "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ file, its path from the scene's "
+     "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ or STL file, its path from the "
+     "scene's "
      "folder"},
     {"grid_and_mesh", with_cloth("mesh: flag.obj"),
      "FILE:5: key 'cloths[0].mesh': found a mesh beside a grid, expected only one of grid and mesh"},
     {"neither_grid_nor_mesh", "cloths:\n  - mass: 1\n    thickness: 0.01\n",
-     "FILE:2: key 'cloths[0].grid': found nothing, expected a map with size and nodes, or mesh: an OBJ file"},
+     "FILE:2: key 'cloths[0].grid': found nothing, expected a map with size and nodes, or mesh: an OBJ or STL file"},
     {"scale_of_a_grid", with_cloth("scale: 2"), "FILE:5: key 'cloths[0].scale': found 2, expected no such key beside a grid"},
     {"grid_of_one_row", "cloths:\n  - grid: {size: [1, 1], nodes: [1, 5]}\n    mass: 1\n    thickness: 0.01\n",
      "FILE:2: key 'cloths[0].grid.nodes[0]': found 1, expected an integer >= 2"},

@@ -39,9 +39,16 @@ const std::vector<Fault> faults{
     {"no_axis", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0]"),
      "FILE:7: key 'joints[0].axis': found nothing, expected a vector of length 1 (world axes), or axes: a list of 2 in the "
      "bodies' axes"},
-    {"axis_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1]"),
-     "FILE:7: key 'joints[0].axis': found an unknown key, expected collide, compliance, damping, type, bodies, anchors or "
-     "anchor"},
+    {"limits_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], limits: [0, 1]"),
+     "FILE:7: key 'joints[0].limits': found an unknown key, expected collide, compliance, damping, swing_limit, twist_limits, "
+     "type, bodies, anchors, anchor, axis or axes"},
+    {"cone_without_axis", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], swing_limit: 30"),
+     "FILE:7: key 'joints[0].axis': found nothing, expected a vector of length 1 (world axes), or axes: a list of 2 in the "
+     "bodies' axes"},
+    {"cone_beyond_all", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], swing_limit: 181"),
+     "FILE:7: key 'joints[0].swing_limit': found 181, expected a number in (0, 180] (degrees)"},
+    {"twist_upside_down", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], twist_limits: [9, 1]"),
+     "FILE:7: key 'joints[0].twist_limits': found [9, 1], expected the lower limit before the upper (degrees)"},
     {"world_first", with_joint("type: ball, bodies: [world, a], anchor: [0, 0, 0]"),
      "FILE:7: key 'joints[0].bodies[0]': found world, expected a body; the second may be world"},
     {"nothing_moves", with_joint("type: ball, bodies: [b, world], anchor: [0, 0, 0]"),
@@ -59,8 +66,8 @@ const std::vector<Fault> faults{
     {"motor_without_strength", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1}"),
      "FILE:7: key 'joints[0].motor.max_torque': found nothing, expected a number > 0 (N m)"},
     {"motor_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], motor: {speed: 1, max_torque: 1}"),
-     "FILE:7: key 'joints[0].motor': found an unknown key, expected collide, compliance, damping, type, bodies, anchors or "
-     "anchor"},
+     "FILE:7: key 'joints[0].motor': found an unknown key, expected collide, compliance, damping, swing_limit, twist_limits, "
+     "type, bodies, anchors, anchor, axis or axes"},
     {"two_targets",
      with_joint("type: slider, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1, offset: 2, max_force: 1}"),
      "FILE:7: key 'joints[0].motor.offset': found 2 beside speed 1, expected only one of speed and offset"},

@@ -53,7 +53,7 @@ TEST(ShapeFiles, TerrainIsStatic) {
   const Scene scene =
       scene_from("bodies:\n  - {shape: {mesh: {height_field: {size: [2, 2], cells: [1, 1], heights: [0, 0, 0, 1]}}}}\n");
   EXPECT_TRUE(scene.groups[0].is_static);
-  const MeshShape& mesh = shape_library().meshes[scene.body(0).properties.shape.data];
+  const MeshSurface& mesh = shape_library().meshes[scene.body(0).properties.shape.data];
   EXPECT_EQ(mesh.triangles.size(), 2u);
   EXPECT_EQ(mesh.nodes[3], Vec3(1, 1, 1));
 }
@@ -63,6 +63,11 @@ TEST(ShapeFiles, RestitutionOfAPairIsTheSmallerUnlessListed) {
                                  "materials:\n  a: {friction: 1, restitution: 0.5}\n  b: {friction: 1, restitution: 0.2}\n"
                                  "  c: {friction: 1}\n  pairs: [{between: [a, c], restitution: 0.9}]\n");
   EXPECT_EQ(scene.restitution, (std::vector<double>{0.5, 0.2, 0.9, 0.2, 0.2, 0, 0.9, 0, 0}));
+  const Scene rolling = scene_from(ball +
+                                   "materials:\n  a: {friction: 1, rolling_friction: 0.04}\n  b: {friction: 1, rolling_friction: "
+                                   "0.01}\n  c: {friction: 1}\n  pairs: [{between: [a, c], spinning_friction: 0.3}]\n");
+  EXPECT_EQ(rolling.rolling, (std::vector<double>{0.04, 0.02, 0, 0.02, 0.01, 0, 0, 0, 0}));
+  EXPECT_EQ(rolling.spinning, (std::vector<double>{0, 0, 0.3, 0, 0, 0, 0.3, 0, 0}));
   EXPECT_EQ(scene.friction_of(0, 2), 1);
 }
 
@@ -94,6 +99,8 @@ TEST(ShapeFiles, BadShapesAreRefused) {
             "FILE:3: key 'bodies[0].shape.capsule': found a capsule, expected sphere, box, plane or disc in a planar scene");
   EXPECT_EQ(fault_of(ball + "materials: {a: {friction: 1, restitution: 1.5}}\n"),
             "FILE:4: key 'materials.a.restitution': found 1.5, expected a number in [0, 1]");
+  EXPECT_EQ(fault_of(ball + "materials: {a: {friction: 1, rolling_friction: -1}}\n"),
+            "FILE:4: key 'materials.a.rolling_friction': found -1, expected a number >= 0 (m)");
 }
 
 }  // namespace unibody

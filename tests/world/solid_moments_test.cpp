@@ -103,7 +103,7 @@ TEST(Compound, MomentsOfADumbbell) {
 }
 
 // A mesh finds the triangles that trying all of them finds.
-TEST(MeshShape, FindsTrianglesInABox) {
+TEST(MeshSurface, FindsTrianglesInABox) {
   std::mt19937 engine(4);
   std::uniform_real_distribution<double> any(-1, 1);
   std::vector<Vec3> nodes;
@@ -113,7 +113,7 @@ TEST(MeshShape, FindsTrianglesInABox) {
     for (int k = 0; k < 3; ++k) nodes.push_back(at + 0.05 * Vec3(any(engine), any(engine), any(engine)));
     triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
-  const MeshShape mesh = make_mesh_shape(nodes, triangles);
+  const MeshSurface mesh = make_mesh_shape(nodes, triangles);
   for (int trial = 0; trial < 50; ++trial) {
     const Vec3 low(any(engine), any(engine), any(engine)), high = low + Vec3::Constant(0.3);
     std::vector<std::int32_t> found, expected;

@@ -1,0 +1,99 @@
+// Convex solids other than spheres and boxes on the faces of surfaces.
+#include <algorithm>
+#include <cmath>
+
+#include "collide/convex_distance.hpp"
+#include "collide/mesh_triangles.hpp"
+#include "collide/surface_contacts.hpp"
+#include "collide/triangle_distance.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr std::uint32_t through_feature = 1u << 17;  // above those of a manifold
+
+ConvexBody at_origin(const Proxy& solid) { return convex_body(solid.shape(), solid.rotation, Vec3::Zero()); }
+
+Vec3 face_normal(const TriangleNodes& x) { return (x[1] - x[0]).cross(x[2] - x[0]); }
+
+}  // namespace
+
+// The share of the step at which a solid, without turning, first touches a face; 2: not within it, 0: they touch. Their distance
+// along its direction shrinks no faster than the face's nodes and the solid approach each other along it.
+double SurfaceCollider::first_touch_of_solid(const Proxy& solid, const SurfaceFace& face, double radius) const {
+  const ConvexBody body = at_origin(solid);
+  double time = 0;
+  for (int i = 0; i < 32; ++i) {
+    TriangleNodes nodes = places(face, time);
+    for (Vec3& x : nodes) x -= solid.position + time * settings_.step * solid.velocity;
+    ConvexDistance distance;
+    if (distance_of_cores(body, convex_triangle(nodes, body.size), HUGE_VAL, distance) != Cores::apart) return time;
+    const double gap = distance.gap - radius;
+    if (gap <= 1e-6 * body.size) return time;
+    double closing = 0;
+    for (const Slot s : face.nodes) closing = std::max(closing, -distance.normal.dot(solid.velocity - velocity(s)));
+    if (!(closing > 0)) return 2;
+    time += gap / (closing * settings_.step);
+    if (!(time <= 1)) return 2;
+  }
+  return time;
+}
+
+// A solid whose centre has gone through the face in the last step is told to come back.
+void SurfaceCollider::add_if_through(Pair pair, const Proxy& solid, const SurfaceFace& face, std::uint32_t feature) {
+  if (!settings_.has_past || face.is_segment()) return;
+  const TriangleNodes now = places(face, 0), before = places(face, -1);
+  const Vec3 came = solid.position - settings_.step * solid.velocity, up = face_normal(now).normalized();
+  const double height = up.dot(solid.position - now[0]), was = face_normal(before).normalized().dot(came - before[0]);
+  if (!(height * was < 0)) return;
+  const double t = was / (was - height);
+  TriangleNodes then;
+  for (std::size_t k = 0; k < 3; ++k) then[k] = before[k] + t * (now[k] - before[k]);
+  const ConvexBody body = at_origin(solid);
+  const Vec3 through = came + t * (solid.position - came);
+  if (closest_on_triangle(through, then[0], then[1], then[2]).distance > 0.1 * body.size) return;  // beside it
+  const Vec3 normal = was > 0 ? up : Vec3(-up);
+  const Vec3 weights = closest_on_triangle(solid.position, now[0], now[1], now[2]).weights;
+  pair.weights = {1, -weights[0], -weights[1], -weights[2]};
+  const double reach = body.rounding - normal.dot(body.support(-normal));
+  add(pair, solid.position - place(solid.slot), normal, -std::abs(height) - reach - pair.radii, feature,
+      std::abs(height) + 0.1 * body.size);
+}
+
+// As a box.
+void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature) {
+  Pair pair;
+  pair.slots = {body.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
+  pair.radii = radius(face.nodes[0]), pair.spin = body.spin_reach;
+  add_if_through(pair, body, face, first_feature + through_feature);
+  double time = 0;
+  if (travel(std::span(pair.slots).first(1), face.nodes) > body.half_size) {
+    const double touch = first_touch_of_solid(body, face, pair.radii);
+    pair.watched = touch > 1;
+    time = pair.watched ? 0 : touch;
+  }
+  double fastest = body.speed;
+  for (const Slot s : face.nodes) fastest = std::max({fastest, velocity(s).norm(), (velocity(s) - body.velocity).norm()});
+  const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
+  const double travelled = pair.watched || time > 0 ? 0 : settings_.step * fastest;
+  const double widest = pair.radii + settings_.margin + travelled + pair.spin + fall;
+  TriangleNodes nodes = places(face, time);
+  for (Vec3& x : nodes) x -= body.position + time * settings_.step * body.velocity;
+  PairManifold found;
+  if (!sheet_manifold(at_origin(body), nodes, widest, found)) return;
+  tidy(found, widest);
+  for (int i = 0; i < found.count; ++i) {
+    const ContactPoint& c = found.points[i];
+    const Vec3 on_body = c.position + 0.5 * c.gap * found.normal, on_face = c.position - 0.5 * c.gap * found.normal;
+    const Vec3 weights = without_twin(face, closest_on_triangle(on_face, nodes[0], nodes[1], nodes[2]).weights);
+    if (is_one_node(weights)) continue;  // nodes touch bodies as the particles that they are
+    if (!owns(face, weights) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
+    pair.weights = {1, -weights[0], -weights[1], -weights[2]};
+    const double gap = c.gap - pair.radii, closed = std::max(0.0, -time * settings_.step * found.normal.dot(parting(pair)));
+    if (time == 0 && gap > margin(pair, found.normal)) continue;
+    add(pair, on_body + body.position - place(body.slot), found.normal, gap + closed, first_feature + c.feature);
+  }
+}
+
+}  // namespace unibody

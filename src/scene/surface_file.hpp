@@ -1,0 +1,13 @@
+// The files from which surfaces of triangles are read.
+#pragma once
+
+#include <string>
+
+#include "scene/triangle_mesh.hpp"
+
+namespace unibody {
+
+// As read_stl() where the name ends in .stl or .STL, else as read_obj().
+TriangleMesh read_surface(const std::string& path);
+
+}  // namespace unibody
