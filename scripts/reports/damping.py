@@ -6,15 +6,15 @@ from page import Section, Table
 TITLE = "The paper's damping against XPBD's"
 
 
-def make(session):
-    frames = session.pick(10, 200, 400)
-    size = session.pick(['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]'], [], [])
-    stiffnesses = session.pick((1e3,), (1e2, 1e3, 1e4), (1e2, 1e3, 1e4, 1e5))
+def make(maker):
+    frames = maker.pick(10, 200, 400)
+    size = maker.pick(['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]'], [], [])
+    stiffnesses = maker.pick((1e3,), (1e2, 1e3, 1e4), (1e2, 1e3, 1e4, 1e5))
     rho, beta = .16, 160.  # s; N s/m: equal at 1e3 N/m
     rows = []
     for k in stiffnesses:
         for name, damping in (('none', 0.), ("the paper's, rho = 0.16 s", rho), ("XPBD's, beta = 160 N s/m", beta / k)):
-            run = session.run('cloth_hanging', size + [f'cloths[0].links.stiffness={k:.1e}', f'cloths[0].links.damping={damping:.9g}', 'solver.iterations=100', f'time.frames={frames}'])
+            run = maker.run('cloth_hanging', size + [f'cloths[0].links.stiffness={k:.1e}', f'cloths[0].links.damping={damping:.9g}', 'solver.iterations=100', f'time.frames={frames}'])
             late = frames // 2
             kinetic = run.column('kinetic_energy')
             rows.append([k, name, damping, statistics.mean(kinetic[late:]), statistics.median(run.column('stretch_rms')[late:]), run.column('total_energy')[-1] - run.column('total_energy')[0]])

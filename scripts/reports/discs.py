@@ -22,18 +22,18 @@ def one_step(state, frame, name, iterations):
             'start': os.path.join(state), 'options': ('-error_estimate', str(frame + 1))}
 
 
-def errors(session, counts, frames, own):
+def errors(maker, counts, frames, own):
     """{solver: {k: ([penetration L2 of each sampled frame], [relative distance to the converged step])}}; own: along each solver's own trajectory of 50
     iterations, else from the states of a reference of 300."""
     wishes, keys = [], []
     for name in SOLVERS:
         for frame in frames:
-            state = session.state('planar_discs_100', solver_of(name, 50) if own else solver_of('gauss_seidel', 300), frame)
+            state = maker.state('planar_discs_100', solver_of(name, 50) if own else solver_of('gauss_seidel', 300), frame)
             for k in counts:
                 wishes.append(one_step(state, frame, name, k))
                 keys.append((name, k))
     result = {name: {k: ([], []) for k in counts} for name in SOLVERS}
-    for (name, k), run in zip(keys, session.together(wishes)):
+    for (name, k), run in zip(keys, maker.together(wishes)):
         result[name][k][0].append(run.column('penetration_l2')[0])
         result[name][k][1].append(run.column('error_relative')[0])
     return result
@@ -47,10 +47,10 @@ def paper_measure(of_solver):
     return {k: statistics.mean(f[n] / max(f) for f in frames) if frames else 0. for n, k in enumerate(counts)}
 
 
-def make(session):
-    counts = session.pick((1, 3), (1, 2, 5, 10, 20, 50), (1, 2, 3, 5, 7, 10, 14, 20, 28, 35, 50))
-    frames = session.pick((20,), tuple(range(25, 200, 35)), tuple(range(5, 200, 5)))
-    own, same = errors(session, counts, frames, True), errors(session, counts, frames, False)
+def make(maker):
+    counts = maker.pick((1, 3), (1, 2, 5, 10, 20, 50), (1, 2, 3, 5, 7, 10, 14, 20, 28, 35, 50))
+    frames = maker.pick((20,), tuple(range(25, 200, 35)), tuple(range(5, 200, 5)))
+    own, same = errors(maker, counts, frames, True), errors(maker, counts, frames, False)
     rows = []
     for name, short in SOLVERS.items():
         relative = paper_measure(own[name])

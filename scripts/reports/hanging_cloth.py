@@ -7,12 +7,12 @@ TITLE = 'Figure 10: damping of a hanging cloth'
 CASES = {'rho = 0': ('0', 50), 'rho = 10 h': ('0.16', 50), 'rho = 0, 500 iterations': ('0', 500), 'rho = 10 h, 500 iterations': ('0.16', 500)}
 
 
-def make(session):
-    frames = session.pick(20, 400, 800)
-    size = session.pick(['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]'], [], [])
+def make(maker):
+    frames = maker.pick(20, 400, 800)
+    size = maker.pick(['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]'], [], [])
     found, rows = {}, []
     for name, (rho, iterations) in CASES.items():
-        run = session.run('cloth_hanging', size + [f'cloths[0].links.damping={rho}', f'solver.iterations={iterations}', f'time.frames={frames}'])
+        run = maker.run('cloth_hanging', size + [f'cloths[0].links.damping={rho}', f'solver.iterations={iterations}', f'time.frames={frames}'])
         kinetic, stretch = run.column('kinetic_energy'), run.column('stretch_rms')
         found[name] = kinetic, stretch
         late = frames // 2

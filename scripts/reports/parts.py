@@ -1,4 +1,4 @@
-"""The parts of the report, in order: name on the command line -> module with TITLE and make(session) -> Section."""
+"""The parts of the report, in order: name on the command line -> module with TITLE and make(maker) -> Section."""
 import damping
 import discs
 import hanging_cloth

@@ -1,4 +1,4 @@
-"""What the report wants to know of a run's frames: functions (session, folder, ...) -> something JSON can hold."""
+"""What the report wants to know of a run's frames: functions (maker, folder, ...) -> something JSON can hold."""
 import csv
 import json
 import os
@@ -23,14 +23,14 @@ def path_of(_, folder):
     return (np.array(means) - means[0]).tolist()
 
 
-def measured(session, folder, *options):
+def measured(maker, folder, *options):
     """What scripts/rivals/measure says of the run as a whole, and L2 and max of each frame (mm)."""
-    return measure_file(session, os.path.join(folder, 'frames.h5'), *options)
+    return measure_file(maker, os.path.join(folder, 'frames.h5'), *options)
 
 
-def measure_file(session, path, *options):
+def measure_file(maker, path, *options):
     table = path + '.csv'
-    text = subprocess.run([os.path.join(session.rivals, 'measure'), '--json', *options, '--frames', table, path], check=True, text=True, capture_output=True).stdout
+    text = subprocess.run([os.path.join(maker.rivals, 'measure'), '--json', *options, '--frames', table, path], check=True, text=True, capture_output=True).stdout
     result = json.loads(text)
     with open(table, encoding='utf-8') as file:
         rows = list(csv.DictReader(file))
@@ -49,10 +49,10 @@ def away(_, folder, reference):
     return float(list(csv.DictReader(text.splitlines()))[-1]['distance (m)'])
 
 
-def chain(session, folder, reference=None):
+def chain(maker, folder, reference=None):
     """Drift of a chain's joints, and how far (m) its bodies' centres are at the end from those of a reference: root mean square by mass."""
     path = os.path.join(folder, 'frames.h5')
-    result = measure_file(session, path, '--chain')
+    result = measure_file(maker, path, '--chain')
     result['away'] = None
     if reference:
         with h5py.File(path) as a, h5py.File(os.path.join(reference, 'frames.h5') if os.path.isdir(reference) else reference) as b:

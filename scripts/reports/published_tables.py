@@ -10,27 +10,27 @@ PAPER = {'2000 boxes': (140, 90), '50 x 50 cloth': (6.3, 2.7), '100 x 100 cloth'
 SOLVERS = {'gauss_seidel': 'GS', 'accelerated_jacobi': 'AJ'}
 
 
-def boxes(session, solver, iterations, ranks):
-    frames = session.pick(12, 300, 400)
-    run = session.run('boxes_2000', session.pick(['bodies[1].lattice.count=30'], [], []) +
+def boxes(maker, solver, iterations, ranks):
+    frames = maker.pick(12, 300, 400)
+    run = maker.run('boxes_2000', maker.pick(['bodies[1].lattice.count=30'], [], []) +
                       [f'solver.name={solver}', f'solver.iterations={iterations}', f'time.frames={frames}'], ranks)
     settled = run.column('penetration_rms')[-min(100, frames // 2):]
     return run.frame_ms(), statistics.median(settled)
 
 
-def cloth(session, nodes, solver, iterations, ranks):
-    frames = session.pick(6, 100, 300)
-    run = session.run('cloth_50', hanging_cloth(nodes, 'both', solver, iterations, [f'time.frames={frames}']), ranks)
+def cloth(maker, nodes, solver, iterations, ranks):
+    frames = maker.pick(6, 100, 300)
+    run = maker.run('cloth_50', hanging_cloth(nodes, 'both', solver, iterations, [f'time.frames={frames}']), ranks)
     return run.frame_ms(), statistics.median(run.column('stretch_rms')[-min(50, frames // 2):])
 
 
-def make(session):
-    cases = {'2000 boxes': lambda *how: boxes(session, *how)}
-    for nodes in session.pick((10,), (50, 100, 150), (50, 100, 150)):
-        cases[f'{nodes} x {nodes} cloth'] = lambda *how, nodes=nodes: cloth(session, nodes, *how)
+def make(maker):
+    cases = {'2000 boxes': lambda *how: boxes(maker, *how)}
+    for nodes in maker.pick((10,), (50, 100, 150), (50, 100, 150)):
+        cases[f'{nodes} x {nodes} cloth'] = lambda *how, nodes=nodes: cloth(maker, nodes, *how)
     rows = []
     for name, case in cases.items():
-        for iterations in session.pick((4,), (20,), (10, 20, 50)):
+        for iterations in maker.pick((4,), (20,), (10, 20, 50)):
             ms, error = {}, {}
             for solver, short in SOLVERS.items():
                 for ranks in (1, 2):

@@ -24,58 +24,58 @@ DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30), other('DART', '
 SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '2e6': '1.333e-4'}
 
 
-def soft_spheres(session):
-    stiffnesses = session.pick(['3.7e4'], ['3.7e4', '2e6'], list(SPRINGS))
+def soft_spheres(maker):
+    stiffnesses = maker.pick(['3.7e4'], ['3.7e4', '2e6'], list(SPRINGS))
     return [other(name, f'kn = {kn} N/m, dt = {SPRINGS[kn]} s', '--kn', kn, '--dt', SPRINGS[kn], '--ranks', ranks)
             for name in ('LIGGGHTS', 'LAMMPS') for kn in stiffnesses for ranks in (1, 2)]
 
 
-def chain_settings(session):
+def chain_settings(maker):
     found = [ours('accelerated_jacobi', 100), ours('accelerated_jacobi', 400), ours('accelerated_jacobi', 100, 4), ours('gauss_seidel', 100, 4)]
     for name, text, *options in (('Bullet', '100 iterations', '--iterations', 100), ('ODE', 'quickstep, 100', '--iterations', 100), ('ODE', 'direct', '--direct', 1), ('DART', 'reduced coordinates')):
-        found += [other(name, text + f', {n} substeps', *options, '--substeps', n) for n in session.pick((4,), (4, 16), (1, 4, 16))]
+        found += [other(name, text + f', {n} substeps', *options, '--substeps', n) for n in maker.pick((4,), (4, 16), (1, 4, 16))]
     return found
 
 
-def scenes(session):
+def scenes(maker):
     """name -> (scene, settings, frames, what is run, chain?)"""
-    boxes = ['bodies[1].lattice.count=' + str(session.pick(20, 500, 2000))]
-    spheres = ['bodies[1].lattice.count=' + str(session.pick(20, 1000, 5000))]
-    frames = session.pick(10, 300, 400)
-    found = {'boxes': (session.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + ENGINES, False),
-             '100 boxes': ('boxes_500', ['bodies[1].lattice.count=' + str(session.pick(10, 100, 100))], session.pick(10, 200, 400), PILE[:4] + ENGINES[:1] + ENGINES[3:4] + DART, False),
-             'spheres': ('spheres_5000', spheres, frames, PILE + ENGINES[:1] + ENGINES[3:4] + soft_spheres(session), False),
-             'chain': ('chain_heavy_ball', ['output.joints=false'] + session.pick(['bodies[0].chain.count=5'], [], []), session.pick(5, 60, 150), chain_settings(session), True)}
-    if session.size == 'tiny':  # each program once
+    boxes = ['bodies[1].lattice.count=' + str(maker.pick(20, 500, 2000))]
+    spheres = ['bodies[1].lattice.count=' + str(maker.pick(20, 1000, 5000))]
+    frames = maker.pick(10, 300, 400)
+    found = {'boxes': (maker.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + ENGINES, False),
+             '100 boxes': ('boxes_500', ['bodies[1].lattice.count=' + str(maker.pick(10, 100, 100))], maker.pick(10, 200, 400), PILE[:4] + ENGINES[:1] + ENGINES[3:4] + DART, False),
+             'spheres': ('spheres_5000', spheres, frames, PILE + ENGINES[:1] + ENGINES[3:4] + soft_spheres(maker), False),
+             'chain': ('chain_heavy_ball', ['output.joints=false'] + maker.pick(['bodies[0].chain.count=5'], [], []), maker.pick(5, 60, 150), chain_settings(maker), True)}
+    if maker.size == 'tiny':  # each program once
         found = {name: (scene, settings, frames, list({entry[0]: entry for entry in entries}.values()), chain) for name, (scene, settings, frames, entries, chain) in found.items()}
-    if session.size == 'full':
+    if maker.size == 'full':
         found['50,000 spheres'] = ('spheres_5000', ['bodies[1].lattice.count=50000', 'bodies[1].lattice.columns=[41, 41]', 'bodies[0].container.size=[4.74, 4.74]'], 150,
-                                   [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(session), False)
+                                   [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(maker), False)
     return found
 
 
-def reference_of(session, start, frames, gravity):
+def reference_of(maker, start, frames, gravity):
     """A chain in fine steps by a program in reduced coordinates, where there is one; its folder or file, or None."""
-    path = os.path.join(session.folder, 'states', f'chain_{session.mark(os.path.join(start, "frames.h5"))}_{frames}.h5')
+    path = os.path.join(maker.folder, 'states', f'chain_{maker.mark(os.path.join(start, "frames.h5"))}_{frames}.h5')
     if not os.path.exists(path):
-        session.rival('DART', start, ['--chain', 1, '--frames', frames, '--substeps', session.pick(8, 64, 256)], ['copy', path], gravity)
+        maker.rival('DART', start, ['--chain', 1, '--frames', frames, '--substeps', maker.pick(8, 64, 256)], ['copy', path], gravity)
     return path if os.path.exists(path) else None
 
 
-def rows_of(session, name, scene, settings, frames, entries, chain):
+def rows_of(maker, name, scene, settings, frames, entries, chain):
     settings = settings + ['gravity=[0, 0, -9.8]', f'time.frames={frames}']
-    start = session.folder_of(scene, settings[:-1] + ['output.every=1'], 1)
-    look = ['chain', reference_of(session, start, frames, 9.8)] if chain else ['measure']
+    start = maker.folder_of(scene, settings[:-1] + ['output.every=1'], 1)
+    look = ['chain', reference_of(maker, start, frames, 9.8)] if chain else ['measure']
     rows = []
     for entry in entries:
         if entry[0] == 'unibody':
             _, solver, iterations, substeps, ranks = entry
-            run = session.run(scene, settings + [f'solver.name={solver}', f'solver.iterations={iterations}', f'time.substeps={substeps}'], ranks, look=look)
+            run = maker.run(scene, settings + [f'solver.name={solver}', f'solver.iterations={iterations}', f'time.substeps={substeps}'], ranks, look=look)
             text, ms, seen = f'{SOLVERS[solver]}, {iterations} iterations' + (f', {substeps} substeps' if substeps > 1 else ''), run.frame_ms(), run.seen
         else:
             _, text, options = entry
             ranks = options[options.index('--ranks') + 1] if '--ranks' in options else 1
-            done = session.rival(entry[0], start, [*options, '--frames', frames] + (['--chain', 1] if chain else []), look)
+            done = maker.rival(entry[0], start, [*options, '--frames', frames] + (['--chain', 1] if chain else []), look)
             if done is None or done['ms'] is None:
                 rows.append([name, entry[0], text + (': not installed' if done is None else ': ended in an error'), ranks] + [None] * (len(COLUMNS) - 4))
                 continue
@@ -99,10 +99,10 @@ def compare(rows):
             row[9], row[10] = best[1], best[0] / row[4]
 
 
-def make(session):
+def make(maker):
     rows, ties = [], []
-    for name, (scene, settings, frames, entries, chain) in scenes(session).items():
-        (ties if chain else rows).extend(rows_of(session, name, scene, settings, frames, entries, chain))
+    for name, (scene, settings, frames, entries, chain) in scenes(maker).items():
+        (ties if chain else rows).extend(rows_of(maker, name, scene, settings, frames, entries, chain))
     piles = Table('rivals', 'Piles at rest: RMS and largest penetration of all pairs, medians of the last 100 frames, from the poses; one thread against one rank; h = 16 ms, mu = .3', COLUMNS, rows,
                   'scripts/report rivals')
     heading = COLUMNS[:5] + ['drift RMS (mm)', 'largest drift of all (mm)', COLUMNS[7], 'from the fine reference (mm)'] + COLUMNS[9:]

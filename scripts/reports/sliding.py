@@ -24,12 +24,12 @@ def expected(model, mu, degrees):
     return None
 
 
-def make(session):
-    mu = session.pick(1., .1, .1)
-    directions = session.pick((0, 45), (0, 30, 45), (0, 15, 30, 45))
+def make(maker):
+    mu = maker.pick(1., .1, .1)
+    directions = maker.pick((0, 45), (0, 30, 45), (0, 15, 30, 45))
     frames = int(V0 / (mu * G * H)) + 20
     cases = [(model, d) for model in MODELS for d in directions]
-    found = session.together([{
+    found = maker.together([{
         'scene': 'sliding_box', 'look': ['path'],
         'settings': [f'solver.friction={model}', f'materials.default.friction={mu}', f'time.frames={frames}',
                      f'bodies[1].velocity=[{V0 * math.cos(math.radians(d)):.17g}, {V0 * math.sin(math.radians(d)):.17g}, 0]']} for model, d in cases])

@@ -4,11 +4,11 @@ from page import Section, Table
 TITLE = 'Figure 7: friction in the solve and after it'
 
 
-def make(session):
-    frames = session.pick(3, 125, 250)
+def make(maker):
+    frames = maker.pick(3, 125, 250)
     models = ('disc', 'cone', 'postprocess')
-    runs = session.together([{'scene': 'torus_on_box', 'settings': [f'solver.friction={m}', f'time.frames={frames}', f'output.every={max(1, frames // 5)}'] +
-                              session.pick(['solver.iterations=5'], [], []), 'look': ['path']} for m in models])
+    runs = maker.together([{'scene': 'torus_on_box', 'settings': [f'solver.friction={m}', f'time.frames={frames}', f'output.every={max(1, frames // 5)}'] +
+                              maker.pick(['solver.iterations=5'], [], []), 'look': ['path']} for m in models])
     rows = []
     for model, run in zip(models, runs):
         travel = [sum(x * x for x in p[:2]) ** .5 for p in run.seen]

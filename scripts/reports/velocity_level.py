@@ -2,7 +2,7 @@
 import statistics
 
 from page import Section, Table, draw
-from session import Failed
+from maker import Failed
 
 TITLE = 'Figure 8: velocity level against position level'
 GS = ['solver.name=gauss_seidel', 'solver.iterations=10']
@@ -16,18 +16,18 @@ CASES = {'velocity level, GS 10, cold': GS + VELOCITY + COLD, 'position level, G
          'two stages, GS 10 (ours by default)': GS, 'two stages, GS 50': ['solver.name=gauss_seidel', 'solver.iterations=50']}
 
 
-def make(session):
-    frames = session.pick(15, 400, 400)
-    scene = session.pick(['bodies[1].lattice.count=30'], [], [])
+def make(maker):
+    frames = maker.pick(15, 400, 400)
+    scene = maker.pick(['bodies[1].lattice.count=30'], [], [])
     found, rows = {}, []
     for name, settings in CASES.items():
         try:
-            run = session.run('boxes_2000', scene + settings + [f'time.frames={frames}'], look=['measure'])
+            run = maker.run('boxes_2000', scene + settings + [f'time.frames={frames}'], look=['measure'])
         except Failed as fault:
             if 'level' not in str(fault):
                 raise
             rows.append([name] + [None] * 5)
-            session.say(f'{name}: not available, this program has no solver.level')
+            maker.say(f'{name}: not available, this program has no solver.level')
             continue
         m, kinetic = run.seen, run.column('kinetic_energy')
         found[name] = m['frame_l2_mm']

@@ -2,7 +2,7 @@
 from dataclasses import dataclass, field, replace
 
 from page import Section, Table, draw
-from session import Failed
+from maker import Failed
 
 TITLE = 'Work against precision'
 SOLVERS = {'accelerated_jacobi': 'AJ', 'gauss_seidel': 'GS'}
@@ -19,7 +19,7 @@ class Case:
     stages: bool = True    # a velocity stage may be used
 
 
-def cases(session):
+def cases(maker):
     tiny = {'boxes': Case('boxes_500', .12, 'penetration_rms', ['bodies[1].lattice.count=20'], 20),
             'cloth': Case('cloth_50', .2, 'stretch_rms', ['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]'], 5, False)}
     quick = {'boxes': Case('boxes_500', .12, 'penetration_rms'),
@@ -29,7 +29,7 @@ def cases(session):
              'chain': Case('chain_heavy_ball', .1, 'joint_drift_rms', ['output.joints=false']),
              'mixed': Case('mixed_pile', .2, 'penetration_rms', ['bodies[1].pile.count=300'])}
     full = dict(quick, boxes=Case('boxes_2000', .12, 'penetration_rms'), spheres=Case('spheres_5000', .1, 'penetration_rms'), mixed=Case('mixed_pile', .2, 'penetration_rms'))
-    return session.pick(tiny, quick, full)
+    return maker.pick(tiny, quick, full)
 
 
 @dataclass
@@ -49,40 +49,40 @@ class Setting:
         return [f'solver.name={self.solver}', f'solver.iterations={self.iterations}', f'time.substeps={self.substeps}', *more]
 
 
-def settings_of(session, case):
+def settings_of(maker, case):
     """All combinations in the full report; the curve on one rank, and some of the rest, in the quick one."""
     variants = (['position stage alone'] if case.stages else []) + ['cold']
     found = []
     for solver in SOLVERS:
-        if session.size == 'full':
+        if maker.size == 'full':
             found += [Setting(solver, k, s, r, v) for v in ['', *variants] for s in (1, 2, 4, 8) for k in (5, 10, 20, 50, 100, 200, 500)
                       for r in (1, 2)]
             continue
-        counts = session.pick((4, 40), (10, 40, 160, 640), ())
-        found += [Setting(solver, k, 1, 1) for k in counts] + [Setting(solver, k, 4, 1) for k in counts[:session.pick(2, 3, 0)]]
-        found += [Setting(solver, 40, 16, 1)] if session.size == 'quick' else []
-        found += ([Setting(solver, counts[-1], 1, 2)] if session.size == 'quick' or solver == 'gauss_seidel' else []) + ([Setting(solver, 40, 1, 1, v) for v in variants] if session.size == 'quick' else [])
+        counts = maker.pick((4, 40), (10, 40, 160, 640), ())
+        found += [Setting(solver, k, 1, 1) for k in counts] + [Setting(solver, k, 4, 1) for k in counts[:maker.pick(2, 3, 0)]]
+        found += [Setting(solver, 40, 16, 1)] if maker.size == 'quick' else []
+        found += ([Setting(solver, counts[-1], 1, 2)] if maker.size == 'quick' or solver == 'gauss_seidel' else []) + ([Setting(solver, 40, 1, 1, v) for v in variants] if maker.size == 'quick' else [])
     return found
 
 
-def measure(session, case):
+def measure(maker, case):
     """[(setting, ms a frame, distance of a frame to converged steps, distance to the fine reference, second error)]: distances in m."""
-    frames = session.pick(3, 4, 6)
+    frames = maker.pick(3, 4, 6)
     last = case.frame + frames
     # A state with hardly an error: what an inaccurate run has left open, an accurate one would push apart, by bounded speeds that add up.
-    careful = ['solver.name=accelerated_jacobi', f'solver.iterations={session.pick(20, 200, 500)}', f'time.substeps={session.pick(2, 4, 16)}']
-    state = session.state(case.scene, case.settings + careful, case.frame)
-    fine = ['solver.name=accelerated_jacobi', f'solver.iterations={session.pick(20, 200, 500)}', f'time.substeps={session.pick(4, 16, 64)}'] + (['solver.stages=joint'] if case.stages else [])
-    reference = session.folder_of(case.scene, case.settings + fine + [f'output.every={last}'], last, start=state)
+    careful = ['solver.name=accelerated_jacobi', f'solver.iterations={maker.pick(20, 200, 500)}', f'time.substeps={maker.pick(2, 4, 16)}']
+    state = maker.state(case.scene, case.settings + careful, case.frame)
+    fine = ['solver.name=accelerated_jacobi', f'solver.iterations={maker.pick(20, 200, 500)}', f'time.substeps={maker.pick(4, 16, 64)}'] + (['solver.stages=joint'] if case.stages else [])
+    reference = maker.folder_of(case.scene, case.settings + fine + [f'output.every={last}'], last, start=state)
     found = []
-    for s in settings_of(session, case):
+    for s in settings_of(maker, case):
         alone = next((f for f in found if s.ranks > 1 and f[0] == replace(s, ranks=1)), None)  # the same bits: only the time is new
         how = {'look': ['away', reference], 'options': ('-error_estimate', str(case.frame + 1))} if alone is None else {}
         settings = case.settings + s.values() + [f'time.frames={last}'] + ([f'output.every={last}'] if alone is None else [])
         try:
-            run = session.run(case.scene, settings, s.ranks, start=state, **how)
+            run = maker.run(case.scene, settings, s.ranks, start=state, **how)
         except Failed as fault:  # a setting that this scene can't take
-            session.say(f'{s.name()}: {str(fault).splitlines()[-1]}')
+            maker.say(f'{s.name()}: {str(fault).splitlines()[-1]}')
             continue
         errors = alone[2:] if alone else (s.substeps * run.column('error_estimate')[0], run.seen, run.column(case.second)[-1])
         found.append((s, run.frame_ms(1), *errors))
@@ -98,8 +98,8 @@ def choices(case, found, which):
     return [f'{best[1]}: {best[0]:.3g} ms' if (best := cheapest(found, level * case.size, which)) else 'none' for level in LEVELS]
 
 
-def make(session):
-    everything = {name: (case, measure(session, case)) for name, case in cases(session).items()}
+def make(maker):
+    everything = {name: (case, measure(maker, case)) for name, case in cases(maker).items()}
     rows, chosen = [], []
     for name, (case, found) in everything.items():
         for s, ms, step, away, second in found:

@@ -47,14 +47,14 @@ class Run:
         return 1e3 * sums[len(sums) // 2]
 
 
-class Session:
+class Maker:
     """One making of the report. `folder` holds what was run; `again` runs it anew."""
 
     def __init__(self, size, folder, again=False, core=None, build=BUILD):
         self.size, self.folder, self.again, self.core = size, folder, again, core
         self.program, self.rivals = os.path.join(build, 'unibody'), os.path.join(build, 'scripts', 'rivals')
         self.part, self.made, self.found, self.begin = '', 0, 0, time.monotonic()
-        self.fresh = set()  # made in this session: not again even with --again
+        self.fresh = set()  # made just now: not again even with --again
         self.marks = {}
         for name in ('runs', 'states', 'scratch'):
             os.makedirs(os.path.join(folder, name), exist_ok=True)
@@ -169,12 +169,12 @@ class Session:
 
 
 def driver(name):
-    return lambda session: ([os.path.join(session.rivals, name)], [os.path.join(session.rivals, name)])
+    return lambda maker: ([os.path.join(maker.rivals, name)], [os.path.join(maker.rivals, name)])
 
 
 def script(name, program):
     path = os.path.join(ROOT, 'scripts', 'rivals', name)
-    return lambda session: ([sys.executable, path], [path, program])
+    return lambda maker: ([sys.executable, path], [path, program])
 
 
 # Name -> how it is started, and the files or programs that must be there.
