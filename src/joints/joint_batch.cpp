@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "joints/joint_types.hpp"
+#include "joints/semidefinite.hpp"
 
 namespace unibody {
 
@@ -23,31 +23,11 @@ struct JointBatch::Step {
 
 namespace {
 
-constexpr double least_pivot = 1e-10;  // of a row's diagonal
-constexpr double most_turn = 0.5;      // rad in a step, up to which rows are taken as curved as they are
+constexpr double most_turn = 0.5;  // rad in a step, up to which rows are taken as curved as they are
 
 Vec3 velocity_of(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
 Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
 void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
-
-// Solves P d = b for symmetric positive semidefinite P (lower triangle) by L D L^T. A row whose pivot is round-off gets d = 0.
-template <std::size_t n>
-std::array<double, n> solve_semidefinite(std::array<std::array<double, n>, n> P, std::array<double, n> b) {
-  std::array<double, n> inverse;
-  for (std::size_t j = 0; j < n; ++j) {
-    double pivot = P[j][j];
-    for (std::size_t k = 0; k < j; ++k) pivot -= P[j][k] * P[j][k] * inverse[k];
-    inverse[j] = pivot > least_pivot * P[j][j] ? 1 / pivot : 0;
-    for (std::size_t i = j + 1; i < n; ++i)
-      for (std::size_t k = 0; k < j; ++k) P[i][j] -= P[i][k] * P[j][k] * inverse[k];
-    for (std::size_t k = 0; k < j; ++k) b[j] -= P[j][k] * inverse[k] * b[k];
-  }
-  for (std::size_t i = n; i-- > 0;) {
-    b[i] *= inverse[i];
-    for (std::size_t k = i + 1; k < n && inverse[i] > 0; ++k) b[i] -= P[k][i] * inverse[i] * b[k];
-  }
-  return b;
-}
 
 // The multiplier that a step of 1 / P brings a row within limits to: its proximal map.
 double within_limits(double lambda, double value, double lower, double upper, double to_impulse) {
@@ -56,130 +36,6 @@ double within_limits(double lambda, double value, double lower, double upper, do
 }
 
 }  // namespace
-
-void JointBatch::count(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
-                       std::span<std::int32_t> counts) {
-  std::vector<std::uint8_t> in_tree(counts.size(), 0);
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Joint& joint = joints[static_cast<std::size_t>(list[i])];
-    const std::int32_t beside = (joint.is_limited() ? 1 : 0) + (joint.has_cone() ? 1 : 0) + (joint.motor != Motor::none ? 1 : 0) +
-                                (joint.friction > 0 ? 1 : 0);
-    for (const Slot slot : {slots[i].a, slots[i].b}) {
-      const auto s = static_cast<std::size_t>(slot);
-      counts[s] += beside;
-      if (joint.tree < 0 || !in_tree[s]) ++counts[s];
-      if (joint.tree >= 0) in_tree[s] = 1;
-    }
-  }
-}
-
-void JointBatch::add_parts(const Joint& joint, const Part& common) {
-  Part part = common;
-  part.type = static_cast<std::uint8_t>(joint.kind);
-  part.law = joint.kind == JointKind::rope ? Law::within : Law::equal;
-  part.lower = -std::numeric_limits<double>::infinity(), part.upper = joint.length;
-  part.compliance = joint.compliance, part.turning = joint.turning, part.damping = joint.damping;
-  parts_.push_back(part);
-  part.link = -1;
-  const auto add_row = [&](std::size_t first, Law law, double lower, double upper) {
-    part.type = coordinate_of(joint.kind), part.first = static_cast<std::uint8_t>(first), part.law = law;
-    part.compliance = part.turning = part.damping = 0, part.lower = lower, part.upper = upper;
-    parts_.push_back(part);
-  };
-  if (joint.has_cone()) {
-    add_row(JointImpulses::cone, Law::within, -joint.swing, joint.swing);
-    parts_.back().type = joint_type_index<Swing>();
-  }
-  if (joint.is_limited()) add_row(JointImpulses::limits, Law::within, joint.lower, joint.upper);
-  if (joint.motor == Motor::speed) add_row(JointImpulses::motor, Law::rate, joint.target, joint.strength);
-  if (joint.motor == Motor::position) {
-    add_row(JointImpulses::motor, Law::place, joint.target, joint.strength);
-    limit_approach(parts_.back(), joint.kind);
-  }
-  if (joint.friction > 0) add_row(JointImpulses::friction, Law::rate, 0, joint.friction);
-}
-
-// A motor comes to its place no faster than half of its strength can brake by then, so that it stops there: by what the two
-// bodies weigh against it in their joint, without what else hangs on them.
-void JointBatch::limit_approach(Part& part, JointKind kind) const {
-  struct Row {
-    Vec3 linear, angular, angular_b;
-  };
-  const Side &a = part.side[0], &b = part.side[1];
-  const SolverBody still{};
-  const JointEnd end_a = end_of(a, still, step_), end_b = end_of(b, still, step_);
-  const auto row = [&](const auto& rows, std::size_t k) {
-    return Row{rows.linear[k], rows.angular[k], other_angular(rows.linear[k], rows.angular[k], end_a, end_b)};
-  };
-  const auto product = [&](const Row& r, const Row& s) {
-    return (a.inverse_mass + b.inverse_mass) * r.linear.dot(s.linear) + r.angular.dot(a.inverse_inertia * s.angular) +
-           r.angular_b.dot(b.inverse_inertia * s.angular_b);
-  };
-  with_joint_type(part.type, [&]<class T>() {
-    JointRows<T::rows> coordinate;
-    T::evaluate(end_a, end_b, coordinate);
-    const Row driven = row(coordinate, 0);
-    double mobility = product(driven, driven);
-    with_joint_type(static_cast<std::uint8_t>(kind), [&]<class J>() {
-      JointRows<J::rows> rows;
-      J::evaluate(end_a, end_b, rows);
-      std::array<std::array<double, J::rows>, J::rows> P;
-      std::array<double, J::rows> across;
-      for (std::size_t i = 0; i < J::rows; ++i) {
-        for (std::size_t k = 0; k <= i; ++k) P[i][k] = product(row(rows, i), row(rows, k));
-        across[i] = product(row(rows, i), driven);
-      }
-      const auto held = solve_semidefinite<J::rows>(P, across);
-      for (std::size_t i = 0; i < J::rows; ++i) mobility -= across[i] * held[i];
-    });
-    double away = coordinate.value[0] - part.lower;
-    if (T::angles > 0) away = std::remainder(away, 2 * M_PI);
-    const double speed = std::sqrt(part.upper * std::max(0.0, mobility) * std::abs(away));
-    if (std::abs(away) > step_ * speed) part.law = Law::rate, part.lower = away > 0 ? -speed : speed;
-  });
-}
-
-void JointBatch::build(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots, bool by_colour,
-                       std::int32_t colours, const World& world, std::span<const SolverBody> bodies,
-                       std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-                       std::span<const std::int32_t> counts, double scaling, double step, double stabilisation) {
-  step_ = step, stabilisation_ = stabilisation;
-  parts_.clear(), colour_end_.clear(), trees_.clear();
-  std::vector<std::uint32_t> order(list.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto joint_at = [&](std::uint32_t i) -> const Joint& { return joints[static_cast<std::size_t>(list[i])]; };
-  if (by_colour)
-    std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return joint_at(i).colour < joint_at(j).colour; });
-  const auto side_of = [&](const Joint& joint, std::size_t end, Slot slot) {
-    const auto s = static_cast<std::size_t>(slot);
-    Side side{slot, bodies[s].inverse_mass, counts.empty() ? 1 : std::max(1.0, scaling * counts[s]), Vec3::Zero(), {}, {}, {}};
-    Quat attitude = Quat::Identity();
-    if (s < world.size()) side.centre = world.position[s], attitude = world.orientation_of(s);
-    side.axes = attitude * joint.frame[end], side.arm = joint.frame[end].conjugate() * joint.anchor[end];
-    side.inverse_inertia = inverse_inertia_of(bodies, inertia, isotropic, s);
-    return side;
-  };
-  std::size_t next = 0;
-  for (std::int32_t colour = 0; colour < (by_colour ? colours : 1); ++colour) {
-    for (; next < order.size() && (!by_colour || joint_at(order[next]).colour == colour); ++next) {
-      const Joint& joint = joint_at(order[next]);
-      const JointSlots& ends = slots[order[next]];
-      Part part{};
-      part.side[0] = side_of(joint, 0, ends.a), part.side[1] = side_of(joint, 1, ends.b);
-      part.joint = order[next], part.counted = ends.counted, part.lever = joint.lever;
-      part.link = -1;
-      const std::size_t own = parts_.size();
-      add_parts(joint, part);
-      if (joint.tree >= 0) add_to_tree(parts_[own], joint.tree, bodies);
-      const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
-      if (!is_home(ends.a) && !is_home(ends.b))  // here for its tree alone
-        parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(own) + 1, parts_.end());
-    }
-    colour_end_.push_back(parts_.size());
-  }
-  trees_.factor();
-  residual_.assign(trees_.size(), JointTrees::Vector6::Zero()), change_ = residual_;
-}
 
 namespace {
 
