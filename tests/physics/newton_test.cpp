@@ -94,22 +94,25 @@ TEST(Newton, OneHugeStepIsTheStaticEquilibrium) {
 TEST(Newton, ItsImpulsesAreThoseOfTheLaw) {
   Experiment run(beam("[4, 1, 1]", 0.016, -9.8));
   run.steps(3);
-  const auto& list = std::get<ConstraintList<Tetrahedron>>(run.simulation->constraints);
-  const auto& impulses = std::get<MultiplierList<Tetrahedron>>(run.simulation->constraint_multipliers);
-  ASSERT_EQ(impulses.size(), list.size());
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    std::array<Vec4d, 10> parameters;
-    std::array<Vec3x4, 4> x;
-    for (std::size_t p = 0; p < 10; ++p) parameters[p] = broadcast(list[i].parameters[p]);
-    for (std::size_t e = 0; e < 4; ++e) {
-      const Vec3& at = run.world().position[static_cast<std::size_t>(list[i].ids[e])];
-      x[e] = {broadcast(at.x()), broadcast(at.y()), broadcast(at.z())};
+  std::size_t count = 0;
+  for_each_type(run.simulation->constraints, [&]<class C>(auto type, const ConstraintList<C>& list) {
+    const auto& impulses = std::get<type.value>(run.simulation->constraint_multipliers);
+    ASSERT_EQ(impulses.size(), list.size());
+    for (std::size_t i = 0; i < list.size(); ++i, ++count) {
+      std::array<Vec4d, C::parameter_names.size()> parameters;
+      std::array<Vec3x4, C::stencil> x;
+      for (std::size_t p = 0; p < parameters.size(); ++p) parameters[p] = broadcast(list[i].parameters[p]);
+      for (std::size_t e = 0; e < x.size(); ++e) {
+        const Vec3& at = run.world().position[static_cast<std::size_t>(list[i].ids[e])];
+        x[e] = {broadcast(at.x()), broadcast(at.y()), broadcast(at.z())};
+      }
+      Rows<C::stencil, C::rows> rows;
+      C::evaluate(parameters, x, rows);
+      for (std::size_t k = 0; k < C::rows; ++k)
+        EXPECT_NEAR(impulses[i][k], -0.016 * rows.value[k][0] / list[i].compliance[k], 1e-9) << i << ' ' << k;
     }
-    Rows<4, 6> rows;
-    Tetrahedron::evaluate(parameters, x, rows);
-    for (std::size_t k = 0; k < 6; ++k)
-      EXPECT_NEAR(impulses[i][k], -0.016 * rows.value[k][0] / list[i].compliance[k], 1e-9) << i << ' ' << k;
-  }
+  });
+  EXPECT_EQ(count, 24u);
 }
 
 // Too few iterations for a huge step: said, with how far the nodes still are from where they belong.
