@@ -24,6 +24,10 @@ def digest_of_file(path):
         return hashlib.file_digest(file, 'sha256').hexdigest()[:20] if hasattr(hashlib, 'file_digest') else hashlib.sha256(file.read()).hexdigest()[:20]
 
 
+def now(seconds=None):
+    return time.strftime('%Y-%m-%d %H:%M', time.localtime(seconds))
+
+
 class Failed(Exception):
     """A program could not be run; says why."""
 
@@ -56,6 +60,8 @@ class Maker:
         self.part, self.made, self.found, self.begin = '', 0, 0, time.monotonic()
         self.fresh = set()  # made just now: not again even with --again
         self.marks = {}
+        self.load = os.getloadavg()[0]
+        self.when = set()  # of all runs looked at: (when they were made, the machine's load when that making began or None)
         for name in ('runs', 'states', 'scratch'):
             os.makedirs(os.path.join(folder, name), exist_ok=True)
 
@@ -77,15 +83,28 @@ class Maker:
         if os.path.exists(path) and (not self.again or key in self.fresh):
             self.found += 1
             with open(path, encoding='utf-8') as file:
-                return json.load(file)
+                result = json.load(file)
+            self.when.add((result.get('made', now(os.path.getmtime(path))), result.get('load')))
+            return result
         self.say(what)
-        result = make()
+        result = dict(make(), made=now(), load=self.load)
+        self.when.add((result['made'], result['load']))
         self.made += 1
         self.fresh.add(key)
         with open(path + '.part', 'w', encoding='utf-8') as file:
             json.dump(result, file)
         os.replace(path + '.part', path)
         return result
+
+    def conditions(self):
+        """When the runs were made that the page shows, and how busy the machine was: facts of the measuring, not of the reading."""
+        if not self.when:
+            return [('made', 'no run yet'), ('load at the start', '-')]
+        times, loads = [t for t, _ in self.when], [load for _, load in self.when]
+        made = min(times) if min(times) == max(times) else f'{min(times)} to {max(times)}'
+        if None in loads:
+            return [('made', made), ('load at the start', 'not kept')]
+        return [('made', made), ('load at the start', f'{max(loads):.1f}' + (' - too busy: these times are unfit to quote' if max(loads) > .7 else ''))]
 
     def key(self, scene, settings, ranks=1, options=(), start=None, look=()):
         return digest(self.mark(self.program), self.mark(scene_path(scene)), settings, ranks, options, start and self.mark(start), named(look))

@@ -95,18 +95,22 @@ class RankInvariance(ProgramTest):
                 self.folder_for(solver)
                 self.check_all(self.scene(MIXED), solver)
 
+    def report_of_equal_runs(self, scene, options):
+        """The rows of report.csv of a scene's runs on 1 to 4 ranks and of a random partition, all the same."""
+        runs = [self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
+        runs.append(self.good(SCENES / f"{scene}.yaml", f"{scene}_5", *options, "-partition", "random:3", ranks=3))
+        for n in (2, 3, 4, 5):
+            with self.subTest(scene=scene, run=n):
+                self.assertEqual(runs[n - 1].state, runs[0].state)
+                self.assert_same(f"{scene}_1", f"{scene}_{n}")
+        return list(csv.DictReader((self.folder / f"{scene}_1" / "report.csv").read_text().splitlines()))
+
     # Up to the impact: heavy boxes on faces; sheets on each other and on themselves. The guard has had to hold some pairs of both.
     def test_cloths(self):
         heavy = ("cloths[0].mass=3", "bodies[1].mass=0.5")
         for scene, frames, more in (("boxes_on_cloth", 60, heavy), ("cloth_stack", 30, ())):
             options = [word for text in (f"time.frames={frames}", "output.every=10", *more) for word in ("-set", text)]
-            runs = [self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
-            runs.append(self.good(SCENES / f"{scene}.yaml", f"{scene}_5", *options, "-partition", "random:3", ranks=3))
-            for n in (2, 3, 4, 5):
-                with self.subTest(scene=scene, run=n):
-                    self.assertEqual(runs[n - 1].state, runs[0].state)
-                    self.assert_same(f"{scene}_1", f"{scene}_{n}")
-            report = list(csv.DictReader((self.folder / f"{scene}_1" / "report.csv").read_text().splitlines()))
+            report = self.report_of_equal_runs(scene, options)
             self.assertGreater(int(report[-1]["contacts"]), 300)
             if scene == "cloth_stack":  # the other cloth does not know of itself
                 self.assertEqual({row["crossings (1)"] for row in report}, {"0"})
@@ -149,7 +153,6 @@ class RankInvariance(ProgramTest):
             self.assertGreater(max(drift), 1e-6, "nothing pulls at any joint: such a run tells nothing")
             self.assertLess(max(drift), 0.1)
 
-    # Contacts with and without friction side by side in every block of four, which contacts share one depends on the rank.
     # Few grains in the drum and on the hills; solids read from an STL file, in convex pieces, on a cloth.
     def test_shapes(self):
         solid = self.folder / "solid.stl"
@@ -162,15 +165,10 @@ class RankInvariance(ProgramTest):
         }
         for scene, more in scenes.items():
             options = [word for text in ("output.every=10", *more) for word in ("-set", text)]
-            runs = [self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
-            runs.append(self.good(SCENES / f"{scene}.yaml", f"{scene}_5", *options, "-partition", "random:3", ranks=3))
-            for n in (2, 3, 4, 5):
-                with self.subTest(scene=scene, run=n):
-                    self.assertEqual(runs[n - 1].state, runs[0].state)
-                    self.assert_same(f"{scene}_1", f"{scene}_{n}")
-            report = list(csv.DictReader((self.folder / f"{scene}_1" / "report.csv").read_text().splitlines()))
+            report = self.report_of_equal_runs(scene, options)
             self.assertGreater(int(report[-1]["contacts"]), 50, "nothing touches anything: such a run tells nothing")
 
+    # Contacts with and without friction side by side in every block of four, which contacts share one depends on the rank.
     def test_every_friction_model(self):
         scene = self.scene(MIXED)
         for model in ("cone", "saxce", "box", "none", "postprocess"):

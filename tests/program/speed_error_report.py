@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """scripts/report: that its parts still run, that what they compute is right on known cases, and that it goes on where it stopped."""
 import csv
+import json
 import os
 import pathlib
 import re
@@ -142,6 +143,17 @@ class Report(unittest.TestCase):
         for path in kept:  # as if stopped before the first run
             path.unlink()
         self.assertIn(" 10 runs made", self.report("sliding").err)
+
+    def test_the_page_tells_of_the_measuring_not_of_the_reading(self):
+        run = self.report("sliding")
+        self.assertEqual(run.code, 0, run.err)
+        for path in (self.folder / "report" / "runs").glob("*.json"):
+            kept = json.loads(path.read_text())
+            path.write_text(json.dumps(dict(kept, made="2001-02-03 04:05", load=7.0)))
+        self.assertIn(" 0 runs made", self.report("sliding").err)
+        text = (self.folder / "report.html").read_text()
+        self.assertIn("2001-02-03 04:05", text)
+        self.assertIn("7.0 - too busy", text)
 
     def test_an_unknown_part_is_refused(self):
         run = self.report("sliding", "slidding")
