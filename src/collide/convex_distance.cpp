@@ -91,6 +91,7 @@ class Expansion {
       const double depth = face.normal.dot(w.w);
       if (depth < least) least = depth, best = face;
       if (!(depth - face.offset > 1e-10 * scale_)) break;
+      if (face.offset >= 0) inside_ = face.offset;
       if (!grow(w, 1e-13 * scale_) && !grow(w, 1e-10 * scale_)) faces_[number].offset = HUGE_VAL;  // others may say more
     }
     finish(best, result);
@@ -146,7 +147,9 @@ class Expansion {
     const double length = n.norm();
     const bool flat = !(length > 1e-14 * scale_ * scale_);
     n = flat ? Vec3(Vec3::Zero()) : Vec3(n / length);
-    faces_.push_back({c, n, flat ? HUGE_VAL : n.dot(p)});
+    // a polytope around the origin only grows: what is nearer than its nearest face was is a sliver with a normal of rounding
+    const bool wrong = !flat && n.dot(p) < inside_ - 1e-10 * scale_;
+    faces_.push_back({c, wrong ? Vec3(Vec3::Zero()) : n, flat || wrong ? HUGE_VAL : n.dot(p)});
   }
 
   std::size_t nearest() const {
@@ -192,6 +195,7 @@ class Expansion {
 
   const ConvexBody &a_, &b_;
   double scale_;
+  double inside_ = -HUGE_VAL;  // m, offset of the face that was nearest, once the origin is inside
   std::vector<Vertex> vertices_;
   std::vector<Face> faces_;
   std::vector<std::array<std::uint16_t, 2>> edges_, horizon_;
