@@ -23,6 +23,9 @@ constexpr std::uint32_t nearest_feature = 1u << 16;
 constexpr double steepest = 0.3;          // cosine between the normal and a face that counts as turned to the other solid
 constexpr double along_each_other = 0.1;  // sine of the angle between two edges
 
+// m, what a face may separate less than the nearest points and still be the normal, of solids of a size.
+double face_loss(double size, double gap) { return 5e-4 * size + 0.02 * std::abs(gap); }
+
 // Height over the plane across the normal as a linear function of the place in it.
 struct Height {
   double at_origin = 0, u = 0, v = 0;
@@ -170,8 +173,8 @@ void feature_towards(const ConvexBody& body, const Vec3& direction, SupportFeatu
 }
 
 // Whether a triangle is what is nearest in its surroundings in the direction in which it was found: no neighbour rises towards
-// the body, and of triangles that share the point this is the one that speaks for it.
-bool stands_out(const MeshTriangle& t, const ConvexDistance& found) {
+// the body, and of triangles that share the point this is the one that speaks for it, or any may.
+bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_speaks) {
   constexpr double lean = 1e-6;
   const TrianglePoint at = closest_on_triangle(found.on_b, t.nodes[0], t.nodes[1], t.nodes[2]);
   if (found.normal.dot(t.normal) > 1 - 1e-6) return true;  // flat on it
@@ -182,13 +185,35 @@ bool stands_out(const MeshTriangle& t, const ConvexDistance& found) {
     inwards -= along * (along.dot(inwards) / along.squaredNorm());
     return found.normal.dot(inwards) > lean * inwards.norm();
   };
+  // from a node the surface goes on along the edges: a direction across one of them may rise where they do not
+  const auto rises_from = [&](std::size_t node, std::size_t edge) {
+    if (t.of->across[edge] < 0) return false;
+    const Vec3 along = t.across[edge] - t.nodes[node];
+    return found.normal.dot(along) > lean * along.norm();
+  };
+  const auto normal_over = [&](std::size_t edge) -> Vec3 {
+    if (t.of->across[edge] < 0) return Vec3::Zero();
+    return (t.across[edge] - t.nodes[edge]).cross(t.nodes[(edge + 1) % 3] - t.nodes[edge]).normalized();
+  };
   constexpr double on = 1e-6;  // weight of a corner that does not count
   for (std::size_t k = 0; k < 3; ++k) {
     const auto w = [&](std::size_t i) { return at.weights[static_cast<Eigen::Index>(i % 3)]; };
-    if (w(k) > 1 - on) return t.of->speaks_for_node[k] && !rises(k) && !rises((k + 2) % 3);
-    if (w(k + 2) <= on && w(k) > on && w(k + 1) > on) return t.of->speaks_for_edge[k] && !rises(k);
+    const std::size_t before = (k + 2) % 3;
+    if (w(k) > 1 - on)
+      return (any_speaks || t.of->speaks_for_node[k]) && !rises_from(k, k) && !rises_from(k, before) &&
+             found.normal.dot(t.normal + normal_over(k) + normal_over(before)) > 0;
+    if (w(before) <= on && w(k) > on && w(k + 1) > on)
+      return (any_speaks || t.of->speaks_for_edge[k]) && !rises(k) && found.normal.dot(t.normal + normal_over(k)) > 0;
   }
   return found.normal.dot(t.normal) > 0;
+}
+
+// Of a triangle's manifold: the nearest points, where no corner says as much as they do.
+void add_nearest_unless_said(const ConvexBody& body, Cores cores, const ConvexDistance& distance, double least,
+                             PairManifold& out) {
+  if (cores != Cores::apart || least <= distance.gap + face_loss(body.size, distance.gap)) return;
+  if (out.count == 0) out.normal = distance.normal;
+  out.add(0.5 * (distance.on_a + distance.on_b), distance.gap, nearest_feature);
 }
 
 }  // namespace
@@ -203,8 +228,7 @@ bool convex_manifold(const ConvexBody& a, const ConvexBody& b, double margin, Pa
   double gap = distance.gap;
   bool snapped = false;
   const double smallest = std::min(a.size, b.size);
-  const double lost = 5e-4 * smallest + 0.02 * std::abs(gap);  // m, what a face may separate less
-  double threshold = gap - lost;
+  double threshold = gap - face_loss(smallest, gap);
   const auto try_normal = [&](const Vec3& n) {
     const double along = gap_along(a, b, n);
     if (along > threshold) normal = n, gap = along, snapped = true, threshold = along + 1e-4 * smallest;
@@ -226,29 +250,33 @@ bool convex_manifold(const ConvexBody& a, const ConvexBody& b, double margin, Pa
 
 bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, double margin, PairManifold& out) {
   const Vec3& up = triangle.normal;
-  if (up.dot(body.centre - triangle.nodes[0]) <= 0) return false;
+  const bool in_front = up.dot(body.centre - triangle.nodes[0]) > 0;
+  const auto speaks = [](const std::array<bool, 3>& for_it) { return for_it[0] || for_it[1] || for_it[2]; };
+  if (!in_front && !speaks(triangle.of->speaks_for_edge) && !speaks(triangle.of->speaks_for_node)) return false;
   const ConvexBody face = convex_triangle(triangle.nodes, body.size);
   ConvexDistance distance;
   const Cores cores = distance_of_cores(body, face, margin, distance);
-  if (cores == Cores::far) return false;
+  if (cores == Cores::far || (cores == Cores::together && !in_front)) return false;
   double gap = gap_along(body, face, up);
   Vec3 normal = up;
   if (cores == Cores::apart) {
-    if (!stands_out(triangle, distance)) return false;
-    const bool flat = gap > distance.gap - 5e-4 * body.size - 0.02 * std::abs(distance.gap);
+    if (!stands_out(triangle, distance, false)) return false;
+    const bool flat = gap > distance.gap - face_loss(body.size, distance.gap);
     if (!flat) normal = distance.normal, gap = distance.gap;
   }
   SupportFeature of_body, of_face;
   feature_towards(body, -normal, of_body);
   for (const Vec3& node : triangle.nodes) of_face.add(node);
   of_face.normal = up;
-  Manifolder{body, face, margin, out}.add(normal, of_body, of_face, gap);
+  const double least = Manifolder{body, face, margin, out}.add(normal, of_body, of_face, gap);
   out.normal = normal;
-  if (out.count == 0 && cores == Cores::apart) {
-    out.normal = distance.normal;
-    out.add(0.5 * (distance.on_a + distance.on_b), distance.gap, nearest_feature);
-  }
-  return out.count > 0;
+  add_nearest_unless_said(body, cores, distance, least, out);
+  if (out.count > 0 || cores == Cores::apart) return out.count > 0;
+  // an edge or corner has gone in beside all that is over the triangle: out by the shortest way that no neighbour bars
+  if (!convex_distance(body, face, margin, distance) || !stands_out(triangle, distance, true)) return false;
+  out.normal = distance.normal;
+  out.add(0.5 * (distance.on_a + distance.on_b), distance.gap, nearest_feature);
+  return true;
 }
 
 bool sheet_manifold(const ConvexBody& body, const std::array<Vec3, 3>& triangle, double margin, PairManifold& out) {
@@ -261,18 +289,16 @@ bool sheet_manifold(const ConvexBody& body, const std::array<Vec3, 3>& triangle,
   const Cores cores = distance_of_cores(body, face, margin, distance);
   if (cores == Cores::far || (cores == Cores::together && !flat_triangle)) return false;
   const double along = flat_triangle ? gap_along(body, face, up) : -HUGE_VAL;
-  const bool flat = cores == Cores::together || along > distance.gap - 5e-4 * body.size - 0.02 * std::abs(distance.gap);
+  const bool flat = cores == Cores::together || along > distance.gap - face_loss(body.size, distance.gap);
   out.normal = flat ? up : distance.normal;
   SupportFeature of_body, of_face;
   feature_towards(body, -out.normal, of_body);
   for (const Vec3& node : triangle) of_face.add(node);
   if (up.dot((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0])) < 0) std::swap(of_face.corners[1], of_face.corners[2]);
   of_face.normal = up;
-  if (flat_triangle) Manifolder{body, face, margin, out}.add(out.normal, of_body, of_face, flat ? along : distance.gap);
-  if (out.count == 0 && cores == Cores::apart) {
-    out.normal = distance.normal;
-    out.add(0.5 * (distance.on_a + distance.on_b), distance.gap, nearest_feature);
-  }
+  const double gap = flat ? along : distance.gap;
+  const double least = flat_triangle ? Manifolder{body, face, margin, out}.add(out.normal, of_body, of_face, gap) : HUGE_VAL;
+  add_nearest_unless_said(body, cores, distance, least, out);
   return out.count > 0;
 }
 
