@@ -27,24 +27,24 @@ bool overlap(const Bounds& a, const Bounds& b) {
   return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
 }
 
-// The points by which a solid counts (m, body axes): corners of its core, the furthest along the diagonals and axes of its frame.
-// Of compounds, which may have hundreds of parts, the parts' centres.
-std::vector<Vec3> points_of(const Shape& shape) {
-  std::vector<Vec3> points;
+// Adds the points by which a solid counts (m, body axes), moved: corners of its core, the furthest along the diagonals and axes
+// of its frame; of a compound those of its parts.
+void add_points(const Shape& shape, const Vec3& place, const Quat& turn, std::vector<Vec3>& points) {
   if (shape.kind == ShapeKind::compound) {
-    for (const Compound::Part& part : shape_library().compounds[shape.data].parts) points.push_back(part.place);
-    return points;
+    for (const Compound::Part& part : shape_library().compounds[shape.data].parts)
+      add_points(part.shape, place + turn * part.place, turn * part.turn, points);
+    return;
   }
   const ConvexFunctions* convex = type_of(shape.kind).convex;
-  if (!convex) return points;
+  if (!convex) return;
+  const auto own = static_cast<std::ptrdiff_t>(points.size());
   const auto add = [&](const Vec3& direction) {
-    const Vec3 point = convex->support(shape, direction);
-    if (std::find(points.begin(), points.end(), point) == points.end()) points.push_back(point);
+    const Vec3 point = place + turn * convex->support(shape, direction);
+    if (std::find(points.begin() + own, points.end(), point) == points.end()) points.push_back(point);
   };
   for (int k = 0; k < 8; ++k) add(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
-  if (shape.kind == ShapeKind::box) return points;
+  if (shape.kind == ShapeKind::box) return;
   for (int k = 0; k < 3; ++k) add(Vec3::Unit(k)), add(-Vec3::Unit(k));
-  return points;
 }
 
 }  // namespace
@@ -99,6 +99,7 @@ std::vector<Vec3> SurfaceGuard::spins(std::span<const SolverBody> bodies, const 
 
 void SurfaceGuard::list_points(std::span<const Vec3> spins) {
   points_.clear();
+  std::vector<Vec3> arms;
   for (Slot s = 0; static_cast<std::size_t>(s) < world_.size(); ++s) {
     const auto i = static_cast<std::size_t>(s);
     const Shape& shape = world_.properties[i].shape;
@@ -107,7 +108,9 @@ void SurfaceGuard::list_points(std::span<const Vec3> spins) {
     const Quat q = world_.orientation_of(i);
     const Quat next = turned_by(q, spins[i], settings_.step);
     int corner = 0;
-    for (const Vec3& arm : points_of(shape)) points_.push_back({s, corner++, q * arm, next * arm - q * arm});
+    arms.clear();
+    add_points(shape, Vec3::Zero(), Quat::Identity(), arms);
+    for (const Vec3& arm : arms) points_.push_back({s, corner++, q * arm, next * arm - q * arm});
   }
 }
 

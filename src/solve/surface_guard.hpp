@@ -12,7 +12,7 @@
 // there. Nodes of a solid are, by others' surfaces.
 //
 // Round bodies count by their centres, other dynamic solids by corners (boxes by all, capsules by the ends of their axes,
-// cylinders and hulls by up to 14, compounds by the centres of their parts), on the straight way that they go while the solid
+// cylinders and hulls by up to 14, compounds by those of their parts), on the straight way that they go while the solid
 // turns; what holds a corner back acts on the solid's centre, and does not turn it. Corners of solids that are held are left to
 // contacts: sheets drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the
 // start of the step, and thrown at each other within it, are not looked for: a rank may not know of them.

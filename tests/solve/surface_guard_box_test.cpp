@@ -1,6 +1,7 @@
 // The guard and boxes: no corner goes through a face, on the straight way between its places before and after the step.
 #include "solve/free_motion.hpp"
 #include "solve/guarded_world.hpp"
+#include "world/shape_library.hpp"
 
 namespace unibody {
 namespace {
@@ -70,6 +71,21 @@ TEST(SurfaceGuardBox, ACornerDoesNotPassAFace) {
       for (Id id = w.bystander; id < w.bystander + 3; ++id)
         EXPECT_EQ(w.held[static_cast<std::size_t>(id)], w.solved[static_cast<std::size_t>(id)]);
     }
+}
+
+// The same of two halves that make up the box: their centres and the whole's stay on their side of the face.
+TEST(SurfaceGuardBox, ACornerOfACompoundDoesNotPassAFace) {
+  const Shape half{ShapeKind::box, {0.075, 0.1, 0.075}};
+  const Compound::Part halves[] = {{half, Vec3(-0.075, 0, 0), Quat::Identity()}, {half, Vec3(0.075, 0, 0), Quat::Identity()}};
+  const Compound whole = make_compound(halves);
+  BoxOverFace w(on_its_corner * whole.frame, 0.22);
+  w[w.box].properties.shape = shape_library().add(whole);
+  w.velocity(w.box) = Vec3(0.3, 0, -5);
+  w.guard();
+  ASSERT_EQ(w.corners_through(w.solved), 1);
+  EXPECT_EQ(w.corners_through(w.held), 0);
+  EXPECT_EQ(w.count, 1);
+  EXPECT_LT((w.momentum(w.held) - w.momentum(w.solved)).norm(), 1e-13);
 }
 
 // One corner: the momentum of what it meets is the momentum that it loses.
