@@ -327,25 +327,41 @@ std::size_t SurfaceCollider::flat_neighbours(const SurfaceFace& face, double tim
   return count;
 }
 
-void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
-  Pair pair;
-  pair.slots = {box.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
-  pair.radii = radius(face.nodes[0]), pair.spin = box.spin_reach;
-  double time = 0;
-  if (travel(std::span(pair.slots).first(1), face.nodes) > box.half_size) {
-    const double touch = first_touch(box, face, pair.radii);
+SurfaceCollider::Approach SurfaceCollider::approach(const Proxy& solid, const SurfaceFace& face, FirstTouch first) const {
+  Approach result;
+  Pair& pair = result.pair;
+  pair.slots = {solid.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
+  pair.radii = radius(face.nodes[0]), pair.spin = solid.spin_reach;
+  if (travel(std::span(pair.slots).first(1), face.nodes) > solid.half_size) {
+    const double touch = (this->*first)(solid, face, pair.radii);
     pair.watched = touch > 1;
-    time = pair.watched ? 0 : touch;
+    result.time = pair.watched ? 0 : touch;
   }
-  double fastest = box.speed;
-  for (const Slot s : face.nodes) fastest = std::max({fastest, velocity(s).norm(), (velocity(s) - box.velocity).norm()});
+  double fastest = solid.speed;
+  for (const Slot s : face.nodes) fastest = std::max({fastest, velocity(s).norm(), (velocity(s) - solid.velocity).norm()});
   const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
-  const double widest = settings_.margin + (pair.watched || time > 0 ? 0 : settings_.step * fastest) + pair.spin + fall;
-  const Vec3 centre = box.position + time * settings_.step * box.velocity;
+  const double travelled = pair.watched || result.time > 0 ? 0 : settings_.step * fastest;
+  result.reach = pair.radii + (settings_.margin + travelled + pair.spin + fall);
+  result.centre = solid.position + result.time * settings_.step * solid.velocity;
+  return result;
+}
+
+void SurfaceCollider::add_touch(Approach& approach, const Vec3& weights, const Vec3& arm, const Vec3& normal, double apart,
+                                std::uint32_t feature) {
+  Pair& pair = approach.pair;
+  pair.weights = {1, -weights[0], -weights[1], -weights[2]};
+  const double gap = apart - pair.radii;
+  if (approach.time == 0 && gap > margin(pair, normal)) return;
+  const double closed = std::max(0.0, -approach.time * settings_.step * normal.dot(parting(pair)));
+  add(pair, arm, normal, gap + closed, feature);
+}
+
+void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
+  Approach near = approach(box, face, &SurfaceCollider::first_touch);
   TriangleContacts found;
   std::array<Vec3, 3> beyond;
-  const std::size_t flat = flat_neighbours(face, time, beyond);
-  box_triangle(centre, box.rotation, box.half, places(face, time), {pair.radii + widest, box.half_size}, found,
+  const std::size_t flat = flat_neighbours(face, near.time, beyond);
+  box_triangle(near.centre, box.rotation, box.half, places(face, near.time), {near.reach, box.half_size}, found,
                std::span(beyond).first(flat));
   for (int i = 0; i < found.count; ++i) {
     const TriangleContact& c = found.points[static_cast<std::size_t>(i)];
@@ -356,12 +372,7 @@ void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
     // the far side of a thin part of a solid is no wall for a corner that is through it
     const bool on_face = c.feature < 8 && (weights.array() > 0).all();
     if (on_face && surfaces_.is_closed(face.surface) && is_inwards(face, weights, c.normal)) continue;
-    pair.weights = {1, -weights[0], -weights[1], -weights[2]};
-    const Vec3 arm = c.position - 0.5 * c.gap * c.normal - centre;
-    const double closed = std::max(0.0, -time * settings_.step * c.normal.dot(parting(pair)));
-    const double gap = c.gap - pair.radii;
-    if (time == 0 && gap > margin(pair, c.normal)) continue;
-    add(pair, arm, c.normal, gap + closed, c.feature);
+    add_touch(near, weights, c.position - 0.5 * c.gap * c.normal - near.centre, c.normal, c.gap, c.feature);
   }
 }
 

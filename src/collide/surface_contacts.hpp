@@ -81,6 +81,19 @@ class SurfaceCollider {
   void add_meeting(Pair pair, double time);
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
   std::size_t flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const;
+
+  // A solid and a face: where they are when they first touch if it is fast, else where they are now.
+  struct Approach {
+    Pair pair;
+    double time = 0;  // share of the step
+    double reach;     // m, within which what is found may be a contact
+    Vec3 centre;      // m, of the solid then
+  };
+  using FirstTouch = double (SurfaceCollider::*)(const Proxy& solid, const SurfaceFace& face, double radius) const;
+  Approach approach(const Proxy& solid, const SurfaceFace& face, FirstTouch first) const;
+  // What is `apart` (m) then, without the face's radius.
+  void add_touch(Approach& approach, const Vec3& weights, const Vec3& arm, const Vec3& normal, double apart,
+                 std::uint32_t feature);
   void box_face(const Proxy& box, const SurfaceFace& face);
   void convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;

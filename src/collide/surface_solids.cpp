@@ -63,36 +63,20 @@ void SurfaceCollider::add_if_through(Pair pair, const Proxy& solid, const Surfac
 
 // As a box.
 void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature) {
-  Pair pair;
-  pair.slots = {body.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
-  pair.radii = radius(face.nodes[0]), pair.spin = body.spin_reach;
-  add_if_through(pair, body, face, first_feature + through_feature);
-  double time = 0;
-  if (travel(std::span(pair.slots).first(1), face.nodes) > body.half_size) {
-    const double touch = first_touch_of_solid(body, face, pair.radii);
-    pair.watched = touch > 1;
-    time = pair.watched ? 0 : touch;
-  }
-  double fastest = body.speed;
-  for (const Slot s : face.nodes) fastest = std::max({fastest, velocity(s).norm(), (velocity(s) - body.velocity).norm()});
-  const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
-  const double travelled = pair.watched || time > 0 ? 0 : settings_.step * fastest;
-  const double widest = pair.radii + settings_.margin + travelled + pair.spin + fall;
-  TriangleNodes nodes = places(face, time);
-  for (Vec3& x : nodes) x -= body.position + time * settings_.step * body.velocity;
+  Approach near = approach(body, face, &SurfaceCollider::first_touch_of_solid);
+  add_if_through(near.pair, body, face, first_feature + through_feature);
+  TriangleNodes nodes = places(face, near.time);
+  for (Vec3& x : nodes) x -= near.centre;
   PairManifold found;
-  if (!sheet_manifold(at_origin(body), nodes, widest, found)) return;
-  tidy(found, widest);
+  if (!sheet_manifold(at_origin(body), nodes, near.reach, found)) return;
+  tidy(found, near.reach);
   for (int i = 0; i < found.count; ++i) {
     const ContactPoint& c = found.points[i];
     const Vec3 on_body = c.position + 0.5 * c.gap * found.normal, on_face = c.position - 0.5 * c.gap * found.normal;
     const Vec3 weights = without_twin(face, closest_on_triangle(on_face, nodes[0], nodes[1], nodes[2]).weights);
     if (is_one_node(weights)) continue;  // nodes touch bodies as the particles that they are
     if (!owns(face, weights) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
-    pair.weights = {1, -weights[0], -weights[1], -weights[2]};
-    const double gap = c.gap - pair.radii, closed = std::max(0.0, -time * settings_.step * found.normal.dot(parting(pair)));
-    if (time == 0 && gap > margin(pair, found.normal)) continue;
-    add(pair, on_body + body.position - place(body.slot), found.normal, gap + closed, first_feature + c.feature);
+    add_touch(near, weights, on_body + body.position - place(body.slot), found.normal, c.gap, first_feature + c.feature);
   }
 }
 
