@@ -114,7 +114,7 @@ double contact_share(const SolverSettings& settings) {
 // Where tetrahedra start cold, in a position stage, what touches them must as well: an impact on stiff material, far from
 // converged, goes through few nodes; a share of its force with nothing against it would throw them further than an edge is long.
 bool Simulation::solids_start_cold() const {
-  return scene_.solver.warm_start < 0 && stages() == Stages::position && !at_velocity_level() && !surfaces_.empty();
+  return scene_.solver.warm_start < 0 && stages() == Stages::position && !at_velocity_level();
 }
 
 void Simulation::forget_solids(std::span<ContactBatch::Impulse> start) const {
