@@ -93,6 +93,8 @@ class Simulation {
   StepReport solve_by_newton();
   void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;
   void warm_start(double share);
+  bool solids_start_cold() const;
+  void forget_solids(std::span<ContactBatch::Impulse> start) const;
   Stage stage(Stage::Kind kind) const;
   SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
   void measure_solution(StepReport& report);

@@ -111,6 +111,18 @@ double contact_share(const SolverSettings& settings) {
 
 }  // namespace
 
+// Where tetrahedra start cold, in a position stage, what touches them must as well: an impact on stiff material, far from
+// converged, goes through few nodes; a share of its force with nothing against it would throw them further than an edge is long.
+bool Simulation::solids_start_cold() const {
+  return scene_.solver.warm_start < 0 && stages() == Stages::position && !at_velocity_level();
+}
+
+void Simulation::forget_solids(std::span<ContactBatch::Impulse> start) const {
+  const auto is_solid = [&](Slot s) { return surfaces_.is_node(s) && surfaces_.is_closed(surfaces_.surface_of(s)); };
+  for (const Manifold& m : contacts.manifolds)
+    if (is_solid(m.slot_a) || is_solid(m.slot_b)) std::fill_n(start.begin() + m.first, m.count, ContactBatch::Impulse{0, 0, 0});
+}
+
 // Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
@@ -126,6 +138,7 @@ void Simulation::warm_start(double share_of_contacts) {
     const Scratch::Frame frame(scratch_);
     std::pmr::vector<ContactBatch::Impulse> start(contacts.points.size(), &scratch_);
     recall(multipliers, world, contacts, share_of_contacts * step_, start);
+    if (solids_start_cold()) forget_solids(start);
     system_.contacts.set_impulses(start);
   }
   const Scratch::Frame frame(scratch_);

@@ -8,8 +8,8 @@ def stability(arguments):
     frames = arguments.frames or 2000
     for nodes in arguments.nodes or (50, 100, 150):
         for step in (.016, 1 / 24):
-            for iterations in (5, 10, 20, 50, 100):
-                for solver in ('accelerated_jacobi', 'gauss_seidel'):
+            for iterations in arguments.iterations or (5, 10, 20, 50, 100):
+                for solver in arguments.solvers or ('accelerated_jacobi', 'gauss_seidel', 'jacobi'):
                     for warm in ('0', 'auto'):
                         say(f'stability {nodes} {step:.4f} {solver} {iterations} {warm}')
                         more = ['output.every=0', f'solver.warm_start={warm}', f'time.step={step:.17g}']

@@ -57,8 +57,8 @@ struct SolverSettings {
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
-  // contacts where it is the only stage. -1: automatic_share, but nothing of tetrahedra. Velocity level: [0, 1], of its one
-  // stage.
+  // contacts where it is the only stage. -1: automatic_share, but nothing of tetrahedra and of
+  // what touches them. Velocity level: [0, 1], of its one stage.
   double warm_start = -1;
   Form form = Form::incremental;
   JointSolve joints = JointSolve::iterative;

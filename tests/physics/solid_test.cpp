@@ -64,6 +64,50 @@ TEST(Solid, ElasticEnergyWithTheVolumeAtRestAndTheCurrentOne) {
   }
 }
 
+// Hard rubber on a hard floor, edge first, by default settings: far from converged in every step, and yet no source of energy. In
+// steps of 2 ms its nodes move by a tenth of an edge.
+TEST(Solid, AnImpactOfHardRubberGainsNoEnergy) {
+  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
+    Scene scene = scene_from_text(
+        "time: {step: 0.002}\nsolids:\n  - block: {size: [0.3, 0.2, 0.2], cells: [3, 2, 2]}\n    density: 1000\n"
+        "    youngs_modulus: 5.0e8\n    poissons_ratio: 0.2\n    thickness: 0.02\n    position: [0, 0, 0.22]\n"
+        "    orientation: {axis: [0.6, 0.8, 0], angle: 30}\n    velocity: [3, 0, -5]\n");
+    scene.solver.name = solver;
+    add(scene, ground());
+    Experiment run(std::move(scene));
+    const double energy = run.energy();
+    bool far_from_solved = false;
+    for (int k = 0; k < 60; ++k) {
+      run.step(), far_from_solved |= run.last.residual > 1e-3;
+      ASSERT_LT(run.energy(), energy) << solver << ' ' << k;
+      ASSERT_LT(strain_of(run).max, 0.5) << solver << ' ' << k;
+    }
+    EXPECT_TRUE(far_from_solved) << solver;
+    EXPECT_LT(run.energy(), 0.9 * energy) << "it has met nothing";
+  }
+}
+
+// A box between the floor and hard rubber of 80 times its mass is pressed into the floor while the rubber's force on it is far
+// from found, and nothing but that is why: once the steps converge it stays on the floor to less than a millimetre.
+TEST(Solid, ALightBoxUnderHardRubberIsHeldOnceStepsConverge) {
+  std::vector<double> depths;
+  for (const int iterations : {100, 400}) {
+    Scene scene = scene_from_text(
+        "time: {step: 0.004}\nsolids:\n  - block: {size: [0.3, 0.3, 0.3], cells: [3, 3, 3]}\n    density: 1000\n"
+        "    youngs_modulus: 5.0e8\n    poissons_ratio: 0.2\n    thickness: 0.02\n"
+        "    position: [0, 0, 0.32]\n    velocity: [0, 0, -2]\n");
+    scene.solver.iterations = iterations;
+    add(scene, ground());
+    add(scene, small_worlds::block(27.0 / 80, Vec3(0.15, 0.15, 0.15), Vec3(0.03, 0.02, 0.075)));
+    Experiment run(std::move(scene));
+    double deepest = 0;
+    for (int k = 0; k < 50; ++k) run.step(), run.simulation->detect(), deepest = std::max(deepest, run.penetration());
+    depths.push_back(deepest);
+  }
+  EXPECT_GT(depths[0], 5e-3) << "converged already: try harder material";
+  EXPECT_LT(depths[1], 1e-3);
+}
+
 // Unconverged too: whatever the iterations, the fall's energy is the most there is.
 TEST(Solid, ABlockDroppedOnTheFloorComesToRestOnIt) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
