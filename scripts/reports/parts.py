@@ -1,4 +1,5 @@
 """The parts of the report, in order: name on the command line -> module with TITLE and make(maker) -> Section."""
+import contact_problems
 import damping
 import discs
 import hanging_cloth
@@ -10,4 +11,4 @@ import velocity_level
 import work_precision
 
 PARTS = {'published_tables': published_tables, 'sliding': sliding, 'torus': torus, 'velocity_level': velocity_level, 'discs': discs, 'hanging_cloth': hanging_cloth, 'damping': damping,
-         'work_precision': work_precision, 'rivals': rivals}
+         'work_precision': work_precision, 'rivals': rivals, 'contact_problems': contact_problems}
