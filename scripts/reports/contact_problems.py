@@ -31,7 +31,7 @@ def problems(maker):
         return [(f'{count} spheres', 'spheres_5000', [f'bodies[1].lattice.count={count}', f'bodies[1].lattice.columns=[{columns}, {columns}]', f'bodies[0].container.size=[{width}, {width}]'], frame)
                 for frame in frames]
 
-    return maker.pick(boxes(4, 20), boxes(50, 20, 25, 45) + spheres(100, 5, .6, 25, 45), boxes(50, 20, 25, 45) + boxes(200, 25, 60) + spheres(100, 5, .6, 25, 45) + spheres(300, 7, .82, 45))
+    return maker.pick(boxes(4, 20), boxes(50, 11, 45) + spheres(100, 5, .6, 25, 45), boxes(50, 11, 45) + boxes(200, 25, 60) + spheres(100, 5, .6, 25, 45) + spheres(300, 7, .82, 45))
 
 
 def stored_step(maker, scene, settings, setting, frame, state):
