@@ -26,7 +26,7 @@ PILE = [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel',
 ENGINES = [other('Bullet', '10 iterations', '--iterations', 10), other('Bullet', '50 iterations', '--iterations', 50), other('Bullet', '4 substeps of 5', '--iterations', 5, '--substeps', 4),
            other('ODE', 'quickstep, 20 iterations', '--iterations', 20), other('ODE', 'quickstep, 50', '--iterations', 50), other('ODE', 'quickstep, 4 substeps of 10', '--iterations', 10, '--substeps', 4)]
 DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30), other('DART', 'PGS, 100 iterations', '--iterations', 100)]
-SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '2e6': '1.333e-4'}
+SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '1e6': '2e-4', '2e6': '1.333e-4'}
 
 
 def soft_spheres(maker):
@@ -136,16 +136,18 @@ def make(maker):
     joints = Table('rivals_chain', 'a chain of 100 links with a ball of 1,000 times their mass: how far its joints are open, and how far its bodies are at the end from a run of DART in fine steps', heading, ties,
                    'scripts/report rivals')
 
+    shown = [name for name in ('boxes', 'spheres', '50,000 spheres') if name in plan]
+
     def paint(axes):
-        for axis, name in zip(axes, ('boxes', 'spheres')):
+        for axis, name in zip(axes, shown):
             of = [r for r in rows if r[0] == name and r[3] == 1 and r[4] is not None]
             for program in dict.fromkeys(r[1] for r in of):
                 points = sorted((r[4], max(r[5], 1e-4)) for r in of if r[1] == program)
-                axis.loglog(*zip(*points), 'o' if program == 'unibody' else 'x', label=program)
+                axis.loglog(*zip(*points), 'o' if program == 'unibody' else 'x-' if program in ('LIGGGHTS', 'LAMMPS') else 'x', label=program)
             axis.set(title=name, xlabel='ms a frame, one thread', ylabel='RMS penetration (mm)')
             axis.legend(fontsize=8)
 
-    plot = draw('rivals_boxes', 'Time a frame against penetration at rest, this program and others, each with several settings', paint, 2, command='scripts/report rivals')
+    plot = draw('rivals_boxes', 'Time a frame against penetration at rest, this program and others, each with several settings (LIGGGHTS, LAMMPS: stiffnesses)', paint, len(shown), command='scripts/report rivals')
     return Section(TITLE, [
         'All start from the same file; scripts/rivals/measure judges the poses that each recorded. Bullet, ODE and DART as the distribution builds them, no sleeping, no damping, otherwise their defaults; '
         'LIGGGHTS and LAMMPS with linear springs. Times: ODE, Bullet, DART CPU time of their step; LIGGGHTS, LAMMPS wall time without output; unibody contacts, solve and exchange.',
