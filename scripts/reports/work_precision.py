@@ -216,12 +216,12 @@ def make(maker):
                         of = sorted((p[1], p[which] / curve.size) for p in curve.measured(1) if p[0].solver == solver and p[0].substeps == substeps and not p[0].variant)
                         if of:
                             axis.loglog(*zip(*of), line, marker='.', color=colour, label=SOLVERS[solver] + (f', {substeps} substeps' if substeps > 1 else ''))
-                points = [(p[1], max(p[which] / curve.size, 1e-9)) for p in curve.measured(1)]
-                front = sorted((p[1], max(p[which] / curve.size, 1e-9)) for p in curve.measured(1) if least(curve, p[1], 1) is p)
+                points = [(p[1], max(p[which] / curve.size, 1e-12)) for p in curve.measured(1)]
+                front = sorted((p[1], max(p[which] / curve.size, 1e-12)) for p in curve.measured(1) if least(curve, p[1], 1) is p)
                 axis.loglog(*zip(*points), '.', color='.7', zorder=0)
                 axis.loglog(*zip(*front), color='.5', linewidth=4, alpha=.4, zorder=0, label='front of all settings')
                 axis.loglog([p[1] for p in curve.measured(1) if p[0] == DEFAULT], [p[which] / curve.size for p in curve.measured(1) if p[0] == DEFAULT], 'k*', markersize=10, label='the defaults')
-                axis.axhline(max(curve.known / curve.size, 1e-9), color='C3', linewidth=.8, label='reference known to')
+                axis.axhline(max(curve.known / curve.size, 1e-12), color='C3', linewidth=.8, label='reference known to')
                 axis.set(title=curve.scene, xlabel='ms a frame', ylabel='distance / size')
             axes[0].legend(fontsize=6)
         return paint

@@ -21,7 +21,7 @@ import rivals  # noqa: E402
 import sliding  # noqa: E402
 import work_precision  # noqa: E402
 from page import Section, Table, cell, draw, page  # noqa: E402
-from parts import PARTS  # noqa: E402
+from parts import MINUTES, PARTS  # noqa: E402
 
 
 def rows_of(path):
@@ -218,6 +218,12 @@ class Report(unittest.TestCase):
         text = (self.folder / "report.html").read_text()
         self.assertIn("2001-02-03 04:05", text)
         self.assertIn("7.0 - too busy", text)
+
+    def test_time_left_is_told(self):
+        self.assertRegex(self.first.err, r"work_precision \(\d+ of \d+ runs left, about \d+ min\): ")
+        self.assertEqual(set(PARTS), set(MINUTES["quick"]))
+        self.assertEqual(set(PARTS), set(MINUTES["full"]))
+        self.assertLess(sum(MINUTES["quick"].values()), 15)
 
     def test_an_unknown_part_is_refused(self):
         run = self.report("sliding", "slidding")
