@@ -199,9 +199,10 @@ def make(maker):
             for name, (case, found, _, _) in everything.items() for s, ms, step, away, second in found]
     table = Table('work_precision', 'all settings start from the same state; distances over the size of a body (link, cell)', ['scene', 'solver', 'iterations', 'substeps', 'ranks', 'variant', 'ms a frame',
                   'to the converged step', 'to the fine-step reference', 'other error', 'its value'], rows, 'scripts/report work_precision')
+    heading = ['scene', 'size (m)', 'error of', 'known to', *(f'{level:g}' for level in LEVELS)]
+    chosen = [[c.scene, f'{c.size:.3g}', c.error, f'{c.known / c.size:.1g}', *(choice(c, level) for level in LEVELS)] for c in curves]
     settings = Table('settings', 'The cheapest setting that ends within a share of a body\'s size. The solver: distance of a frame of 16 ms to its converged steps; solver and step: distance after two frames '
-                     'to a run in fine steps; both from the same state. Known to: how far two ways to that reference are apart, as a share too', ['scene', 'size (m)', 'error of', 'known to', *(f'{level:g}' for level in LEVELS)],
-                     [[c.scene, f'{c.size:.3g}', c.error, f'{c.known / c.size:.1g}', *(choice(c, level) for level in LEVELS)] for c in curves], 'scripts/report work_precision')
+                     'to a run in fine steps; both from the same state. Known to: how far two ways to that reference are apart, as a share too', heading, chosen, 'scripts/report work_precision')
     defaults, one, said = about_defaults(curves)
     bars = Table('error_bars', 'What a run says of itself with -error_estimate, against the distance of its frame to the converged one, found as above; all over a body\'s size', [
         'scene', 'setting', 'its own estimate', 'residual of its reference', 'distance found', 'known to'],
