@@ -58,6 +58,7 @@ class Maker:
         self.size, self.folder, self.again, self.core = size, folder, again, core
         self.program, self.rivals = os.path.join(build, 'unibody'), os.path.join(build, 'scripts', 'rivals')
         self.part, self.made, self.found, self.begin = '', 0, 0, time.monotonic()
+        self.ahead = None  # of a part that has said how many runs it needs: (their number, self.made + self.found, self.made, the time) when it began
         self.fresh = set()  # made just now: not again even with --again
         self.marks = {}
         self.load = os.getloadavg()[0]
@@ -68,8 +69,20 @@ class Maker:
     def pick(self, tiny, quick, full):
         return {'tiny': tiny, 'quick': quick, 'full': full}[self.size]
 
+    def expect(self, runs):
+        """The part that begins needs about so many runs."""
+        self.ahead = (runs, self.made + self.found, self.made, time.monotonic())
+
+    def left(self):
+        """How much of the part is left, for people."""
+        if self.ahead is None:
+            return ''
+        runs, before, made, begin = self.ahead
+        to_do, mean = max(runs - (self.made + self.found - before), 0), (time.monotonic() - begin) / max(self.made - made, 1)
+        return f' ({to_do} of {runs} runs left' + (f', about {to_do * mean / 60:.0f} min' if self.made > made else '') + ')'
+
     def say(self, text):
-        print(f'report: {time.monotonic() - self.begin:6.0f} s  {self.part}: {text}', file=sys.stderr, flush=True)
+        print(f'report: {time.monotonic() - self.begin:6.0f} s  {self.part}{self.left()}: {text}', file=sys.stderr, flush=True)
 
     def mark(self, path):
         """The hash of a file, read once."""

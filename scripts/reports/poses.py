@@ -1,5 +1,6 @@
 """What the report wants to know of a run's frames: functions (maker, folder, ...) -> something JSON can hold."""
 import csv
+import importlib.machinery
 import json
 import os
 import subprocess
@@ -9,6 +10,8 @@ import h5py
 import numpy as np
 
 from runs import ROOT
+
+TRAJECTORY = importlib.machinery.SourceFileLoader('trajectory_error', os.path.join(ROOT, 'scripts', 'trajectory_error')).load_module()
 
 
 def frames_of(file):
@@ -40,13 +43,15 @@ def measure_file(maker, path, *options):
     return result
 
 
-def away(_, folder, reference):
-    """Distance (m) of the last frame from that of a reference, by scripts/trajectory_error; None where there is no such script."""
-    script = os.path.join(ROOT, 'scripts', 'trajectory_error')
-    if not os.path.exists(script):
-        return None
-    text = subprocess.run([sys.executable, script, folder, reference, '--frames', 'last'], check=True, text=True, capture_output=True).stdout
-    return float(list(csv.DictReader(text.splitlines()))[-1]['distance (m)'])
+def distance_of_last(folder, reference):
+    """Distance (m) of two runs of the same bodies in the last frame of `reference`, as scripts/trajectory_error has it."""
+    a, b = TRAJECTORY.Run(folder), TRAJECTORY.Run(reference)
+    return float(TRAJECTORY.distances(a, b, b.frames[-1], b.frames[-1])[-1])
+
+
+def away(_, folder, *references):
+    """Distances (m) from references, each in the last frame that the reference has."""
+    return [distance_of_last(folder, reference) for reference in references]
 
 
 def chain(maker, folder, reference=None):

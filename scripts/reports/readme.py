@@ -5,7 +5,7 @@ from page import markdown
 from runs import ROOT
 
 BEGIN, END = '<!-- scripts/report --readme writes from here -->', '<!-- to here -->'
-PLOTS, TABLES = ('work_precision', 'rivals_boxes', 'velocity_level'), ('settings', 'rivals')
+PLOTS, TABLES = ('work_precision', 'rivals_boxes', 'velocity_level'), ('settings', 'rivals_best')
 PICTURES = os.path.join('scenes', 'pictures')
 
 

@@ -1,132 +1,242 @@
-"""Work against precision: how far a step ends from the converged one, and some frames from a fine-step reference, for the time they take."""
+"""Work against precision: how far a frame ends from its converged steps, and two frames from a fine-step reference, for the time they take."""
 from dataclasses import dataclass, field, replace
 
+from fronts import Curve, choice, costs, least, one_for_all, standing
 from page import Section, Table, draw
 from maker import Failed
+from poses import distance_of_last
+from runs import report_rows
 
 TITLE = 'Work against precision'
-SOLVERS = {'accelerated_jacobi': 'AJ', 'gauss_seidel': 'GS'}
+SOLVERS = {'accelerated_jacobi': 'AJ', 'gauss_seidel': 'GS', 'newton': 'Newton'}
 LEVELS = (1e-2, 1e-3, 1e-4)  # of a body's size
-
-
-@dataclass
-class Case:
-    scene: str
-    size: float            # m, of a body, element or link
-    second: str            # column of the other error
-    settings: list = field(default_factory=list)
-    frame: int = 60        # of the state from which all settings start
-    stages: bool = True    # a velocity stage may be used
-
-
-def cases(maker):
-    tiny = {'boxes': Case('boxes_500', .12, 'penetration_rms', ['bodies[1].lattice.count=20'], 20),
-            'cloth': Case('cloth_50', .2, 'stretch_rms', ['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]'], 5, False)}
-    quick = {'boxes': Case('boxes_500', .12, 'penetration_rms'),
-             'spheres': Case('spheres_5000', .1, 'penetration_rms', ['bodies[1].lattice.count=1000']),
-             'cloth': Case('cloth_50', 10 / 49, 'stretch_rms', stages=False),
-             'soft block': Case('soft_block_on_floor', .5 / 8, 'strain_max', frame=25, stages=False),
-             'chain': Case('chain_heavy_ball', .1, 'joint_drift_rms', ['output.joints=false']),
-             'mixed': Case('mixed_pile', .2, 'penetration_rms', ['bodies[1].pile.count=300'])}
-    full = dict(quick, boxes=Case('boxes_2000', .12, 'penetration_rms'), spheres=Case('spheres_5000', .1, 'penetration_rms'), mixed=Case('mixed_pile', .2, 'penetration_rms'))
-    return maker.pick(tiny, quick, full)
+WINDOW = 2                   # frames to the comparison with the fine reference; a few more are run for their time
+VARIANTS = {'position stage alone': ['solver.stages=position'], 'cold': ['solver.stages=position', 'solver.warm_start=0'], 'joint': ['solver.stages=joint'],
+            'direct': ['solver.joints=direct'], '': []}
 
 
 @dataclass
 class Setting:
     solver: str
     iterations: int
-    substeps: int
-    ranks: int
+    substeps: int = 1
+    ranks: int = 1
     variant: str = ''
 
     def name(self):
-        return (f'{SOLVERS[self.solver]} {self.iterations}' + (f' x {self.substeps} substeps' if self.substeps > 1 else '') + (f', {self.variant}' if self.variant else '') +
-                (' on 2 ranks' if self.ranks > 1 else ''))
+        return (SOLVERS[self.solver] + (f' {self.iterations}' if self.iterations else '') + (f' x {self.substeps} substeps' if self.substeps > 1 else '') +
+                (f', {self.variant}' if self.variant else '') + (' on 2 ranks' if self.ranks > 1 else ''))
 
     def values(self):
-        more = {'': [], 'position stage alone': ['solver.stages=position'], 'cold': ['solver.stages=position', 'solver.warm_start=0']}[self.variant]
-        return [f'solver.name={self.solver}', f'solver.iterations={self.iterations}', f'time.substeps={self.substeps}', *more]
+        count = [f'solver.iterations={self.iterations}'] if self.iterations else []
+        return [f'solver.name={self.solver}', *count, f'time.substeps={self.substeps}', *VARIANTS[self.variant]]
+
+
+DEFAULT = Setting('accelerated_jacobi', 50)  # the program's, which the tests hold against it
+ERROR_BARS = (DEFAULT, Setting('gauss_seidel', 50))  # whose own word on their error is held against the distance found
+
+
+@dataclass
+class Case:
+    """A scene, a state of it, and the ways to what is right there. `careful`: how that state is reached. `converged(S)`: independent
+    ways to the converged frame of S substeps; one alone tells by its residual how far it is. `fine`, `finest`: the fine reference,
+    which has that many substeps a frame."""
+    scene: str
+    size: float            # m, of a body, element or link
+    second: str            # column of the other error
+    careful: Setting
+    fine: Setting
+    settings: list = field(default_factory=list)
+    frame: int = 60        # of the state from which all settings start
+    finest: int = 512
+    rows: str = 'contacts'  # or 'joints', 'links', 'solid': what is solved for
+
+    def converged(self, maker, substeps):
+        a = max(maker.pick(400, 20000, 20000) // substeps, 200)
+        if self.rows == 'joints':
+            return Setting('accelerated_jacobi', 30, substeps, 1, 'direct'), Setting('accelerated_jacobi', a, substeps)
+        if self.rows == 'links':
+            return (Setting('newton', 0, substeps),)
+        if self.rows == 'solid':
+            return Setting('accelerated_jacobi', max(a // 10, 100), substeps), Setting('gauss_seidel', max(a // 10, 100), substeps)
+        return Setting('accelerated_jacobi', a, substeps, 1, 'joint'), Setting('gauss_seidel', a, substeps, 1, 'joint')
+
+    def variants(self):
+        return (['position stage alone'] if self.rows == 'contacts' else []) + ['cold']
+
+
+def cases(maker):
+    # Penetration is taken out at a rate that steps do not change: by default it is in one step, whose velocity grows as the step
+    # shrinks, and finer steps would have no limit.
+    rate = ['solver.recovery_time=0.016']
+
+    def pile(scene, size, settings=(), frame=60):
+        return Case(scene, size, 'penetration_rms', Setting('accelerated_jacobi', maker.pick(20, 200, 500), 4), Setting('accelerated_jacobi', 100, maker.pick(16, 512, 1024), 1, 'joint'),
+                    [*settings, *rate], frame, maker.pick(16, 512, 1024))
+
+    def soft(scene, size, second, rows, careful, settings=(), frame=30, finest=512):
+        return Case(scene, size, second, careful, Setting('accelerated_jacobi', 60, finest), list(settings), frame, finest, rows)
+
+    newton = Setting('newton', 0, 2)
+    if maker.size == 'tiny':
+        return {'boxes': pile('boxes_500', .12, ['bodies[1].lattice.count=20'], 20),
+                'cloth': soft('cloth_50', .2, 'stretch_rms', 'links', newton, ['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]', 'cloths[0].links.stiffness=1.0e+4'], 5, 16)}
+    count = 'bodies[1].lattice.count'
+    return {'boxes': pile(maker.pick(0, 'boxes_500', 'boxes_2000'), .12), 'spheres': pile('spheres_5000', .1, maker.pick([], [f'{count}=1000'], [])),
+            'cloth': soft('cloth_50', 10 / 49, 'stretch_rms', 'links', newton, ['cloths[0].links.stiffness=1.0e+4']),
+            'soft block': soft('soft_block_on_floor', .5 / 8, 'strain_max', 'solid', Setting('accelerated_jacobi', 160, 4), frame=25, finest=256),
+            'chain': Case('chain_heavy_ball', .1, 'joint_drift_rms', Setting('accelerated_jacobi', 20, 4, 1, 'direct'), Setting('accelerated_jacobi', 4, 1024, 1, 'direct'), ['output.joints=false'],
+                          60, 1024, 'joints'),
+            'mixed': pile('mixed_pile', .2, maker.pick([], ['bodies[1].pile.count=300'], []))}
 
 
 def settings_of(maker, case):
-    """All combinations in the full report; the curve on one rank, and some of the rest, in the quick one."""
-    variants = (['position stage alone'] if case.stages else []) + ['cold']
-    found = []
-    for solver in SOLVERS:
-        if maker.size == 'full':
-            found += [Setting(solver, k, s, r, v) for v in ['', *variants] for s in (1, 2, 4, 8) for k in (5, 10, 20, 50, 100, 200, 500)
-                      for r in (1, 2)]
+    """The curve on one rank, and some of the rest; finer in the full report."""
+    found = [DEFAULT]
+    for solver in ('accelerated_jacobi', 'gauss_seidel'):
+        if maker.size == 'tiny':
+            found += [Setting(solver, k, s) for k in (4, 40) for s in (1, 4)]
             continue
-        counts = maker.pick((4, 40), (10, 40, 160, 640), ())
-        found += [Setting(solver, k, 1, 1) for k in counts] + [Setting(solver, k, 4, 1) for k in counts[:maker.pick(2, 3, 0)]]
-        found += [Setting(solver, 40, 16, 1)] if maker.size == 'quick' else []
-        found += ([Setting(solver, counts[-1], 1, 2)] if maker.size == 'quick' or solver == 'gauss_seidel' else []) + ([Setting(solver, 40, 1, 1, v) for v in variants] if maker.size == 'quick' else [])
-    return found
+        counts = maker.pick((), (10, 40, 160, 640), (5, 10, 20, 50, 100, 200, 500, 2560))
+        found += [Setting(solver, k) for k in counts] + [Setting(solver, k, s) for s in maker.pick((), (4,), (2, 4, 8)) for k in counts[:maker.pick(0, 3, -2)]]
+        found += [Setting(solver, k, s) for s, k in ((16, 10), (16, 40), (64, 10), (64, 40), (256, 4))]
+        found += [Setting(solver, k, s, 1, v) for v in case.variants() for k in maker.pick((), (40,), counts[:-1]) for s in maker.pick((), (1,), (1, 4))]
+        found += [Setting(solver, k, s, 1, 'joint') for k, s in ((640, 1), (2560, 1), (640, 4)) if case.rows == 'contacts']
+        found += [Setting(solver, 2560)] if case.rows in ('links', 'solid') and maker.size == 'quick' else []
+    if case.rows == 'joints' and maker.size != 'tiny':
+        found += [Setting('accelerated_jacobi', k, s, 1, 'direct') for k, s in ((2, 1), (4, 1), (2, 4), (2, 16), (2, 64), (2, 256))]
+    if case.rows == 'links':
+        found += [Setting('newton', 0), Setting('newton', 0, 4)]
+    # On two ranks the bits are the same: only the time is new.
+    twice = {'tiny': (), 'quick': (50, 640), 'full': (20, 50, 100, 500)}[maker.size]
+    unique = [s for n, s in enumerate(found) if s not in found[:n]]
+    return unique + [replace(s, ranks=2) for s in unique if s.iterations in twice and s.substeps <= 4 and s.variant in ('', 'joint')]
+
+
+def reference(maker, case, setting, last, state):
+    return maker.folder_of(case.scene, case.settings + setting.values() + [f'output.every={last}'], last, start=state)
+
+
+def known_to(ways):
+    """How far the last frame of the first folder is known (m): its distance from that of the second, or, where it is alone, its residual."""
+    return distance_of_last(ways[1], ways[0]) if len(ways) > 1 else float(report_rows(ways[0])[-1]['natural_residual (m)'])
 
 
 def measure(maker, case):
-    """[(setting, ms a frame, distance of a frame to converged steps, distance to the fine reference, second error)]: distances in m."""
-    frames = maker.pick(3, 4, 6)
-    last = case.frame + frames
-    # A state with hardly an error: what an inaccurate run has left open, an accurate one would push apart, by bounded speeds that add up.
-    careful = ['solver.name=accelerated_jacobi', f'solver.iterations={maker.pick(20, 200, 500)}', f'time.substeps={maker.pick(2, 4, 16)}']
-    state = maker.state(case.scene, case.settings + careful, case.frame)
-    fine = ['solver.name=accelerated_jacobi', f'solver.iterations={maker.pick(20, 200, 500)}', f'time.substeps={maker.pick(4, 16, 64)}'] + (['solver.stages=joint'] if case.stages else [])
-    reference = maker.folder_of(case.scene, case.settings + fine + [f'output.every={last}'], last, start=state)
+    """[(setting, ms a frame, distance of a frame to its converged steps, distance to the fine reference, second error)], distances in m;
+    how far these two are known; and [(setting, its own estimate, how far that is solved, the distance found)] in m."""
+    state = maker.state(case.scene, case.settings + case.careful.values(), case.frame)
+    wanted = settings_of(maker, case)
+    converged, known = {}, [0., 0.]
+    for substeps in sorted({s.substeps for s in wanted if s.substeps <= 16}):
+        check = substeps <= 4  # with finer steps a step is solved with ease
+        ways = [reference(maker, case, way, case.frame + 1, state) for way in case.converged(maker, substeps)[:None if check else 1]]
+        converged[substeps] = ways[0]
+        known[0] = max(known[0], known_to(ways) if check else 0)
+    fine = reference(maker, case, case.fine, case.frame + WINDOW, state)
+    known[1] = distance_of_last(reference(maker, case, replace(case.fine, substeps=case.finest // 2), case.frame + WINDOW, state), fine)
     found = []
-    for s in settings_of(maker, case):
-        alone = next((f for f in found if s.ranks > 1 and f[0] == replace(s, ranks=1)), None)  # the same bits: only the time is new
-        how = {'look': ['away', reference], 'options': ('-error_estimate', str(case.frame + 1))} if alone is None else {}
-        settings = case.settings + s.values() + [f'time.frames={last}'] + ([f'output.every={last}'] if alone is None else [])
+    for s in wanted:
+        alone = next((f for f in found if s.ranks > 1 and f[0] == replace(s, ranks=1)), None)
+        settings = case.settings + s.values() + [f'time.frames={case.frame + maker.pick(WINDOW, 4, 6)}'] + (['output.every=1'] if alone is None else [])
+        look = ['away', *([converged[s.substeps]] if s.substeps in converged else []), fine]
         try:
-            run = maker.run(case.scene, settings, s.ranks, start=state, **how)
+            run = maker.run(case.scene, settings, s.ranks, start=state, look=look if alone is None else None)
         except Failed as fault:  # a setting that this scene can't take
             maker.say(f'{s.name()}: {str(fault).splitlines()[-1]}')
             continue
-        errors = alone[2:] if alone else (s.substeps * run.column('error_estimate')[0], run.seen, run.column(case.second)[-1])
+        errors = alone[2:] if alone else (run.seen[0] if len(run.seen) > 1 else None, run.seen[-1], run.column(case.second)[-1])
         found.append((s, run.frame_ms(1), *errors))
-    return found
+    bars = []
+    for s in ERROR_BARS:
+        run = maker.run(case.scene, case.settings + s.values() + [f'time.frames={case.frame + 1}', 'output.every=1'], 1, ('-error_estimate', str(case.frame + 1)), state, ['away', converged[1]])
+        bars.append((s, run.column('error_estimate')[0], run.column('error_reference_residual')[0], run.seen[0]))
+    return found, known, bars
 
 
-def cheapest(found, limit, which):
-    """The fastest setting whose error number `which` is at most `limit`, as (ms, its name), or None."""
-    return min(((f[1], f[0].name()) for f in found if f[which] is not None and f[which] <= limit), default=None)
+ERRORS = ('the solver', 'solver and step')
 
 
-def choices(case, found, which):
-    return [f'{best[1]}: {best[0]:.3g} ms' if (best := cheapest(found, level * case.size, which)) else 'none' for level in LEVELS]
+def about_defaults(curves):
+    """A table of where the defaults stand on each curve, one of the settings that suit all scenes, and a sentence on both."""
+    rows = [[c.scene, c.error, *found] for c in curves if (found := standing(c, DEFAULT))]
+    on = sum(row[4] for row in rows)
+    table = Table('defaults', f'The defaults ({DEFAULT.name()}) on each curve, one rank. On the front: nothing is more than a tenth faster with no more error', [
+        'scene', 'error of', 'ms a frame', 'error / size', 'on the front', 'fastest with no more error', 'its ms / these', 'least error in no more time', 'its error / this'], rows, 'scripts/report work_precision')
+    lines, targets = [], []
+    for error in ERRORS:
+        of = [c for c in curves if c.error == error]
+        for level in LEVELS:
+            known = [c for c in of if c.known <= level * c.size]
+            best = one_for_all(known, level) if known else None
+            own = costs(known, DEFAULT, level)
+            targets.append([error, f'{level:g}', len(known), best and best[0].name(), best and best[1], best and best[2], own[0], own[1]])
+    lines.append(f'The defaults ({DEFAULT.name()}, one substep) are on the front in {on} of {len(rows)} cases; ' +
+                 '; '.join(f'for {name}, {standing_text(row)}' for row in rows if not row[4] for name in [f'{row[0]} ({row[1]})']) + '.')
+    choices = Table('one_setting', 'One setting for all scenes: which of those that run in all of them ends within a share of a body\'s size in most, at what time over each scene\'s cheapest '
+                    '(geometric mean), and what the defaults do. Only scenes whose reference is known so well', ['error of', 'within', 'scenes', 'best setting', 'reached in', 'its time / the cheapest',
+                                                                                                               'defaults: reached in', 'their time / the cheapest'], targets, 'scripts/report work_precision')
+    return table, choices, lines
+
+
+def standing_text(row):
+    return f'{row[5]} has no more error in {row[6]:.2g} of the time, and {row[7]} has {row[8]:.2g} of the error in no more'
+
+
+def about_error_bars(everything):
+    wrong = [f'{name} with {s.name()} ({own / case.size:.1g} said, {off / case.size:.1g} found; its reference was solved to {left / case.size:.1g})'
+             for name, (case, _, _, told) in everything.items() for s, own, left, off in told if not off / 2 <= own <= 2 * off]
+    return ('What a run says of itself (`-error_estimate`) is within a factor of two of the distance found' +
+            (' but for ' + '; '.join(wrong) + ': the residual of its reference, far from 0, is the sign of it.' if wrong else ' everywhere.'))
 
 
 def make(maker):
-    everything = {name: (case, measure(maker, case)) for name, case in cases(maker).items()}
-    rows, chosen = [], []
-    for name, (case, found) in everything.items():
-        for s, ms, step, away, second in found:
-            rows.append([name, SOLVERS[s.solver], s.iterations, s.substeps, s.ranks, s.variant or 'default', ms, step / case.size, away and away / case.size, case.second, second])
-        chosen.append([name, f'{case.size:.3g}', 'the solver', *choices(case, found, 2)])
-        if any(f[3] is not None for f in found):
-            chosen.append([name, f'{case.size:.3g}', 'solver and step', *choices(case, found, 3)])
+    plan = cases(maker)
+    maker.expect(sum(len(settings_of(maker, case)) + 2 * len(ERROR_BARS) for case in plan.values()))
+    everything = {name: (case, *measure(maker, case)) for name, case in plan.items()}
+    curves = [Curve(name, case.size, error, 2 + k, known[k], found) for name, (case, found, known, _) in everything.items() for k, error in enumerate(ERRORS)]
+    rows = [[name, SOLVERS[s.solver], s.iterations or None, s.substeps, s.ranks, s.variant or 'default', ms, None if step is None else step / case.size, away / case.size, case.second, second]
+            for name, (case, found, _, _) in everything.items() for s, ms, step, away, second in found]
     table = Table('work_precision', 'all settings start from the same state; distances over the size of a body (link, cell)', ['scene', 'solver', 'iterations', 'substeps', 'ranks', 'variant', 'ms a frame',
                   'to the converged step', 'to the fine-step reference', 'other error', 'its value'], rows, 'scripts/report work_precision')
-    settings = Table('settings', 'The cheapest setting that ends within a share of a body\'s size. The solver: distance of a frame of 16 ms to its converged steps; solver and step: distance to a run in fine steps, '
-                     'some frames on from the same state', ['scene', 'size (m)', 'error of', *(f'{level:g}' for level in LEVELS)], chosen, 'scripts/report work_precision')
+    heading = ['scene', 'size (m)', 'error of', 'known to', *(f'{level:g}' for level in LEVELS)]
+    chosen = [[c.scene, f'{c.size:.3g}', c.error, f'{c.known / c.size:.1g}', *(choice(c, level) for level in LEVELS)] for c in curves]
+    settings = Table('settings', 'The cheapest setting that ends within a share of a body\'s size. The solver: distance of a frame of 16 ms to its converged steps; solver and step: distance after two frames '
+                     'to a run in fine steps; both from the same state. Known to: how far two ways to that reference are apart, as a share too', heading, chosen, 'scripts/report work_precision')
+    defaults, one, said = about_defaults(curves)
+    bars = Table('error_bars', 'What a run says of itself with -error_estimate, against the distance of its frame to the converged one, found as above; all over a body\'s size', [
+        'scene', 'setting', 'its own estimate', 'residual of its reference', 'distance found', 'known to'],
+        [[name, s.name(), own / case.size, left / case.size, off / case.size, known[0] / case.size] for name, (case, _, known, told) in everything.items() for s, own, left, off in told],
+        'scripts/report work_precision')
 
-    def paint(axes):
-        for axis, (name, (case, found)) in zip(axes, everything.items()):
-            for solver, short in SOLVERS.items():
-                for substeps, line in ((1, '-'), (4, '--')):
-                    of = [(f[1], f[2] / case.size) for f in found if f[0].solver == solver and f[0].substeps == substeps and f[0].ranks == 1 and not f[0].variant]
-                    if of:
-                        axis.loglog(*zip(*of), line, marker='.', color={'AJ': 'C0', 'GS': 'C1'}[short], label=short + (f', {substeps} substeps' if substeps > 1 else ''))
-            axis.set(title=name, xlabel='ms a frame', ylabel='distance / size')
-        axes[0].legend(fontsize=7)
+    def painter(which):
+        def paint(axes):
+            for axis, curve in zip(axes, [c for c in curves if c.which == which]):
+                for solver, colour in (('accelerated_jacobi', 'C0'), ('gauss_seidel', 'C1')):
+                    for substeps, line in ((1, '-'), (4, '--'), (16, ':')):
+                        of = sorted((p[1], p[which] / curve.size) for p in curve.measured(1) if p[0].solver == solver and p[0].substeps == substeps and not p[0].variant)
+                        if of:
+                            axis.loglog(*zip(*of), line, marker='.', color=colour, label=SOLVERS[solver] + (f', {substeps} substeps' if substeps > 1 else ''))
+                points = [(p[1], max(p[which] / curve.size, 1e-12)) for p in curve.measured(1)]
+                front = sorted((p[1], max(p[which] / curve.size, 1e-12)) for p in curve.measured(1) if least(curve, p[1], 1) is p)
+                axis.loglog(*zip(*points), '.', color='.7', zorder=0)
+                axis.loglog(*zip(*front), color='.5', linewidth=4, alpha=.4, zorder=0, label='front of all settings')
+                axis.loglog([p[1] for p in curve.measured(1) if p[0] == DEFAULT], [p[which] / curve.size for p in curve.measured(1) if p[0] == DEFAULT], 'k*', markersize=10, label='the defaults')
+                axis.axhline(max(curve.known / curve.size, 1e-12), color='C3', linewidth=.8, label='reference known to')
+                axis.set(title=curve.scene, xlabel='ms a frame', ylabel='distance / size')
+            axes[0].legend(fontsize=6)
+        return paint
 
     wide = min(3, len(everything))
-    plot = draw('work_precision', 'Distance of a frame to its converged steps, over a body\'s size, against its time; one rank', paint, wide, -(-len(everything) // wide), 'scripts/report work_precision')
+    plots = [draw(name, caption + ', over a body\'s size, against the time of a frame; one rank', painter(which), wide, -(-len(everything) // wide), 'scripts/report work_precision')
+             for which, name, caption in ((2, 'work_precision', 'Distance of a frame to its converged steps'), (3, 'work_precision_steps', 'Distance to a run in fine steps, two frames on'))]
     return Section(TITLE, [
-        'Every setting starts from one state of each scene, in the middle of its motion. Its first frame is solved on until it converges (`-error_estimate`); the distance of one step is taken as many times as '
-        'the frame has substeps. Some frames later the run is compared with a reference of fine, converged steps from the same state: that error has the step\'s own too, which no iterations take away.',
-        'How to read it: the distance of a step falls slowly with iterations where force chains are long or links stiff, since information goes one body an iteration; the error after some frames falls '
-        'with substeps as well. Inextensible cloths are the extreme: all their links may hold to a thousandth and the cloth still be far from where the converged step folds it. The default (accelerated Jacobi, '
-        '50 iterations) is not the cheapest on piles, where Gauss-Seidel with 10 is; it is the default since towers stand with it and ranks gain most.'], [settings, table], [plot])
+        'Every setting starts from one state of each scene, in the middle of its motion, which an accurate run made. The solver\'s error is the distance of its first frame to the same frame with the same substeps, '
+        'solved until it converges: contacts by joint stages with up to 20,000 iterations, the chain directly, the cloth by Newton\'s method. How far that is known is the distance between two ways to it (AJ and GS, '
+        'direct and AJ; of Newton\'s its residual): with friction a step has no unique solution, and jammed piles creep towards one.',
+        'The error of solver and step is the distance, two frames on, to a run of hundreds of substeps a frame, known to what half as many change. Windows are this short since piles are chaotic: after some '
+        'impacts two runs differ by a body\'s size whatever their steps. Penetration is taken out with a time constant of 16 ms at all substeps; by default it is one step, whose velocities '
+        'grow as steps shrink, so that finer steps come to no limit.',
+        'The cloth\'s links have 1e4 N/m here: of inextensible ones Newton\'s method finds no step. In one long step the others end at some distance from its, however many iterations they have, since their '
+        'default form of constraints misses implicit Euler by the turning of directions within a step; that falls with substeps (scenes/README.md, Form).',
+about_error_bars(everything), *said], [settings, defaults, one, bars, table], plots)

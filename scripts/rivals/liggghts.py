@@ -7,6 +7,7 @@ Linear springs: kt = 2/7 kn; damping for a restitution of about .05: gamman = 2 
 gammat = 2/7 gamman. All spheres must be equal and planes axis-aligned. Prints the wall time of a frame, writing not included.
 """
 import argparse
+import itertools
 import os
 import re
 import subprocess
@@ -87,9 +88,8 @@ def frames_of(dump, count):
         while text.readline():
             header = [text.readline() for _ in range(8)]
             values = np.full((count, 9), np.nan)
-            for _ in range(int(header[2])):
-                row = text.readline().split()
-                values[int(row[0]) - 1] = [float(v) for v in row[1:]]
+            rows = np.fromstring(''.join(itertools.islice(text, int(header[2]))), sep=' ').reshape(-1, 10)
+            values[rows[:, 0].astype(int) - 1] = rows[:, 1:]
             yield values
 
 

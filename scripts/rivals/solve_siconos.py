@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """Solves a stored frictional contact problem with Siconos (apt-get install python3-siconos) and compares the two solutions.
 
-usage: scripts/rivals/solve_siconos.py FILE [TOLERANCE [ITERATIONS]]     FILE of unibody's -dump_fclib; 1e-10, 100000
-Its nonsmooth Gauss-Seidel (NSGS) starts from zero, on the full matrix W. Both solutions are measured by one formula (fclib.py);
+usage: scripts/rivals/solve_siconos.py FILE [TOLERANCE [ITERATIONS]] [--json]     FILE of unibody's -dump_fclib; 1e-10, 100000
+Its nonsmooth Gauss-Seidel (NSGS) starts from zero, on the sparse matrix W. Both solutions are measured by one formula (fclib.py);
 the velocities are compared because they are what moves bodies: impulses of many contacts are not unique. Ends with 1 where
-Siconos does not reach the tolerance.
+Siconos does not reach the tolerance. --json prints r, its iterations, seconds and whether it converged instead.
 """
+import json
 import sys
+import time
 
 import numpy as np
 
@@ -14,32 +16,44 @@ from fclib import Problem, told
 
 
 def solve(problem, tolerance, iterations):
-    """r and whether it converged."""
+    """{'r', 'converged', 'iterations', 'seconds' of the solve alone}."""
     import siconos.numerics as sn
-    w = problem.dense()
+    from scipy.sparse import coo_matrix
+    w = coo_matrix((problem.values, (problem.rows, problem.columns)), shape=(problem.size, problem.size)).tocsc()
+    w.indices, w.indptr = w.indices.astype(np.int64), w.indptr.astype(np.int64)
     contact = sn.FrictionContactProblem(3, len(problem.mu), w, problem.q, problem.mu)
     options = sn.SolverOptions(sn.SICONOS_FRICTION_3D_NSGS)
     options.dparam[sn.SICONOS_DPARAM_TOL] = tolerance
     options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = iterations
     r, u = np.zeros(problem.size), np.zeros(problem.size)
-    return r, sn.fc3d_nsgs(contact, r, u, options) == 0
+    begin = time.perf_counter()
+    failed = sn.fc3d_nsgs(contact, r, u, options)
+    return {'r': r, 'converged': failed == 0, 'iterations': int(options.iparam[sn.SICONOS_IPARAM_ITER_DONE]), 'seconds': time.perf_counter() - begin}
+
+
+def differences(problem, ours, theirs):
+    """Of the impulses and of the velocities that they make, over the norms of theirs."""
+    return {name: float(np.linalg.norm(a - b) / max(np.linalg.norm(b), np.finfo(float).tiny))
+            for name, a, b in (('impulses', ours, theirs), ('velocities', problem.times_w(ours), problem.times_w(theirs)))}
 
 
 def main():
-    if len(sys.argv) not in (2, 3, 4) or sys.argv[1].startswith('-'):
+    words = [w for w in sys.argv[1:] if w != '--json']
+    if len(words) not in (1, 2, 3) or words[0].startswith('-'):
         print(__doc__.strip())
-        return 0 if sys.argv[1:] in (['-h'], ['--help']) else 2
-    problem = Problem(sys.argv[1])
-    tolerance = float(sys.argv[2]) if len(sys.argv) > 2 else 1e-10
-    iterations = int(sys.argv[3]) if len(sys.argv) > 3 else 100000
-    r, converged = solve(problem, tolerance, iterations)
+        return 0 if words in (['-h'], ['--help']) else 2
+    problem = Problem(words[0])
+    found = solve(problem, float(words[1]) if len(words) > 1 else 1e-10, int(words[2]) if len(words) > 2 else 100000)
+    if '--json' in sys.argv:
+        print(json.dumps(dict(found, r=found['r'].tolist())))
+        return 0
     if problem.r is not None:
         print(f'stored:  {told(problem.measures(problem.r))}')
-    print(f'Siconos: {told(problem.measures(r))}' + ('' if converged else ' (not converged)'))
+    print(f'Siconos: {told(problem.measures(found["r"]))}' + ('' if found['converged'] else ' (not converged)'))
     if problem.r is not None:
-        for name, ours, theirs in (('impulses', problem.r, r), ('velocities', problem.times_w(problem.r), problem.times_w(r))):
-            print(f'{name} differ by {np.linalg.norm(ours - theirs) / np.linalg.norm(theirs):.3g} of their norm')
-    return 0 if converged else 1
+        for name, value in differences(problem, problem.r, found['r']).items():
+            print(f'{name} differ by {value:.3g} of their norm')
+    return 0 if found['converged'] else 1
 
 
 if __name__ == '__main__':
