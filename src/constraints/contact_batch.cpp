@@ -133,6 +133,7 @@ void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const
       std::uint32_t longest = 0;
       bool general = false;
       for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l) {
+        __builtin_prefetch(&contacts_->manifolds[order[std::min(begin + l + ahead, order.size() - 1)]].slot_a);
         const Manifold& m = contacts_->manifolds[order[begin + l]];
         longest = std::max(longest, m.count);
         general |= !isotropic[m.slot_a] || !isotropic[m.slot_b];
@@ -267,9 +268,12 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
   }
 }
 
-template <class F>
-void ContactBatch::for_each_row(F&& f) const {
+template <class Record, class F>
+void ContactBatch::for_each_row(const Record* records, F&& f) const {
+  constexpr std::size_t soon = ahead / lanes;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (records && i + soon < blocks.size())
+      for (const std::uint32_t contact : sources[i + soon].contact) __builtin_prefetch(&records[contact]);
     const Block& block = blocks[i];
     const Source& source = sources[i];
     for (std::size_t l = 0; l < lanes; ++l)
@@ -280,19 +284,19 @@ void ContactBatch::for_each_row(F&& f) const {
 
 void ContactBatch::start_stage(const Stage& stage) {
   if (!bias_is_gap_)
-    for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+    for_each_row(contacts_->points.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
       normals[p].bias[l] = contacts_->points[contact].gap;
     });
   for (Normal& n : normals) n.bias = stage.bias(n.bias);
   if (!contacts_->bounce.empty())
-    for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+    for_each_row(contacts_->bounce.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
       if (const double speed = contacts_->bounce[contact]; speed > 0) normals[p].bias[l] = -speed;
     });
   bias_is_gap_ = false;
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
-  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+  for_each_row(impulses.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[contact];
     normals[p].lambda[l] = impulse.n;
     if (t != no_tangent) tangent_impulses[t].lambda_s[l] = impulse.s, tangent_impulses[t].lambda_t[l] = impulse.t;
@@ -312,12 +316,13 @@ ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_
 }
 
 void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
-  for_each_row(
-      [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
+  for_each_row(impulses.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    impulses[contact] = row(l, p, t);
+  });
 }
 
 void ContactBatch::normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const {
-  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+  for_each_row(normal.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
     normal[contact] = normals[p].lambda[l] + (kept_ == Kept::apart ? kept[contact].n : 0);
   });
 }
@@ -333,7 +338,7 @@ void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {
 
 std::int64_t ContactBatch::leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const {
   std::int64_t sliding = 0;
-  for_each_row([&](const Block& block, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+  for_each_row(kept.data(), [&](const Block& block, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     const Impulse old = kept_ == Kept::nothing ? Impulse{0, 0, 0} : kept[contact], now = row(l, p, t);
     const Impulse before = kept_ == Kept::apart ? old : Impulse{0, 0, 0};
     const double limit = 0.999 * block.friction[l] * (before.n + now.n), s = before.s + now.s, f = before.t + now.t;

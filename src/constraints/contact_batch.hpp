@@ -167,9 +167,10 @@ class ContactBatch {
                std::span<const std::uint8_t> isotropic, bool gauss_seidel);
   void add_rows(Block& block, bool tangential, bool gauss_seidel);
   static constexpr std::size_t no_tangent = -1;
-  // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use.
-  template <class F>
-  void for_each_row(F&& f) const;
+  // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use. `records`: what f looks up by that
+  // number, to be asked for early; null: nothing.
+  template <class Record, class F>
+  void for_each_row(const Record* records, F&& f) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
   void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
