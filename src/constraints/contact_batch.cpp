@@ -44,10 +44,12 @@ constexpr std::size_t ahead = 16;
 
 // Colours run through the contacts with strides that the processor does not foresee.
 void ask_for(const Contacts& contacts, const std::vector<Vec3>& position, std::uint32_t soon, std::uint32_t later) {
-  const Manifold& m = contacts.manifolds[soon];
-  __builtin_prefetch(&contacts.points[m.first]);
+  const Manifold &m = contacts.manifolds[soon], &next = contacts.manifolds[later];
+  const ContactPoint& point = contacts.points[m.first];
+  __builtin_prefetch(&point.position),
+      __builtin_prefetch(&point.feature);  // a record may begin in one cache line, end in another
   __builtin_prefetch(&position[static_cast<std::size_t>(m.slot_b)]);
-  __builtin_prefetch(&contacts.manifolds[later]);
+  __builtin_prefetch(&next.id_a), __builtin_prefetch(&next.count);
 }
 
 Vec4d inverse_or_zero(Vec4d x) {
@@ -133,7 +135,8 @@ void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const
       std::uint32_t longest = 0;
       bool general = false;
       for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l) {
-        __builtin_prefetch(&contacts_->manifolds[order[std::min(begin + l + ahead, order.size() - 1)]].slot_a);
+        const Manifold& next = contacts_->manifolds[order[std::min(begin + l + ahead, order.size() - 1)]];
+        __builtin_prefetch(&next.slot_a), __builtin_prefetch(&next.count);
         const Manifold& m = contacts_->manifolds[order[begin + l]];
         longest = std::max(longest, m.count);
         general |= !isotropic[m.slot_a] || !isotropic[m.slot_b];
