@@ -124,6 +124,11 @@ class ContactBatch {
   // One Gauss-Seidel pass over a group: each manifold changes its bodies at once. Returns the largest change (m).
   double relax(std::size_t group, bool backwards, std::span<SolverBody> bodies);
 
+  // Ends a stage of a Jacobi solver, for which a pile may be too much: a home body that would end the step further in what does
+  // not move than its centre is out of it, is relaxed against that alone, in key order. So none is lost through a floor, however
+  // few the iterations. Where the rows hold nothing changes.
+  void settle(std::size_t homes, std::span<SolverBody> bodies);
+
   // Natural residual (m): max K |lambda - Proj(lambda - K^-1 r)|. Zero exactly at a solution.
   double residual(std::span<const SolverBody> bodies) const;
 
@@ -171,6 +176,7 @@ class ContactBatch {
   // number, to be asked for early; null: nothing.
   template <class Record, class F>
   void for_each_row(const Record* records, F&& f) const;
+  bool sinks(const Block& block, const Source& source, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
   void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
