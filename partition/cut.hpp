@@ -13,10 +13,10 @@
 
 #include "collide/contacts.hpp"
 #include "constraints/attachment_batch.hpp"
+#include "constraints/system.hpp"
 #include "core/phases.hpp"
 #include "joints/joint_batch.hpp"
 #include "partition/halo.hpp"
-#include "solve/system.hpp"
 #include "world/world.hpp"
 
 namespace unibody {

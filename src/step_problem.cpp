@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solve/contact_problem.hpp"
+#include "report/contact_problem.hpp"
 #include "step.hpp"
 
 namespace unibody {

@@ -63,12 +63,13 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   const auto pairs = broad_phase_.sort(pairs_, others + edges_.size());
   for (const IndexPair& pair : pairs)
     if (pair.second < bodies) collide_bodies(proxies_[pair.first], proxies_[pair.second], settings, contacts);
+  if (surfaces) {
+    SurfaceCollider collider(world, *surfaces, settings, contacts.surface);
+    for (const IndexPair& pair : pairs)
+      if (pair.second >= bodies) collide_surface(pair, *surfaces, collider);
+    collider.finish();
+  }
   if (!settings.restitution.empty()) set_bounces(world, settings, contacts);
-  if (!surfaces) return;
-  SurfaceCollider collider(world, *surfaces, settings, contacts.surface);
-  for (const IndexPair& pair : pairs)
-    if (pair.second >= bodies) collide_surface(pair, *surfaces, collider);
-  collider.finish();
 }
 
 void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts) {

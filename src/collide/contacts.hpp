@@ -40,6 +40,7 @@ struct SurfaceContact {
   double gap;                     // m, along it; positive when open
   double friction;                // Coulomb's mu of the pair
   double beyond;                  // m, how far the sides must part to be on the sides again where they were; 0: they are
+  double bounce = 0;              // m/s, the speed at which they must part; 0: they need not
 
   bool before(const SurfaceContact& other) const { return std::tie(ids, feature) < std::tie(other.ids, other.feature); }
 };

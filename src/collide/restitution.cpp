@@ -1,27 +1,63 @@
 #include "collide/restitution.hpp"
 
+#include <algorithm>
+
 #include "core/room.hpp"
 
 namespace unibody {
 
-void set_bounces(const World& world, const CollideSettings& settings, Contacts& contacts) {
-  make_room(contacts.bounce, contacts.points.size());
-  contacts.bounce.assign(contacts.points.size(), 0);
-  const double slowest = 2 * settings.step * settings.gravity.norm();
-  for (const Manifold& m : contacts.manifolds) {
+namespace {
+
+class Bounces {
+ public:
+  Bounces(const World& world, const CollideSettings& settings)
+      : world_(world), settings_(settings), slowest_(2 * settings.step * settings.gravity.norm()) {}
+
+  double restitution(Slot a, Slot b) const { return settings_.restitution[material(a) * settings_.material_count + material(b)]; }
+  // m/s: the speed at which two sides must part that part at `parting` now, `gap` m from each other; 0: they need not.
+  double speed(double restitution, double gap, double parting) const {
+    return parting < -slowest_ && gap + settings_.step * parting <= 0 ? -restitution * parting : 0;
+  }
+
+  void set(const Manifold& m, Contacts& contacts) const {
+    const double e = restitution(m.slot_a, m.slot_b);
+    if (!(e > 0)) return;
     const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
-    const auto material = [&](std::size_t s) { return static_cast<std::size_t>(world.properties[s].material); };
-    const double e = settings.restitution[material(a) * settings.material_count + material(b)];
-    if (!(e > 0)) continue;
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const ContactPoint& point = contacts.points[p];
       const auto at = [&](std::size_t s) -> Vec3 {
-        return world.velocity[s] + world.angular_velocity_of(s).cross(point.position - world.position[s]);
+        return world_.velocity[s] + world_.angular_velocity_of(s).cross(point.position - world_.position[s]);
       };
-      const double parting = m.normal.dot(at(a) - at(b));
-      if (parting < -slowest && point.gap + settings.step * parting <= 0) contacts.bounce[p] = -e * parting;
+      contacts.bounce[p] = speed(e, point.gap, m.normal.dot(at(a) - at(b)));
     }
   }
+
+  void set(SurfaceContact& c) const {
+    const auto second = std::find_if(c.weights.begin(), c.weights.end(), [](double w) { return w < 0; });
+    const double e = restitution(c.slots[0], c.slots[static_cast<std::size_t>(second - c.weights.begin())]);
+    if (!(e > 0)) return;
+    Vec3 apart = world_.angular_velocity_of(static_cast<std::size_t>(c.slots[0])).cross(c.arm);
+    for (std::size_t k = 0; k < c.slots.size(); ++k)
+      if (c.slots[k] >= 0) apart += c.weights[k] * world_.velocity[static_cast<std::size_t>(c.slots[k])];
+    c.bounce = speed(e, c.gap, c.normal.dot(apart));
+  }
+
+ private:
+  std::size_t material(Slot s) const { return static_cast<std::size_t>(world_.properties[static_cast<std::size_t>(s)].material); }
+
+  const World& world_;
+  const CollideSettings& settings_;
+  double slowest_;
+};
+
+}  // namespace
+
+void set_bounces(const World& world, const CollideSettings& settings, Contacts& contacts) {
+  const Bounces bounces(world, settings);
+  make_room(contacts.bounce, contacts.points.size());
+  contacts.bounce.assign(contacts.points.size(), 0);
+  for (const Manifold& m : contacts.manifolds) bounces.set(m, contacts);
+  for (SurfaceContact& c : contacts.surface) bounces.set(c);
 }
 
 }  // namespace unibody

@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "constraints/system.hpp"
 #include "core/types.hpp"
-#include "solve/system.hpp"
 
 namespace unibody {
 

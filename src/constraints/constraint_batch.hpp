@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "constraints/constraint_type.hpp"
-#include "solve/settings.hpp"
-#include "solve/system.hpp"
+#include "constraints/solver_settings.hpp"
+#include "constraints/system.hpp"
 
 namespace unibody {
 

@@ -6,7 +6,7 @@
 
 #include "constraints/constraint_batch.hpp"
 #include "constraints/constraint_types.hpp"
-#include "solve/settings.hpp"
+#include "constraints/solver_settings.hpp"
 
 namespace unibody {
 

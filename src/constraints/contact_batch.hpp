@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "collide/contacts.hpp"
-#include "solve/settings.hpp"
-#include "solve/system.hpp"
+#include "constraints/solver_settings.hpp"
+#include "constraints/system.hpp"
 
 namespace unibody {
 

@@ -5,8 +5,8 @@
 // The trial tangents come in after their gradient step. Lanes are independent. Units cancel: forces or impulses alike.
 #pragma once
 
+#include "constraints/solver_settings.hpp"
 #include "core/simd.hpp"
-#include "solve/settings.hpp"
 
 namespace unibody {
 

@@ -17,7 +17,7 @@
 
 #include "collide/contacts.hpp"
 #include "constraints/contact_batch.hpp"
-#include "solve/system.hpp"
+#include "constraints/system.hpp"
 
 namespace unibody {
 

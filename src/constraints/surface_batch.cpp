@@ -48,7 +48,7 @@ void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, std::s
   put(block.n, l, contact.normal);
   put(block.s, l, first_tangent_of(contact.normal));
   block.friction[l] = acts_in_solve(friction_) ? contact.friction : 0;
-  block.gap[l] = contact.gap, block.beyond[l] = contact.beyond;
+  block.gap[l] = contact.gap, block.beyond[l] = contact.beyond, block.bounce[l] = contact.bounce;
   const auto first = static_cast<std::size_t>(contact.slots[0]);
   const double all = bodies[first].inverse_inertia;
   const InverseInertia w = isotropic[first] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[first];
@@ -97,6 +97,7 @@ void SurfaceBatch::start_stage(const Stage& stage) {
     block.bias = stage.bias(block.gap);
     if (stage.kind == Stage::Kind::position)
       block.bias = select(block.beyond > broadcast(0), min(block.bias, -block.beyond / broadcast(stage.step)), block.bias);
+    block.bias = select(block.bounce > broadcast(0), min(block.bias, -block.bounce), block.bias);
   }
 }
 

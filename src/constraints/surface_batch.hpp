@@ -63,8 +63,8 @@ class SurfaceBatch {
     Slot slot[4][lanes];
     Vec4d weight[4];
     Vec3x4 arm, n, s;
-    Vec4d friction, gap, beyond, bias;  // 1, m, m, m/s
-    Vec4d inertia[6];                   // of end 0: 1/(kg m^2), inverse, world frame: xx, yy, zz, yz, xz, xy
+    Vec4d friction, gap, beyond, bounce, bias;  // 1, m, m, m/s, m/s
+    Vec4d inertia[6];                           // of end 0: 1/(kg m^2), inverse, world frame: xx, yy, zz, yz, xz, xy
     Scale normal, tangential;
     Impulse lambda, y, kept;
     Mask4 counted;

@@ -22,10 +22,10 @@
 #include <span>
 #include <vector>
 
+#include "constraints/system.hpp"
 #include "joints/joint.hpp"
 #include "joints/joint_trees.hpp"
 #include "joints/joint_type.hpp"
-#include "solve/system.hpp"
 #include "world/world.hpp"
 
 namespace unibody {

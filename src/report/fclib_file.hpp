@@ -11,7 +11,7 @@
 
 #include <string>
 
-#include "solve/contact_problem.hpp"
+#include "report/contact_problem.hpp"
 
 namespace unibody {
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "constraints/solver_settings.hpp"
 #include "joints/joint.hpp"
-#include "solve/settings.hpp"
 #include "world/body.hpp"
 #include "world/surface.hpp"
 

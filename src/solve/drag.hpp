@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "collide/surfaces.hpp"
+#include "constraints/system.hpp"
 #include "scene/scene.hpp"
-#include "solve/system.hpp"
 #include "world/world.hpp"
 
 namespace unibody {

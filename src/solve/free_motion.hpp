@@ -5,7 +5,7 @@
 // momentum's direction in space as well. The solver then works at the inertia of the start of the step.
 #pragma once
 
-#include "solve/system.hpp"
+#include "constraints/system.hpp"
 #include "world/body.hpp"
 
 namespace unibody {

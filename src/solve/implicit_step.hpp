@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "constraints/constraint_types.hpp"
+#include "constraints/system.hpp"
 #include "solve/local_constraint.hpp"
-#include "solve/system.hpp"
 #include "world/world.hpp"
 
 namespace unibody {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "solve/system.hpp"
+#include "constraints/system.hpp"
 
 namespace unibody {
 

@@ -10,11 +10,11 @@
 #include "constraints/attachment_batch.hpp"
 #include "constraints/contact_batch.hpp"
 #include "constraints/rolling_batch.hpp"
+#include "constraints/solver_settings.hpp"
 #include "constraints/surface_batch.hpp"
+#include "constraints/system.hpp"
 #include "joints/joint_batch.hpp"
 #include "partition/cut.hpp"
-#include "solve/settings.hpp"
-#include "solve/system.hpp"
 
 namespace unibody {
 

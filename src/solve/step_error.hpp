@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "constraints/contact_batch.hpp"
+#include "constraints/system.hpp"
 #include "core/types.hpp"
-#include "solve/system.hpp"
 
 namespace unibody {
 

@@ -25,8 +25,8 @@
 #include "collide/broadphase.hpp"
 #include "collide/collide_settings.hpp"
 #include "collide/surfaces.hpp"
+#include "constraints/system.hpp"
 #include "partition/halo.hpp"
-#include "solve/system.hpp"
 #include "world/world.hpp"
 
 namespace unibody {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "collide/bodies.hpp"
-#include "solve/system.hpp"
+#include "constraints/system.hpp"
 
 namespace unibody {
 

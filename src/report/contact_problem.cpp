@@ -1,4 +1,4 @@
-#include "solve/contact_problem.hpp"
+#include "report/contact_problem.hpp"
 
 #include <algorithm>
 #include <limits>
