@@ -4,6 +4,7 @@ import os
 import statistics
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 OUT = os.path.join(ROOT, 'results', 'bench')
@@ -28,8 +29,10 @@ def command(words, ranks=0, core=None):
     return done.stdout
 
 
-def unibody(scene, settings, output, ranks, core, frames):
+def unibody(scene, settings, output, ranks, core, frames, start=None):
+    """`start`: a checkpoint to go on from; `frames` counts those before it too."""
     words = [os.path.join(BUILD, 'unibody'), os.path.join(ROOT, 'scenes', scene + '.yaml'), '-output', output, '-overwrite']
+    words += ['-start_from', start] if start else []
     for value in COMMON + settings + ([f'time.frames={frames}'] if frames else []):
         words += ['-set', value]
     command(words, ranks, core)
@@ -52,6 +55,13 @@ def column(rows, name):
 def frame_ms(rows):
     parts = [column(rows, name) for name in ('wall_collide', 'wall_solve', 'wall_halo')]
     return 1e3 * statistics.median(sum(values) for values in zip(*parts))
+
+
+def slowdown(run, core):
+    """How much longer what run(core) times takes where the other core does the same: two ranks can't be faster than 2 over this."""
+    alone = run(core)
+    with ThreadPoolExecutor() as pool:
+        return statistics.mean(pool.map(run, range(2))) / alone
 
 
 def folder(name):

@@ -1,13 +1,12 @@
 """Soft solids: distance to the converged step against time for every solver, and how soft an unconverged solid is."""
 import os
 import statistics
-from concurrent.futures import ThreadPoolExecutor
 
 import h5py
 import matplotlib
 import numpy as np
 
-from runs import OUT, column, folder, line, publish, say, table, unibody
+from runs import OUT, column, folder, line, publish, say, slowdown, table, unibody
 
 matplotlib.use('Agg')
 from matplotlib import pyplot  # noqa: E402
@@ -62,15 +61,12 @@ def curve(name, cells, modulus, arguments):
 
 
 def beside(cells, arguments):
-    """How much longer a step takes where the other core does the same: two ranks can't be faster than 2 over this."""
     settings = thrown_block(cells, 1e5, 'accelerated_jacobi', 50)
 
     def one(core):
         return statistics.median(column(unibody('soft_cantilever', settings, folder(f'soft_{core}'), 1, core, arguments.frames or 10), 'wall_solve')[1:])
 
-    alone = one(arguments.core)
-    with ThreadPoolExecutor() as pool:
-        return statistics.mean(pool.map(one, range(2))) / alone
+    return slowdown(one, arguments.core)
 
 
 def draw(curves):

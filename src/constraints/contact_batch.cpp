@@ -44,10 +44,12 @@ constexpr std::size_t ahead = 16;
 
 // Colours run through the contacts with strides that the processor does not foresee.
 void ask_for(const Contacts& contacts, const std::vector<Vec3>& position, std::uint32_t soon, std::uint32_t later) {
-  const Manifold& m = contacts.manifolds[soon];
-  __builtin_prefetch(&contacts.points[m.first]);
+  const Manifold &m = contacts.manifolds[soon], &next = contacts.manifolds[later];
+  const ContactPoint& point = contacts.points[m.first];
+  __builtin_prefetch(&point.position),
+      __builtin_prefetch(&point.feature);  // a record may begin in one cache line, end in another
   __builtin_prefetch(&position[static_cast<std::size_t>(m.slot_b)]);
-  __builtin_prefetch(&contacts.manifolds[later]);
+  __builtin_prefetch(&next.id_a), __builtin_prefetch(&next.count);
 }
 
 Vec4d inverse_or_zero(Vec4d x) {
@@ -58,8 +60,11 @@ Vec4d inverse_or_zero(Vec4d x) {
 
 ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
     : blocks(memory),
+      sources(memory),
       points(memory),
+      normals(memory),
       tangents(memory),
+      tangent_impulses(memory),
       couplings(memory),
       normal_momenta(memory),
       tangent_momenta(memory),
@@ -71,7 +76,8 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
                          std::span<const std::int32_t> counts, const SolverSettings& settings, double step) {
   contacts_ = &contacts, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction, scaling_ = settings.scaling,
   step_ = step;
-  blocks.clear(), points.clear(), tangents.clear(), inertias.clear(), group_end_.clear();
+  blocks.clear(), sources.clear(), points.clear(), normals.clear(), tangents.clear(), tangent_impulses.clear();
+  inertias.clear(), group_end_.clear();
   couplings.clear(), normal_momenta.clear(), tangent_momenta.clear();
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
   const bool gauss_seidel = counts.empty();
@@ -85,6 +91,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
   for (const std::size_t end : groups) {
     for (; begin < end; begin += std::min(lanes, end - begin)) {
       Block block{};
+      Source& source = sources.emplace_back(Source{});
       const std::size_t used = std::min(lanes, end - begin);
       for (std::size_t k = begin + ahead; k < std::min(begin + ahead + lanes, order.size()); ++k)
         ask_for(contacts, position, order[k], order[std::min(k + ahead, order.size() - 1)]);
@@ -95,7 +102,6 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
         const Manifold& m = contacts.manifolds[order[begin + l]];
         block.slot_a[l] = m.slot_a, block.slot_b[l] = m.slot_b;
         block.manifold[l] = static_cast<std::int32_t>(order[begin + l]);
-        block.contact[l] = m.first, block.lane_count[l] = static_cast<std::uint8_t>(m.count);
         block.count = std::max(block.count, m.count);
         any_friction |= acts_in_solve(friction_) && m.friction > 0;
         all_isotropic &= isotropic[m.slot_a] && isotropic[m.slot_b];
@@ -109,7 +115,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
           set_lane(both.b, l, inertia_of(block.slot_b[l]));
         }
       }
-      for (std::size_t l = 0; l < used; ++l) fill_lane(block, l, order[begin + l], position);
+      for (std::size_t l = 0; l < used; ++l) fill_lane(block, source, l, order[begin + l], position);
       if (gauss_seidel)
         scale_gauss_seidel(block, bodies);
       else
@@ -129,6 +135,8 @@ void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const
       std::uint32_t longest = 0;
       bool general = false;
       for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l) {
+        const Manifold& next = contacts_->manifolds[order[std::min(begin + l + ahead, order.size() - 1)]];
+        __builtin_prefetch(&next.slot_a), __builtin_prefetch(&next.count);
         const Manifold& m = contacts_->manifolds[order[begin + l]];
         longest = std::max(longest, m.count);
         general |= !isotropic[m.slot_a] || !isotropic[m.slot_b];
@@ -136,7 +144,9 @@ void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const
       ++block_count, point_count += longest, general_count += general;
     }
   const std::size_t tangent_count = acts_in_solve(friction_) ? point_count : 0;
-  blocks.reserve(block_count), points.reserve(point_count), tangents.reserve(tangent_count), inertias.reserve(general_count);
+  blocks.reserve(block_count), sources.reserve(block_count), inertias.reserve(general_count);
+  points.reserve(point_count), normals.reserve(point_count);
+  tangents.reserve(tangent_count), tangent_impulses.reserve(tangent_count);
   if (gauss_seidel)
     couplings.reserve(tangent_count);
   else
@@ -147,16 +157,18 @@ void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const
 void ContactBatch::add_rows(Block& block, bool tangential, bool gauss_seidel) {
   block.first_point = static_cast<std::uint32_t>(points.size());
   block.first_tangent = tangential ? static_cast<std::int32_t>(tangents.size()) : -1;
-  points.resize(points.size() + block.count);
-  if (tangential) tangents.resize(tangents.size() + block.count);
+  points.resize(points.size() + block.count), normals.resize(points.size());
+  if (tangential) tangents.resize(tangents.size() + block.count), tangent_impulses.resize(tangents.size());
   if (gauss_seidel)
     couplings.resize(tangents.size());
   else
     normal_momenta.resize(points.size()), tangent_momenta.resize(tangents.size());
 }
 
-void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number, const std::vector<Vec3>& position) {
+void ContactBatch::fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t number,
+                             const std::vector<Vec3>& position) {
   const Manifold& m = contacts_->manifolds[number];
+  source.contact[lane] = m.first, source.count[lane] = static_cast<std::uint8_t>(m.count);
   set_lane(block.n, lane, m.normal);
   set_lane(block.s, lane, first_tangent_of(m.normal));
   block.friction[lane] = m.friction;
@@ -165,7 +177,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
     Point& point = points[block.first_point + p];
     set_lane(point.arm_a, lane, contact.position - position[m.slot_a]);
     set_lane(point.arm_b, lane, contact.position - position[m.slot_b]);
-    point.bias[lane] = contact.gap;
+    normals[block.first_point + p].bias[lane] = contact.gap;
     point.mobility[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }
 }
@@ -259,55 +271,62 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
   }
 }
 
-template <class F>
-void ContactBatch::for_each_row(F&& f) const {
-  for (const Block& block : blocks)
+template <class Record, class F>
+void ContactBatch::for_each_row(const Record* records, F&& f) const {
+  constexpr std::size_t soon = ahead / lanes;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    if (records && i + soon < blocks.size())
+      for (const std::uint32_t contact : sources[i + soon].contact) __builtin_prefetch(&records[contact]);
+    const Block& block = blocks[i];
+    const Source& source = sources[i];
     for (std::size_t l = 0; l < lanes; ++l)
-      for (std::uint32_t p = 0; p < block.lane_count[l]; ++p)
-        f(block, l, block.first_point + p, block.first_tangent < 0 ? no_tangent : block.first_tangent + p, block.contact[l] + p);
+      for (std::uint32_t p = 0; p < source.count[l]; ++p)
+        f(block, l, block.first_point + p, block.first_tangent < 0 ? no_tangent : block.first_tangent + p, source.contact[l] + p);
+  }
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
   if (!bias_is_gap_)
-    for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
-      points[p].bias[l] = contacts_->points[contact].gap;
+    for_each_row(contacts_->points.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+      normals[p].bias[l] = contacts_->points[contact].gap;
     });
-  for (Point& p : points) p.bias = stage.bias(p.bias);
+  for (Normal& n : normals) n.bias = stage.bias(n.bias);
   if (!contacts_->bounce.empty())
-    for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
-      if (const double speed = contacts_->bounce[contact]; speed > 0) points[p].bias[l] = -speed;
+    for_each_row(contacts_->bounce.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+      if (const double speed = contacts_->bounce[contact]; speed > 0) normals[p].bias[l] = -speed;
     });
   bias_is_gap_ = false;
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
-  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+  for_each_row(impulses.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[contact];
-    points[p].lambda[l] = impulse.n;
-    if (t != no_tangent) tangents[t].lambda_s[l] = impulse.s, tangents[t].lambda_t[l] = impulse.t;
+    normals[p].lambda[l] = impulse.n;
+    if (t != no_tangent) tangent_impulses[t].lambda_s[l] = impulse.s, tangent_impulses[t].lambda_t[l] = impulse.t;
   });
   start_momenta();
 }
 
 void ContactBatch::start_momenta() {
-  for (std::size_t p = 0; p < normal_momenta.size(); ++p) normal_momenta[p].y = points[p].lambda;
+  for (std::size_t p = 0; p < normal_momenta.size(); ++p) normal_momenta[p].y = normals[p].lambda;
   for (std::size_t t = 0; t < tangent_momenta.size(); ++t)
-    tangent_momenta[t].y_s = tangents[t].lambda_s, tangent_momenta[t].y_t = tangents[t].lambda_t;
+    tangent_momenta[t].y_s = tangent_impulses[t].lambda_s, tangent_momenta[t].y_t = tangent_impulses[t].lambda_t;
 }
 
 ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_t t) const {
-  if (t == no_tangent) return {points[p].lambda[l], 0, 0};
-  return {points[p].lambda[l], tangents[t].lambda_s[l], tangents[t].lambda_t[l]};
+  if (t == no_tangent) return {normals[p].lambda[l], 0, 0};
+  return {normals[p].lambda[l], tangent_impulses[t].lambda_s[l], tangent_impulses[t].lambda_t[l]};
 }
 
 void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
-  for_each_row(
-      [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
+  for_each_row(impulses.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    impulses[contact] = row(l, p, t);
+  });
 }
 
 void ContactBatch::normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const {
-  for_each_row([&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
-    normal[contact] = points[p].lambda[l] + (kept_ == Kept::apart ? kept[contact].n : 0);
+  for_each_row(normal.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+    normal[contact] = normals[p].lambda[l] + (kept_ == Kept::apart ? kept[contact].n : 0);
   });
 }
 
@@ -315,14 +334,14 @@ void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {
   get_impulses(kept);
   kept_ = joint ? Kept::joint : Kept::apart;
   if (joint) return start_momenta();
-  for (Point& p : points) p.lambda = broadcast(0);
-  for (Tangents& t : tangents) t.lambda_s = t.lambda_t = broadcast(0);
+  for (Normal& n : normals) n.lambda = broadcast(0);
+  for (TangentImpulse& t : tangent_impulses) t.lambda_s = t.lambda_t = broadcast(0);
   start_momenta();
 }
 
 std::int64_t ContactBatch::leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const {
   std::int64_t sliding = 0;
-  for_each_row([&](const Block& block, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+  for_each_row(kept.data(), [&](const Block& block, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     const Impulse old = kept_ == Kept::nothing ? Impulse{0, 0, 0} : kept[contact], now = row(l, p, t);
     const Impulse before = kept_ == Kept::apart ? old : Impulse{0, 0, 0};
     const double limit = 0.999 * block.friction[l] * (before.n + now.n), s = before.s + now.s, f = before.t + now.t;

@@ -4,7 +4,8 @@
 // point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
 // A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
 // The grouping into blocks changes no result. A batch holds what its solver needs: with Gauss-Seidel a point costs 80 bytes and
-// its tangents 48, with the Jacobi solvers 96 and 56; a manifold costs 80, and 96 more with general inertia.
+// its tangents 48, with the Jacobi solvers 96 and 56; a manifold costs 77, and 96 more with general inertia. Large scenes are
+// bound by the memory, so what changes from sweep to sweep is kept apart: only that has to go back.
 #pragma once
 
 #include <algorithm>
@@ -63,19 +64,25 @@ class ContactBatch {
     std::int32_t first_tangent;        // -1: no manifold of the block has friction
     std::int32_t inertia;              // -1: both bodies of every lane have isotropic inertia
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
-    std::uint32_t contact[lanes];      // the manifold's points in Contacts::points: the first of them, and how many
-    std::uint8_t lane_count[lanes];
+  };
+  struct Source {                  // of each of `blocks`: the lanes' points in Contacts::points
+    std::uint32_t contact[lanes];  // the first of them
+    std::uint8_t count[lanes];
   };
   struct Point {
     Vec3x4 arm_a, arm_b;  // m, from the centres
-    Vec4d bias;           // m/s
     Vec4d inverse_scale;  // kg, 1/P_n. P_n bounds the row's share of D^T W D, so that a step of 1/P_n is safe
     Vec4d mobility;       // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
-    Vec4d lambda;         // N s
+  };
+  struct Normal {  // of each of `points`
+    Vec4d bias;    // m/s
+    Vec4d lambda;  // N s
   };
   struct Tangents {
-    Vec4d inverse_scale;       // kg, 1/P_T
-    Vec4d mobility;            // 1/kg
+    Vec4d inverse_scale;  // kg, 1/P_T
+    Vec4d mobility;       // 1/kg
+  };
+  struct TangentImpulse {      // of each of `tangents`
     Vec4d lambda_s, lambda_t;  // N s
   };
   struct Coupling {    // Gauss-Seidel, for each of `tangents`
@@ -117,6 +124,11 @@ class ContactBatch {
   // One Gauss-Seidel pass over a group: each manifold changes its bodies at once. Returns the largest change (m).
   double relax(std::size_t group, bool backwards, std::span<SolverBody> bodies);
 
+  // Ends a stage of a Jacobi solver, for which a pile may be too much: a home body that would end the step further in what does
+  // not move than its centre is out of it, is relaxed against that alone, in key order. So none is lost through a floor, however
+  // few the iterations. Where the rows hold nothing changes.
+  void settle(std::size_t homes, std::span<SolverBody> bodies);
+
   // Natural residual (m): max K |lambda - Proj(lambda - K^-1 r)|. Zero exactly at a solution.
   double residual(std::span<const SolverBody> bodies) const;
 
@@ -145,8 +157,11 @@ class ContactBatch {
   std::size_t group_end(std::size_t group) const { return group_end_[group]; }  // in blocks
 
   std::pmr::vector<Block> blocks;
+  std::pmr::vector<Source> sources;
   std::pmr::vector<Point> points;
+  std::pmr::vector<Normal> normals;
   std::pmr::vector<Tangents> tangents;
+  std::pmr::vector<TangentImpulse> tangent_impulses;
   std::pmr::vector<Coupling> couplings;
   std::pmr::vector<NormalMomentum> normal_momenta;
   std::pmr::vector<TangentMomentum> tangent_momenta;
@@ -157,12 +172,14 @@ class ContactBatch {
                std::span<const std::uint8_t> isotropic, bool gauss_seidel);
   void add_rows(Block& block, bool tangential, bool gauss_seidel);
   static constexpr std::size_t no_tangent = -1;
-  // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use.
-  template <class F>
-  void for_each_row(F&& f) const;
+  // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use. `records`: what f looks up by that
+  // number, to be asked for early; null: nothing.
+  template <class Record, class F>
+  void for_each_row(const Record* records, F&& f) const;
+  bool sinks(const Block& block, const Source& source, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
-  void fill_lane(Block& block, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
+  void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
 

@@ -13,7 +13,8 @@ Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
 double normal_impulse(const ContactBatch& batch, std::size_t block_number, std::size_t lane) {
   const ContactBatch::Block& block = batch.blocks[block_number];
   double sum = 0;
-  for (std::uint32_t p = 0; p < block.lane_count[lane]; ++p) sum += batch.points[block.first_point + p].lambda[lane];
+  const std::uint32_t count = batch.sources[block_number].count[lane];
+  for (std::uint32_t p = 0; p < count; ++p) sum += batch.normals[block.first_point + p].lambda[lane];
   return std::max(0.0, sum);
 }
 
