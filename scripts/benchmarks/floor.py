@@ -2,7 +2,7 @@
 import json
 import os
 
-from runs import BUILD, command, folder, line, publish, say, table, unibody
+from runs import BUILD, OUT, command, folder, line, publish, say, table, unibody
 
 SCENE = 'boxes_2000'
 REST, GO_ON = 800, 100  # frames with SETTLER until nothing moves any more; with each setting from there
@@ -29,13 +29,16 @@ def go_on(solver, iterations, start, frames, core):
 def floor(arguments):
     start, frames = rest(arguments)
     lines = table(['solver', 'iterations', 'RMS mm', 'max mm', 'KE/body J', 'lost'])
-    verdicts = []
+    verdicts, all_found = [], {}
     for solver, counts in CHAINS.items():
         found = [go_on(solver, k, start, frames, arguments.core) for k in counts]
         for k, e in zip(counts, found):
             lines.append(line(solver, k, f'{e["rms_mm"]:.2g}', f'{e["max_mm"]:.2g}', f'{e["kinetic_j"]:.1e}', e['lost']))
+        all_found[solver] = [{'iterations': k, 'rms_mm': e['rms_mm'], 'kinetic_j': e['kinetic_j']} for k, e in zip(counts, found)]
         falls = all(a['rms_mm'] > b['rms_mm'] for a, b in zip(found, found[1:]))
         verdicts.append(line(f'{solver}: RMS falls with each doubling of the iterations', 'met' if falls else 'MISSED'))
         slow = [k for k, e in zip(counts, found) if e['kinetic_j'] > KINETIC]
         verdicts.append(line(f'{solver}: KE/body <= {KINETIC} J', f'MISSED with {", ".join(map(str, slow))}' if slow else 'met'))
+    with open(os.path.join(OUT, 'floor.json'), 'w', encoding='utf-8') as file:
+        json.dump(all_found, file, indent=1)
     publish('floor.md', lines + [''] + table(['target', '']) + verdicts)

@@ -124,11 +124,18 @@ def publish_rigid(rows):
     publish('rigid.md', lines)
 
 
-def compare(_):
-    path = os.path.join(OUT, 'rigid.json')
+def kept(name):
+    """What a part wrote as JSON; None if it was not run."""
+    path = os.path.join(OUT, name)
     if not os.path.exists(path):
-        sys.exit('bench: no results yet: scripts/bench rigid targets')
+        return None
     with open(path, encoding='utf-8') as file:
-        rows = json.load(file)
+        return json.load(file)
+
+
+def compare(_):
+    rows = kept('rigid.json')
+    if rows is None:
+        sys.exit('bench: no results yet: scripts/bench rigid targets')
     publish('targets.md', ['| # | | scene | target | | by |', '|' + '---|' * 6] +
-            ['| ' + ' | '.join(str(cell) for cell in line) + ' |' for line in targets.compare(rows)])
+            ['| ' + ' | '.join(str(cell) for cell in line) + ' |' for line in targets.compare(rows, kept('floor.json'))])

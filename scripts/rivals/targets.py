@@ -48,15 +48,13 @@ def at_a_time(rows, number, level, scene, ranks, limits, most, peer):
     return (number, level, scene, text, 'MISSED', f'nearest {row["name"]}: {NAMES[worst]} {value(row, worst):.3g} at {ratio:.2f} x')
 
 
-def falls_with_iterations(rows):
-    text = 'no error floor: RMS at rest falls with each doubling of the iterations, 10 to 80 (Gauss-Seidel)'
-    chain = {r['iterations']: r['rms_mm'] for r in rows
-             if r['ours'] and r['scene'] == 'B2000' and r['ranks'] == 1 and r['family'] == 'GS'}
-    counts = [k for k in (10, 20, 40, 80) if k in chain]
-    if len(counts) < 4:
+def falls_with_iterations(floor):
+    text = 'no error floor: from one state at rest RMS falls with each doubling of the iterations, 10 to 80 (scripts/bench floor)'
+    if not floor:
         return (3, 'must', 'B2000', text, 'not measured', '')
-    falls = all(chain[a] > chain[b] or chain[b] == 0 for a, b in zip(counts, counts[1:]))
-    return (3, 'must', 'B2000', text, 'met' if falls else 'MISSED', ', '.join(f'{k}: {chain[k]:.2g}' for k in counts))
+    chain = [(f['iterations'], f['rms_mm']) for f in floor['gauss_seidel']]
+    falls = all(a[1] > b[1] or b[1] == 0 for a, b in zip(chain, chain[1:]))
+    return (3, 'must', 'B2000', text, 'met' if falls else 'MISSED', 'GS ' + ', '.join(f'{k}: {rms:.2g}' for k, rms in chain))
 
 
 def exact_at_fifty(rows):
@@ -101,10 +99,11 @@ def speed_up(rows):
     return (7, 'aim', 'B2000', text, verdict, ', '.join(f'{n}: {g:.2f}' for n, g in gains.items()))
 
 
-def compare(rows):
-    """[(number, must or aim, scene, what, met/MISSED/not measured, by how much)] in order of number. Short runs don't count."""
+def compare(rows, floor=None):
+    """[(number, must or aim, scene, what, met/MISSED/not measured, by how much)] in order of number. Short runs don't count.
+    rows: of `scripts/bench rigid`; floor: of `scripts/bench floor`, if it was run."""
     rows = [r for r in rows if r['frames'] >= 300]
     lines = [at_a_time(rows, *target) for target in AT_A_TIME]
-    lines += [falls_with_iterations(rows), exact_at_fifty(rows), comes_to_rest(rows, 'must'), comes_to_rest(rows, 'aim')]
+    lines += [falls_with_iterations(floor), exact_at_fifty(rows), comes_to_rest(rows, 'must'), comes_to_rest(rows, 'aim')]
     lines += [converged_height(rows), speed_up(rows)]
     return sorted(lines, key=lambda line: (line[0], line[1] == 'aim'))
