@@ -79,9 +79,9 @@ StepReport Simulation::solve_steadily(const StepWishes& wishes) {
 // At velocity level the only stage is one of positions whose rows are linear about the start of the step.
 Stage Simulation::stage(Stage::Kind kind) const {
   if (at_velocity_level()) return Stage::stabilised(step_, scene_.solver.stabilisation);
-  Stage stage{kind, step_, step_, scene_.solver.recovery_speed};
-  if (scene_.solver.recovery_time >= 0) stage.recovery_time = scene_.solver.recovery_time;
-  return stage;
+  // A time of the step's own would take penetration out the faster the finer the steps are: piles would shake.
+  const double set = scene_.solver.recovery_time;
+  return Stage{kind, step_, set >= 0 ? set : scene_.time.step, scene_.solver.recovery_speed};
 }
 
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.

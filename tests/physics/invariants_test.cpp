@@ -157,6 +157,21 @@ TEST(Invariants, DeepOverlapOfAPair) {
   EXPECT_GT((run.position(1) - run.position(0)).norm(), 0.199);
 }
 
+// An overlap of 1 mm is left at d / (h + T), T one frame: hardly faster in finer steps.
+TEST(Invariants, FinerStepsTakeOverlapOutNoFaster) {
+  const double depth = 1e-3, frame = 0.016;
+  for (const int substeps : {1, 4, 64}) {
+    Scene scene = scene_with(0.5);
+    scene.gravity = Vec3::Zero();
+    scene.time.step = frame, scene.time.substeps = substeps, scene.solver.tolerance = 0;
+    add(scene, ball(1, 0.1, Vec3(0, 0, 0)));
+    add(scene, ball(1, 0.1, Vec3(0.2 - depth, 0, 0)));
+    Experiment run(scene);
+    run.steps(substeps);
+    EXPECT_NEAR((run.velocity(1) - run.velocity(0)).x(), depth / (frame / substeps + frame), 1e-9) << substeps;
+  }
+}
+
 // A lattice at half the spacing that its boxes need: 13 layers, each inside the next. The layers' speeds add up, no more.
 TEST(Invariants, DeepOverlapOfALattice) {
   for (const std::string solver : {"gauss_seidel", "accelerated_jacobi"}) {
