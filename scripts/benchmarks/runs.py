@@ -4,6 +4,7 @@ import os
 import statistics
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -62,6 +63,18 @@ def slowdown(run, core):
     alone = run(core)
     with ThreadPoolExecutor() as pool:
         return statistics.mean(pool.map(run, range(2))) / alone
+
+
+def busy_cores(seconds=1):
+    """How many cores are at work now, whoever's work it is. (The load average still remembers what ended minutes ago.)"""
+    def ticks():
+        with open('/proc/stat', encoding='ascii') as file:
+            counts = [int(word) for word in file.readline().split()[1:9]]
+        return sum(counts), counts[3] + counts[4]  # all, idle or waiting for a disk
+    before = ticks()
+    time.sleep(seconds)
+    total, idle = (b - a for a, b in zip(before, ticks()))
+    return os.cpu_count() * (1 - idle / total) if total else 0.
 
 
 def folder(name):

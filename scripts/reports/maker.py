@@ -9,7 +9,7 @@ import tempfile
 import time
 
 import poses
-from runs import BUILD, COMMON, ROOT, command, report_rows
+from runs import BUILD, COMMON, ROOT, busy_cores, command, report_rows
 
 SIZES = ('tiny', 'quick', 'full')
 
@@ -61,8 +61,8 @@ class Maker:
         self.ahead = None  # of a part that has said how many runs it needs: (their number, self.made + self.found, self.made, the time) when it began
         self.fresh = set()  # made just now: not again even with --again
         self.marks = {}
-        self.load = os.getloadavg()[0]
-        self.when = set()  # of all runs looked at: (when they were made, the machine's load when that making began or None)
+        self.load = busy_cores()
+        self.when = set()  # of all runs looked at: (when they were made, the cores at work when that making began or None)
         for name in ('runs', 'states', 'scratch'):
             os.makedirs(os.path.join(folder, name), exist_ok=True)
 
@@ -112,12 +112,12 @@ class Maker:
     def conditions(self):
         """When the runs were made that the page shows, and how busy the machine was: facts of the measuring, not of the reading."""
         if not self.when:
-            return [('made', 'no run yet'), ('load at the start', '-')]
+            return [('made', 'no run yet'), ('cores busy at the start', '-')]
         times, loads = [t for t, _ in self.when], [load for _, load in self.when]
         made = min(times) if min(times) == max(times) else f'{min(times)} to {max(times)}'
         if None in loads:
-            return [('made', made), ('load at the start', 'not kept')]
-        return [('made', made), ('load at the start', f'{max(loads):.1f}' + (' - too busy: these times are unfit to quote' if max(loads) > .7 else ''))]
+            return [('made', made), ('cores busy at the start', 'not kept')]
+        return [('made', made), ('cores busy at the start', f'{max(loads):.1f}' + (' - too busy: these times are unfit to quote' if max(loads) > .3 else ''))]
 
     def key(self, scene, settings, ranks=1, options=(), start=None, look=()):
         return digest(self.mark(self.program), self.mark(scene_path(scene)), settings, ranks, options, start and self.mark(start), named(look))

@@ -102,7 +102,7 @@ class KnownCases(unittest.TestCase):
         self.addCleanup(shutil.rmtree, root)
         (root / "scenes" / "pictures").mkdir(parents=True)
         (root / "README.md").write_text(f"before\n{readme.BEGIN}\nold\n{readme.END}\nafter\n")
-        facts = [("made", "then"), ("machine", "this"), ("compiler", "g++"), ("load at the start", "0.0")]
+        facts = [("made", "then"), ("machine", "this"), ("compiler", "g++"), ("cores busy at the start", "0.0")]
         readme.write([section], facts, "quick", root)
         lines = (root / "README.md").read_text().splitlines()
         self.assertEqual((lines[0], lines[-1]), ("before", "after"))
