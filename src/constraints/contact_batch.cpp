@@ -46,10 +46,11 @@ constexpr std::size_t ahead = 16;
 void ask_for(const Contacts& contacts, const std::vector<Vec3>& position, std::uint32_t soon, std::uint32_t later) {
   const Manifold &m = contacts.manifolds[soon], &next = contacts.manifolds[later];
   const ContactPoint& point = contacts.points[m.first];
-  __builtin_prefetch(&point.position),
-      __builtin_prefetch(&point.feature);  // a record may begin in one cache line, end in another
+  __builtin_prefetch(&point.position);  // a record may begin in one cache line and end in another
+  __builtin_prefetch(&point.feature);
   __builtin_prefetch(&position[static_cast<std::size_t>(m.slot_b)]);
-  __builtin_prefetch(&next.id_a), __builtin_prefetch(&next.count);
+  __builtin_prefetch(&next.id_a);
+  __builtin_prefetch(&next.count);
 }
 
 Vec4d inverse_or_zero(Vec4d x) {

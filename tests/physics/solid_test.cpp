@@ -17,6 +17,12 @@ std::string block(const std::string& more) {
          more;
 }
 
+// Of 5e8 Pa, 1000 kg/m^3.
+std::string hard_rubber(const std::string& size) {
+  return "solids:\n  - block: {" + size +
+         "}\n    density: 1000\n    youngs_modulus: 5.0e8\n    poissons_ratio: 0.2\n    thickness: 0.02\n";
+}
+
 Strain strain_of(Experiment& run) {
   return measure_strain(MPI_COMM_SELF, run.world(), run.simulation->constraints, run.scene->materials.size())[0];
 }
@@ -68,10 +74,9 @@ TEST(Solid, ElasticEnergyWithTheVolumeAtRestAndTheCurrentOne) {
 // steps of 2 ms its nodes move by a tenth of an edge.
 TEST(Solid, AnImpactOfHardRubberGainsNoEnergy) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
-    Scene scene = scene_from_text(
-        "time: {step: 0.002}\nsolids:\n  - block: {size: [0.3, 0.2, 0.2], cells: [3, 2, 2]}\n    density: 1000\n"
-        "    youngs_modulus: 5.0e8\n    poissons_ratio: 0.2\n    thickness: 0.02\n    position: [0, 0, 0.22]\n"
-        "    orientation: {axis: [0.6, 0.8, 0], angle: 30}\n    velocity: [3, 0, -5]\n");
+    Scene scene = scene_from_text("time: {step: 0.002}\n" + hard_rubber("size: [0.3, 0.2, 0.2], cells: [3, 2, 2]") +
+                                  "    position: [0, 0, 0.22]\n    orientation: {axis: [0.6, 0.8, 0], angle: 30}\n"
+                                  "    velocity: [3, 0, -5]\n");
     scene.solver.name = solver;
     add(scene, ground());
     Experiment run(std::move(scene));
@@ -92,10 +97,8 @@ TEST(Solid, AnImpactOfHardRubberGainsNoEnergy) {
 TEST(Solid, ALightBoxUnderHardRubberIsHeldOnceStepsConverge) {
   std::vector<double> depths;
   for (const int iterations : {100, 400}) {
-    Scene scene = scene_from_text(
-        "time: {step: 0.004}\nsolids:\n  - block: {size: [0.3, 0.3, 0.3], cells: [3, 3, 3]}\n    density: 1000\n"
-        "    youngs_modulus: 5.0e8\n    poissons_ratio: 0.2\n    thickness: 0.02\n"
-        "    position: [0, 0, 0.32]\n    velocity: [0, 0, -2]\n");
+    Scene scene = scene_from_text("time: {step: 0.004}\n" + hard_rubber("size: [0.3, 0.3, 0.3], cells: [3, 3, 3]") +
+                                  "    position: [0, 0, 0.32]\n    velocity: [0, 0, -2]\n");
     scene.solver.iterations = iterations;
     add(scene, ground());
     add(scene, small_worlds::block(27.0 / 80, Vec3(0.15, 0.15, 0.15), Vec3(0.03, 0.02, 0.075)));
