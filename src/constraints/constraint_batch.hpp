@@ -15,6 +15,8 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "constraints/constraint_type.hpp"
@@ -103,7 +105,9 @@ class ConstraintBatch {
     std::array<Vec4d, stencil> weight;
   };
   using Solution = std::array<Vec4d, rows>;
-  using Impulses = std::array<Vec3x4, stencil>;                                                     // N s, on each end
+  using Impulses = std::array<Vec3x4, stencil>;  // N s, on each end
+  static constexpr bool is_pair = stencil == 2;
+  using ImpulseRows = std::array<std::array<Vec4d, lanes>, is_pair ? 1 : stencil>;                  // of each end, or the first
   std::size_t begin_of(std::size_t group) const { return group == 0 ? 0 : group_end_[group - 1]; }  // in blocks
   static constexpr std::size_t ahead = rows == 1 ? 8 : 2;                                           // blocks under way at a time
 
@@ -125,10 +129,10 @@ class ConstraintBatch {
                                                 const Solution& lambda, Solution& r) const;
   [[gnu::always_inline]] static inline Vec4d part_taken(const Solution& lambda, Solution& step);
   template <bool total>
-  [[gnu::always_inline]] inline std::array<std::array<Vec4d, lanes>, stencil> take_impulses(std::size_t b,
-                                                                                            const Rows<stencil, rows>& at,
-                                                                                            const Solution& change,
-                                                                                            const Solution& lambda);
+  [[gnu::always_inline]] inline ImpulseRows take_impulses(std::size_t b, const Rows<stencil, rows>& at, const Solution& change,
+                                                          const Solution& lambda);
+  [[gnu::always_inline]] static inline void add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses);
+  void take_inverses(const StepStart& start);  // at the first pass of a step
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
   template <Law law, bool total>
@@ -141,7 +145,9 @@ class ConstraintBatch {
   std::vector<Solution> lambda_, y_;
   std::vector<Impulses> applied_;  // in the total form: on the bodies of each block so far
   Form form_ = Form::incremental;
-  std::vector<Mask4> counted_;
+  std::vector<Vec4d> inverses_;           // 1/P of each block; empty where it changes within the step
+  bool has_inverses_ = false;             // of this step
+  std::vector<std::uint8_t> counted_;     // of each block a bit a lane
   std::vector<std::uint32_t> group_end_;  // in blocks
   std::vector<std::int32_t> order_;       // constraint of each lane of each block, -1: empty
 };

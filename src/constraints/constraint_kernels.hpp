@@ -55,7 +55,7 @@ void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::
       const std::size_t used = std::min(lanes, end - begin);
       Block& block = blocks_.emplace_back();
       Softness softness{};
-      Mask4 counts{};
+      std::uint8_t counts = 0;
       for (std::size_t l = 0; l < lanes; ++l) {
         // An empty lane has the parameters of a full one, but is stiff, so that it never moves: nothing may show how many there
         // are.
@@ -65,7 +65,7 @@ void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::
         if (l < used) softness.damping[l] = constraints[i].damping;
         const std::array<Slot, stencil> ends = slots(i);
         for (std::size_t e = 0; e < stencil; ++e) block.slot[e][l] = l < used ? ends[e] : nobody;
-        counts[l] = l < used && counted(i) ? -1 : 0;
+        if (l < used && counted(i)) counts |= static_cast<std::uint8_t>(1u << l);
         order_.push_back(l < used ? static_cast<std::int32_t>(i) : -1);
       }
       if (soft) softness_.push_back(softness);
@@ -74,6 +74,7 @@ void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::
     group_end_.push_back(static_cast<std::uint32_t>(blocks_.size()));
   }
   lambda_.assign(blocks_.size(), Solution{});
+  has_inverses_ = false;
   applied_.assign(form == Form::total ? blocks_.size() : 0, Impulses{});
 }
 
@@ -84,6 +85,7 @@ void ConstraintBatch<C>::set_multipliers(std::span<const Multipliers> multiplier
       lambda_[i / lanes][k][i % lanes] =
           multipliers.empty() || order_[i] < 0 ? 0 : multipliers[static_cast<std::size_t>(order_[i])][k];
   y_.clear();
+  has_inverses_ = false;
   applied_.assign(form_ == Form::total ? blocks_.size() : 0, Impulses{});
 }
 
@@ -96,26 +98,35 @@ void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) con
 }
 
 // A body's record is read as a row of four, x = x_l + h v in all but its fourth component, and rows are turned into lanes. A
-// Jacobi sweep, which moves no body, finds the rows ready (`moved`).
+// Jacobi sweep, which moves no body, finds the rows ready (`moved`). What two bodies do to each other depends on the difference
+// of their places alone: one row to turn, and the second body stands at the origin.
 template <ConstraintType C>
 template <typename ConstraintBatch<C>::Law law, bool moved>
 inline typename ConstraintBatch<C>::Ends ConstraintBatch<C>::gather(const Block& block, const StepStart& start,
                                                                     std::span<const SolverBody> bodies) {
-  Ends ends;
+  Ends ends{};
   const double ahead = law == Law::linear ? 0 : start.step;
   const Vec4d step{ahead, ahead, ahead, 0};
+  const auto velocity = [&](Slot s) { return *reinterpret_cast<const Vec4dView*>(&bodies[s]); };  // and 1/m
+  const auto place = [&](Slot s) { return moved ? start.moved_places[s] : start.places[s] + step * velocity(s); };
+  const auto turned = [](auto&& row_of_lane) {
+    Vec4d x = row_of_lane(0), y = row_of_lane(1), z = row_of_lane(2), w = row_of_lane(3);
+    transpose(x, y, z, w);
+    return std::pair(Vec3x4{x, y, z}, w);
+  };
   for (std::size_t e = 0; e < stencil; ++e) {
     const auto& s = block.slot[e];
-    const auto velocity = [&](std::size_t l) { return *reinterpret_cast<const Vec4dView*>(&bodies[s[l]]); };  // and 1/m
-    const auto place = [&](std::size_t l) { return moved ? start.moved_places[s[l]] : start.places[s[l]] + step * velocity(l); };
-    Vec4d x = place(0), y = place(1), z = place(2), w = place(3);
-    transpose(x, y, z, w);
-    ends.x[e] = {x, y, z}, ends.weight[e] = w;
-    if constexpr (law != Law::stiff) {
-      Vec4d v0 = velocity(0), v1 = velocity(1), v2 = velocity(2), v3 = velocity(3);
-      transpose(v0, v1, v2, v3);
-      ends.u[e] = {v0, v1, v2};
+    if constexpr (is_pair) {
+      for (std::size_t l = 0; l < lanes; ++l) ends.weight[e][l] = start.places[s[l]][3];
+    } else {
+      std::tie(ends.x[e], ends.weight[e]) = turned([&](std::size_t l) { return place(s[l]); });
+      if constexpr (law != Law::stiff) ends.u[e] = turned([&](std::size_t l) { return velocity(s[l]); }).first;
     }
+  }
+  if constexpr (is_pair) {
+    const auto &s = block.slot[0], &t = block.slot[1];
+    ends.x[0] = turned([&](std::size_t l) { return place(s[l]) - place(t[l]); }).first;
+    if constexpr (law != Law::stiff) ends.u[0] = turned([&](std::size_t l) { return velocity(s[l]) - velocity(t[l]); }).first;
   }
   return ends;
 }
@@ -159,14 +170,12 @@ template <bool soft>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std::size_t b, const Rows<stencil, rows>& at,
                                                                              const Ends& ends, const Solution& r,
                                                                              double step) const {
+  if constexpr (has_unit_gradients<C>) return {-r[0] * inverses_[b]};
   std::array<std::array<Vec4d, rows>, rows> P;
   Solution right;
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
-      const auto of_end = [&](std::size_t e) {
-        if constexpr (requires { requires C::unit_gradients; }) return ends.weight[e];
-        return ends.weight[e] * dot(at.gradient[i][e], at.gradient[j][e]);
-      };
+      const auto of_end = [&](std::size_t e) { return ends.weight[e] * dot(at.gradient[i][e], at.gradient[j][e]); };
       P[i][j] = of_end(0);
       for (std::size_t e = 1; e < stencil; ++e) P[i][j] += of_end(e);
     }
@@ -177,6 +186,22 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std
     right[i] = -r[i];
   }
   return constraint_kernels::solve_symmetric<rows>(P, right);
+}
+
+// 1/P of rows whose gradients have length 1: it changes with the bodies' weights only, from step to step.
+template <ConstraintType C>
+void ConstraintBatch<C>::take_inverses(const StepStart& start) {
+  if (!has_unit_gradients<C> || has_inverses_) return;
+  has_inverses_ = true;
+  inverses_.resize(blocks_.size());
+  const Vec4d step = broadcast(start.step);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    Vec4d P = broadcast(0);
+    for (const auto& slots : blocks_[b].slot)
+      for (std::size_t l = 0; l < lanes; ++l) P[l] += start.places[slots[l]][3];
+    if (!softness_.empty()) P += softness_[b].compliance[0] / (step * (step + softness_[b].damping));
+    inverses_[b] = constraint_kernels::inverse_or_zero(P);
+  }
 }
 
 // D lambda.
@@ -210,11 +235,13 @@ inline Vec4d ConstraintBatch<C>::part_taken(const Solution& lambda, Solution& st
   return select(wanted != zero, step[0] / select(wanted != zero, wanted, broadcast(1)), zero);
 }
 
-// What a change of the multipliers to lambda adds to each end and lane, as rows of four whose last component is 0.
+// What a change of the multipliers to lambda adds to each end and lane, as rows of four whose last component is 0. Of two bodies
+// the second gets the opposite.
 template <ConstraintType C>
 template <bool total>
-inline std::array<std::array<Vec4d, lanes>, ConstraintBatch<C>::stencil> ConstraintBatch<C>::take_impulses(
-    std::size_t b, const Rows<stencil, rows>& at, const Solution& change, const Solution& lambda) {
+inline typename ConstraintBatch<C>::ImpulseRows ConstraintBatch<C>::take_impulses(std::size_t b, const Rows<stencil, rows>& at,
+                                                                                  const Solution& change,
+                                                                                  const Solution& lambda) {
   Impulses added;
   if constexpr (total) {
     const Impulses all = times(at, lambda);
@@ -223,8 +250,8 @@ inline std::array<std::array<Vec4d, lanes>, ConstraintBatch<C>::stencil> Constra
   } else {
     added = times(at, change);
   }
-  std::array<std::array<Vec4d, lanes>, stencil> impulse;
-  for (std::size_t e = 0; e < stencil; ++e) {
+  ImpulseRows impulse;
+  for (std::size_t e = 0; e < impulse.size(); ++e) {
     Vec4d none = broadcast(0);
     transpose(added[e].x, added[e].y, added[e].z, none);
     impulse[e] = {added[e].x, added[e].y, added[e].z, none};
@@ -232,17 +259,15 @@ inline std::array<std::array<Vec4d, lanes>, ConstraintBatch<C>::stencil> Constra
   return impulse;
 }
 
-namespace constraint_kernels {
-
 // Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
-template <std::size_t stencil>
-[[gnu::always_inline]] inline void add(const std::array<std::array<Slot, lanes>, stencil>& slot,
-                                       const std::array<std::array<Vec4d, lanes>, stencil>& impulse, std::span<Vec4d> impulses) {
+template <ConstraintType C>
+inline void ConstraintBatch<C>::add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses) {
   for (std::size_t l = 0; l < lanes; ++l)
-    for (std::size_t e = 0; e < stencil; ++e) impulses[slot[e][l]] += impulse[e][l];
+    if constexpr (is_pair)
+      impulses[block.slot[0][l]] += impulse[0][l], impulses[block.slot[1][l]] -= impulse[0][l];
+    else
+      for (std::size_t e = 0; e < stencil; ++e) impulses[block.slot[e][l]] += impulse[e][l];
 }
-
-}  // namespace constraint_kernels
 
 template <ConstraintType C>
 void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) {
@@ -254,7 +279,7 @@ void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const So
     C::evaluate(blocks_[b].parameters, ends.x, at);
     const auto added =
         total ? take_impulses<true>(b, at, lambda_[b], lambda_[b]) : take_impulses<false>(b, at, lambda_[b], lambda_[b]);
-    constraint_kernels::add(blocks_[b].slot, added, impulses);
+    add(blocks_[b], added, impulses);
   }
 }
 
@@ -281,7 +306,7 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution moved = extrapolate(first + i, r[i], step[i], totals);
-      constraint_kernels::add(blocks_[first + i].slot, take_impulses<total>(first + i, at[i], moved, y_[first + i]), impulses);
+      add(blocks_[first + i], take_impulses<total>(first + i, at[i], moved, y_[first + i]), impulses);
     }
   }
   totals.add_to(sums, h);
@@ -310,8 +335,8 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
     y_[b][k] = y;
   }
   totals.largest = max(totals.largest, max(abs(uphill), squared));
-  totals.gradient += whole_units(uphill, totals.per_unit) & counted_[b];
-  totals.progress += whole_units(squared, totals.per_unit) & counted_[b];
+  totals.gradient += whole_units(uphill, totals.per_unit) & lanes_of(counted_[b]);
+  totals.progress += whole_units(squared, totals.per_unit) & lanes_of(counted_[b]);
   return moved;
 }
 
@@ -319,6 +344,7 @@ template <ConstraintType C>
 void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                       double beta, SweepSums& sums) {
   if (y_.empty()) y_ = lambda_;
+  take_inverses(start);
   const bool soft = !softness_.empty(), total = form_ == Form::total;
   if (start.is_linear())
     sweep<Law::linear, false>(start, bodies, impulses, beta, sums);
@@ -336,7 +362,6 @@ template <typename ConstraintBatch<C>::Law law, bool total>
 double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> step;
-  std::array<std::array<Vec4d, stencil>, ahead> weight;
   const double h = start.step;  // a copy: no store of the loop can change it
   const Vec4d over_step = broadcast(1 / h);
   Vec4d change = broadcast(0);
@@ -350,7 +375,6 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
       if constexpr (total) add_misfit(b, at[i], ends, lambda_[b], r);
       step[i] = solve_block<law != Law::stiff>(b, at[i], ends, r, h);
       const Vec4d part = part_taken(lambda_[b], step[i]);
-      weight[i] = ends.weight;
       for (std::size_t k = 0; k < rows; ++k) {
         lambda_[b][k] += step[i][k];
         const Vec4d taken = is_unilateral<C> ? r[k] * part : select(step[i][k] != broadcast(0), r[k], broadcast(0));
@@ -362,8 +386,10 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
       const auto impulse = take_impulses<total>(b, at[i], step[i], lambda_[b]);
       for (std::size_t e = 0; e < stencil; ++e)
         for (std::size_t l = 0; l < lanes; ++l) {
-          auto& row = *reinterpret_cast<Vec4dView*>(&bodies[blocks_[b].slot[e][l]]);
-          row += impulse[e][l] * broadcast(weight[i][e][l]);
+          const Slot slot = blocks_[b].slot[e][l];
+          const Vec4d moved = impulse[is_pair ? 0 : e][l] * broadcast(start.places[slot][3]);
+          auto& row = *reinterpret_cast<Vec4dView*>(&bodies[slot]);
+          row = is_pair && e == 1 ? row - moved : row + moved;
         }
     }
   }
@@ -374,6 +400,7 @@ template <ConstraintType C>
 double ConstraintBatch<C>::relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   if (group >= group_end_.size()) return 0;
   const bool soft = !softness_.empty();
+  take_inverses(start);
   if (start.is_linear()) return relax_group<Law::linear, false>(group, start, bodies);
   if (form_ == Form::total)
     return soft ? relax_group<Law::soft, true>(group, start, bodies) : relax_group<Law::stiff, true>(group, start, bodies);
@@ -409,7 +436,8 @@ double ConstraintBatch<C>::residual(const StepStart& start, std::span<const Solv
 template <ConstraintType C>
 std::size_t ConstraintBatch<C>::bytes() const {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
-  return of(blocks_) + of(softness_) + of(lambda_) + of(y_) + of(counted_) + of(group_end_) + of(order_) + of(applied_);
+  return of(blocks_) + of(softness_) + of(lambda_) + of(y_) + of(inverses_) + of(counted_) + of(group_end_) + of(order_) +
+         of(applied_);
 }
 
 }  // namespace unibody

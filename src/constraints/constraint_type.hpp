@@ -44,6 +44,12 @@ inline constexpr bool is_unilateral = requires {
   requires C::unilateral && C::rows == 1;
 };
 
+// Gradients of length 1: a row's block is then the sum of the bodies' weights.
+template <class C>
+inline constexpr bool has_unit_gradients = requires {
+  requires C::unit_gradients && C::rows == 1;
+};
+
 // One constraint as the scene makes it: between bodies given by their ids.
 template <class C>
 struct Constraint {

@@ -14,32 +14,6 @@ void set_lane(Vec4d (&m)[6], std::size_t lane, const InverseInertia& i) {
   m[0][lane] = i.xx, m[1][lane] = i.yy, m[2][lane] = i.zz, m[3][lane] = i.yz, m[4][lane] = i.xz, m[5][lane] = i.xy;
 }
 
-Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
-  return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
-}
-
-// Masses of the two bodies of each lane.
-struct LaneMasses {
-  Vec4d mass_a, mass_b;        // inverse masses
-  Vec4d inertia_a, inertia_b;  // inverse, isotropic
-  const ContactBatch::Inertia* general;
-
-  Vec3x4 turn_a(const Vec3x4& torque) const { return general ? multiply(general->a, torque) : torque * inertia_a; }
-  Vec3x4 turn_b(const Vec3x4& torque) const { return general ? multiply(general->b, torque) : torque * inertia_b; }
-};
-
-LaneMasses gather_masses(const ContactBatch::Block& block, std::span<const SolverBody> bodies,
-                         const ContactBatch::Inertia* general) {
-  LaneMasses m{};
-  for (std::size_t l = 0; l < lanes; ++l) {
-    const auto &a = bodies[block.slot_a[l]], &b = bodies[block.slot_b[l]];
-    m.mass_a[l] = a.inverse_mass, m.mass_b[l] = b.inverse_mass;
-    m.inertia_a[l] = a.inverse_inertia, m.inertia_b[l] = b.inverse_inertia;
-  }
-  m.general = general;
-  return m;
-}
-
 constexpr std::size_t ahead = 16;
 
 // Colours run through the contacts with strides that the processor does not foresee.
@@ -51,10 +25,6 @@ void ask_for(const Contacts& contacts, const std::vector<Vec3>& position, std::u
   __builtin_prefetch(&position[static_cast<std::size_t>(m.slot_b)]);
   __builtin_prefetch(&next.id_a);
   __builtin_prefetch(&next.count);
-}
-
-Vec4d inverse_or_zero(Vec4d x) {
-  return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0));
 }
 
 }  // namespace
@@ -179,96 +149,7 @@ void ContactBatch::fill_lane(Block& block, Source& source, std::size_t lane, std
     set_lane(point.arm_a, lane, contact.position - position[m.slot_a]);
     set_lane(point.arm_b, lane, contact.position - position[m.slot_b]);
     normals[block.first_point + p].bias[lane] = contact.gap;
-    point.mobility[lane] = 1;  // marks a row in use; the scale passes overwrite it
-  }
-}
-
-// Gauss-Seidel: each point's own 3 x 3 block; for cone projections one scalar for its three rows. A contact without
-// friction has no tangents, also beside others in its block: who they are depends on the rank.
-void ContactBatch::scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies) {
-  const LaneMasses w = gather_masses(block, bodies, block.inertia < 0 ? nullptr : &inertias[block.inertia]);
-  const Vec3x4 t = cross(block.n, block.s);
-  const Vec4d linear = w.mass_a + w.mass_b;
-  const Mask4 rough = block.friction > broadcast(0);
-  for (std::uint32_t p = 0; p < block.count; ++p) {
-    Point& point = points[block.first_point + p];
-    const Vec4d in_use = point.mobility;
-    const Vec3x4 an = cross(point.arm_a, block.n), bn = cross(point.arm_b, block.n);
-    const Vec3x4 wan = w.turn_a(an), wbn = w.turn_b(bn);
-    const Vec4d K_nn = linear + dot(an, wan) + dot(bn, wbn);
-    point.mobility = K_nn * in_use;
-    point.inverse_scale = inverse_or_zero(point.mobility);
-    if (block.first_tangent < 0) continue;
-    Tangents& tangent = tangents[block.first_tangent + p];
-    const Vec3x4 as = cross(point.arm_a, block.s), bs = cross(point.arm_b, block.s);
-    const Vec3x4 at = cross(point.arm_a, t), bt = cross(point.arm_b, t);
-    const Vec3x4 was = w.turn_a(as), wbs = w.turn_b(bs), wat = w.turn_a(at), wbt = w.turn_b(bt);
-    const Vec4d K_ss = linear + dot(as, was) + dot(bs, wbs), K_tt = linear + dot(at, wat) + dot(bt, wbt);
-    const Vec4d K_st = dot(as, wat) + dot(bs, wbt);
-    const Vec4d K_ns = dot(as, wan) + dot(bs, wbn), K_nt = dot(at, wan) + dot(bt, wbn);
-    if (!couplings.empty()) couplings[block.first_tangent + p] = {K_ns, K_nt};
-    tangent.mobility = select(rough, max(K_ss + abs(K_st), K_tt + abs(K_st)) * in_use, broadcast(0));
-    tangent.inverse_scale = inverse_or_zero(tangent.mobility);
-    if (uses_cone_projection(friction_)) {
-      const Vec4d coupling = abs(K_ns) + abs(K_nt);
-      const Vec4d bound = max(K_nn + coupling, max(K_ss + abs(K_st) + abs(K_ns), K_tt + abs(K_st) + abs(K_nt)));
-      point.inverse_scale = inverse_or_zero(select(rough, bound, K_nn) * in_use);
-      tangent.inverse_scale = select(rough, point.inverse_scale, broadcast(0));
-    }
-  }
-}
-
-// Jacobi: absolute row sums of the whole manifold block, masses split by the bodies' constraint counts (Cauchy-Schwarz over a
-// body's manifolds, then diagonal dominance): the scaled matrix then has no eigenvalue above 1, so that no relaxation parameter
-// is needed.
-void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) {
-  scale_gauss_seidel(block, bodies);  // mobilities
-  const LaneMasses w = gather_masses(block, bodies, block.inertia < 0 ? nullptr : &inertias[block.inertia]);
-  Vec4d split_a{}, split_b{};
-  for (std::size_t l = 0; l < lanes; ++l) {
-    split_a[l] = std::max(1.0, scaling_ * counts[block.slot_a[l]]);
-    split_b[l] = std::max(1.0, scaling_ * counts[block.slot_b[l]]);
-  }
-  const Vec4d linear = split_a * w.mass_a + split_b * w.mass_b;
-  const std::uint32_t rows_a_point = block.first_tangent < 0 ? 1 : 3;
-  const std::uint32_t rows = rows_a_point * block.count;
-  assert(rows <= 24);
-  const Vec3x4 axes[3] = {block.n, block.s, cross(block.n, block.s)};
-  Vec3x4 a[24], b[24], wa[24], wb[24];
-  Vec4d in_use[24], sum[24];
-  for (std::uint32_t p = 0; p < block.count; ++p) {
-    const Point& point = points[block.first_point + p];
-    for (std::uint32_t d = 0; d < rows_a_point; ++d) {
-      const std::uint32_t i = rows_a_point * p + d;
-      a[i] = cross(point.arm_a, axes[d]), b[i] = cross(point.arm_b, axes[d]);
-      wa[i] = w.turn_a(a[i]) * split_a, wb[i] = w.turn_b(b[i]) * split_b;
-      in_use[i] = select(point.mobility > broadcast(0), broadcast(1), broadcast(0));
-      if (d > 0) in_use[i] = select(block.friction > broadcast(0), in_use[i], broadcast(0));
-      sum[i] = broadcast(0);
-    }
-  }
-  for (std::uint32_t i = 0; i < rows; ++i)
-    for (std::uint32_t j = i; j < rows; ++j) {
-      Vec4d entry = dot(a[i], wa[j]) + dot(b[i], wb[j]);
-      if ((j - i) % rows_a_point == 0) entry += linear;
-      entry = abs(entry) * in_use[i] * in_use[j];
-      sum[i] += entry;
-      if (j != i) sum[j] += entry;
-    }
-  for (std::uint32_t p = 0; p < block.count; ++p) {
-    const std::uint32_t i = rows_a_point * p;
-    const auto set = [](Vec4d& scale, Vec4d& inverse, Vec4d value) { scale = value, inverse = inverse_or_zero(value); };
-    Point& point = points[block.first_point + p];
-    Vec4d& scale = normal_momenta[block.first_point + p].scale;
-    if (rows_a_point == 1) {
-      set(scale, point.inverse_scale, sum[i]);
-      continue;
-    }
-    Vec4d tangential = max(sum[i + 1], sum[i + 2]), normal = sum[i];
-    if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
-    const std::size_t k = block.first_tangent + p;
-    set(scale, point.inverse_scale, normal);
-    set(tangent_momenta[k].scale, tangents[k].inverse_scale, select(block.friction > broadcast(0), tangential, broadcast(0)));
+    point.inverse_scale[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }
 }
 

@@ -3,8 +3,8 @@
 // Rows of a point: normal r_n = bias + n.u, tangents r_s = s.u, r_t = t.u, with u the relative velocity of the two bodies at the
 // point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
 // A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
-// The grouping into blocks changes no result. A batch holds what its solver needs: with Gauss-Seidel a point costs 80 bytes and
-// its tangents 48, with the Jacobi solvers 96 and 56; a manifold costs 77, and 96 more with general inertia. Large scenes are
+// The grouping into blocks changes no result. A batch holds what its solver needs: with Gauss-Seidel a point costs 72 bytes and
+// its tangents 40, with the Jacobi solvers 88 and 48; a manifold costs 77, and 96 more with general inertia. Large scenes are
 // bound by the memory, so what changes from sweep to sweep is kept apart: only that has to go back.
 #pragma once
 
@@ -71,8 +71,7 @@ class ContactBatch {
   };
   struct Point {
     Vec3x4 arm_a, arm_b;  // m, from the centres
-    Vec4d inverse_scale;  // kg, 1/P_n. P_n bounds the row's share of D^T W D, so that a step of 1/P_n is safe
-    Vec4d mobility;       // 1/kg, K_nn = n K n of this point alone: the scale of the natural residual
+    Vec4d inverse_scale;  // kg, 1/P_n; 0: no row. P_n bounds the row's share of D^T W D, so that a step of 1/P_n is safe
   };
   struct Normal {  // of each of `points`
     Vec4d bias;    // m/s
@@ -80,7 +79,6 @@ class ContactBatch {
   };
   struct Tangents {
     Vec4d inverse_scale;  // kg, 1/P_T
-    Vec4d mobility;       // 1/kg
   };
   struct TangentImpulse {      // of each of `tangents`
     Vec4d lambda_s, lambda_t;  // N s

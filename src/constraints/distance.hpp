@@ -8,7 +8,7 @@ namespace unibody {
 struct Distance {
   static constexpr std::string_view name = "distance";
   static constexpr std::size_t stencil = 2, rows = 1;
-  static constexpr bool unit_gradients = true;  // the block needs no more than the weights, without waiting for the direction
+  static constexpr bool unit_gradients = true;
   static constexpr std::array<std::string_view, 1> parameter_names{"rest length (m)"};
 
   // c = |x0 - x1| - l.

@@ -24,6 +24,8 @@ inline Vec4d max(Vec4d a, Vec4d b) { return select(a > b, a, b); }
 inline Vec4d min(Vec4d a, Vec4d b) { return select(a < b, a, b); }
 inline bool any(Mask4 m) { return (m[0] | m[1] | m[2] | m[3]) != 0; }
 #endif
+// All bits of the lanes whose bit is set.
+inline Mask4 lanes_of(unsigned bits) { return (Mask4{1, 2, 4, 8} & static_cast<long long>(bits)) != 0; }
 inline Vec4d abs(Vec4d a) {
   constexpr long long all_but_sign = 0x7fffffffffffffff;
   return reinterpret_cast<Vec4d>(reinterpret_cast<Mask4>(a) & Mask4{all_but_sign, all_but_sign, all_but_sign, all_but_sign});

@@ -1,0 +1,96 @@
+// The end of a stage of a Jacobi solver: no body sinks through what does not move.
+
+#include "constraints/contact_rows.hpp"
+
+namespace unibody {
+
+using namespace contact_rows;
+
+namespace {
+
+// One manifold of a block, its lane beside three empty ones, with the scales of its points alone.
+struct LoneManifold {
+  LoneManifold(const ContactBatch& batch, const Block& whole, std::size_t lane, const Inertia* inertia, bool cone,
+               std::span<const SolverBody> bodies)
+      : block(whole) {
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (l != lane) block.slot_a[l] = block.slot_b[l] = static_cast<Slot>(bodies.size() - 1);  // nobody
+    const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      points[k] = batch.points[block.first_point + k], normals[k] = batch.normals[block.first_point + k];
+      const Mobility own = mobility<true>(block, cross(block.n, block.s), points[k], a, b, inertia);
+      const Vec4d across = select(block.friction > broadcast(0), own.tangential(), broadcast(0));
+      const Vec4d along = cone ? max(own.nn, across) : own.nn;
+      set(points[k].inverse_scale, along);
+      if (block.first_tangent < 0) continue;
+      const std::size_t t = static_cast<std::size_t>(block.first_tangent) + k;
+      tangents[k] = batch.tangents[t], tangent_impulses[k] = batch.tangent_impulses[t];
+      set(tangents[k].inverse_scale, cone ? along : across);
+    }
+  }
+
+  // Rows that are not there stay so.
+  static void set(Vec4d& inverse_scale, Vec4d scale) {
+    inverse_scale = select(inverse_scale > broadcast(0), inverse_or_zero(scale), broadcast(0));
+  }
+
+  template <FrictionModel model>
+  void relax(const Inertia* inertia, bool backwards, std::span<SolverBody> bodies) {
+    const auto relax_as = [&]<bool tangential, bool isotropic>() {
+      relax_block<model, tangential, isotropic>(block, points, normals, tangents, tangent_impulses, couplings, inertia, backwards,
+                                                bodies);
+    };
+    if (block.first_tangent >= 0)
+      inertia ? relax_as.template operator()<true, false>() : relax_as.template operator()<true, true>();
+    else
+      inertia ? relax_as.template operator()<false, false>() : relax_as.template operator()<false, true>();
+  }
+
+  Block block;
+  Point points[8];
+  Normal normals[8];
+  Tangents tangents[8];
+  TangentImpulse tangent_impulses[8];
+  Coupling couplings[8] = {};  // left out: the next pass sees them
+};
+
+}  // namespace
+
+// Whether a body would end the step further in what does not move than its centre now is out of it, along the normal. (With half
+// as much towers that 20 iterations hold fall: what lies on a body that is pushed out so is left behind.)
+bool ContactBatch::sinks(const Block& block, const Source& source, std::size_t lane, bool is_a,
+                         std::span<const SolverBody> bodies) const {
+  const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+  for (std::uint32_t k = 0; k < source.count[lane]; ++k) {
+    const Point& p = points[block.first_point + k];
+    const Vec4d gap = broadcast(contacts_->points[source.contact[lane] + k].gap);
+    const Vec4d end = gap + broadcast(step_) * relative_velocity<false>(block, block.s, p, a, b).n;
+    const Vec4d out = is_a ? -dot(block.n, p.arm_a) : dot(block.n, p.arm_b);
+    if (end[lane] < 0 && -end[lane] > out[lane]) return true;
+  }
+  return false;
+}
+
+void ContactBatch::settle(std::size_t homes, std::span<SolverBody> bodies) {
+  constexpr int passes = 4;
+  const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < homes; };
+  for (std::size_t i = 0; i < blocks.size(); ++i)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      const Slot a = blocks[i].slot_a[l], b = blocks[i].slot_b[l];
+      if (is_home(a) == is_home(b) || bodies[is_home(a) ? b : a].inverse_mass > 0) continue;
+      if (!sinks(blocks[i], sources[i], l, is_home(a), bodies)) continue;
+      const Inertia* inertia = blocks[i].inertia < 0 ? nullptr : &inertias[blocks[i].inertia];
+      LoneManifold lone(*this, blocks[i], l, inertia, uses_cone_projection(friction_), bodies);
+      with_model(friction_, [&]<FrictionModel model>() {
+        for (int pass = 0; pass < passes; ++pass) lone.template relax<model>(inertia, pass % 2 == 1, bodies);
+      });
+      for (std::uint32_t k = 0; k < blocks[i].count; ++k) {
+        normals[blocks[i].first_point + k].lambda[l] = lone.normals[k].lambda[l];
+        if (blocks[i].first_tangent < 0) continue;
+        TangentImpulse& sideways = tangent_impulses[static_cast<std::size_t>(blocks[i].first_tangent) + k];
+        sideways.lambda_s[l] = lone.tangent_impulses[k].lambda_s[l], sideways.lambda_t[l] = lone.tangent_impulses[k].lambda_t[l];
+      }
+    }
+}
+
+}  // namespace unibody
