@@ -1,6 +1,7 @@
 // The solve of a step: stages, warm start, what is remembered, what is measured of it.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -247,26 +248,21 @@ bool Simulation::any_over_ranks(bool here) const {
   return any != 0;
 }
 
+// The largest over all ranks, of everything in one message.
 void Simulation::measure_solution(StepReport& report) {
-  report.residual = std::max(system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies));
-  report.residual = std::max(report.residual, system_.rolling.residual(system_.contacts, system_.bodies));
-  if (constraints_of_all_ > 0) {
-    report.constraint_residuals = constraint_batches_->residuals(system_.start(), system_.bodies);
-    for (const double r : report.constraint_residuals) report.residual = std::max(report.residual, r);
-    MPI_Allreduce(MPI_IN_PLACE, report.constraint_residuals.data(), static_cast<int>(report.constraint_residuals.size()),
-                  MPI_DOUBLE, MPI_MAX, halo_.comm());
-  }
-  if (has_attachments()) {
-    report.attachment_residual = system_.attachment_rows.residual(system_.bodies);
-    MPI_Allreduce(MPI_IN_PLACE, &report.attachment_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
-    report.residual = std::max(report.residual, report.attachment_residual);
-  }
-  if (has_joints()) {
-    report.joint_residual = joint_batch_.residual(system_.bodies);
-    MPI_Allreduce(MPI_IN_PLACE, &report.joint_residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
-    report.residual = std::max(report.residual, report.joint_residual);
-  }
-  MPI_Allreduce(MPI_IN_PLACE, &report.residual, 1, MPI_DOUBLE, MPI_MAX, halo_.comm());
+  constexpr std::size_t types = ConstraintTypes::size;
+  std::array<double, types + 3> largest{};  // of each type, of attachments, joints, and contacts
+  double &of_attachments = largest[types], &of_joints = largest[types + 1], &of_contacts = largest[types + 2];
+  if (constraints_of_all_ > 0)
+    std::ranges::copy(constraint_batches_->residuals(system_.start(), system_.bodies), largest.begin());
+  if (has_attachments()) of_attachments = system_.attachment_rows.residual(system_.bodies);
+  if (has_joints()) of_joints = joint_batch_.residual(system_.bodies);
+  of_contacts = std::max({system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies),
+                          system_.rolling.residual(system_.contacts, system_.bodies)});
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, halo_.comm());
+  std::copy_n(largest.begin(), types, report.constraint_residuals.begin());
+  report.attachment_residual = of_attachments, report.joint_residual = of_joints;
+  report.residual = *std::ranges::max_element(largest);
   report.converged = report.residual <= tolerance_;
 }
 
