@@ -61,8 +61,8 @@ struct Mobility {
 };
 
 template <bool tangential>
-inline Mobility mobility(const Block& block, const Vec3x4& t, const Point& p, const Side& a, const Side& b,
-                         const Inertia* inertia) {
+[[gnu::always_inline]] inline Mobility mobility(const Block& block, const Vec3x4& t, const Point& p, const Side& a, const Side& b,
+                                                const Inertia* inertia) {
   const auto turn_a = [&](const Vec3x4& torque) { return inertia ? multiply(inertia->a, torque) : torque * a.inertia; };
   const auto turn_b = [&](const Vec3x4& torque) { return inertia ? multiply(inertia->b, torque) : torque * b.inertia; };
   const Vec4d linear = a.mass + b.mass;
