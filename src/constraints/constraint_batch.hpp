@@ -155,3 +155,4 @@ class ConstraintBatch {
 }  // namespace unibody
 
 #include "constraints/constraint_kernels.hpp"
+#include "constraints/constraint_layout.hpp"

@@ -50,10 +50,6 @@ inline Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
   return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
 }
 
-inline Vec4d inverse_or_zero(Vec4d x) {
-  return select(x > broadcast(0), broadcast(1) / select(x > broadcast(0), x, broadcast(1)), broadcast(0));
-}
-
 // K = D^T W D of a point alone, 1/kg; without tangents nn alone.
 struct Mobility {
   Vec4d nn, ss, tt, st, ns, nt;

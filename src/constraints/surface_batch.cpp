@@ -21,11 +21,6 @@ Vec3x4 gathered(const Slot (&slot)[lanes], Where&& where) {
   return {x, y, z};
 }
 
-Vec4d inverse_or_zero(Vec4d x) {
-  const Mask4 proper = x > broadcast(0);
-  return select(proper, broadcast(1) / select(proper, x, broadcast(1)), broadcast(0));
-}
-
 }  // namespace
 
 void SurfaceBatch::start_build(std::size_t count, const SolverSettings& settings, double step) {

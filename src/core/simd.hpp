@@ -37,6 +37,10 @@ inline Vec4d sqrt(Vec4d a) {  // correctly rounded either way
   return Vec4d{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])};
 #endif
 }
+inline Vec4d inverse_or_zero(Vec4d a) {  // 0 of what is not positive
+  const Mask4 positive = a > broadcast(0);
+  return select(positive, broadcast(1) / select(positive, a, broadcast(1)), broadcast(0));
+}
 inline double horizontal_max(Vec4d a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 
 // Four 3-vectors, one a lane.

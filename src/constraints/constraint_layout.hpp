@@ -1,0 +1,90 @@
+// How ConstraintBatch lays out its constraints, and what a step knows of them before its first pass. Included by its header
+// alone.
+#pragma once
+
+#include "constraints/constraint_batch.hpp"
+
+namespace unibody {
+
+template <ConstraintType C>
+template <typename SlotsOf, typename CountedOf>
+void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
+                               std::span<const std::uint32_t> groups, Slot nobody, Form form, SlotsOf&& slots,
+                               CountedOf&& counted) {
+  blocks_.clear(), softness_.clear(), lambda_.clear(), y_.clear(), counted_.clear(), group_end_.clear(), order_.clear();
+  form_ = form;
+  bool soft = false;
+  for (const Constraint<C>& c : constraints)
+    soft |= c.damping != 0 || std::any_of(c.compliance.begin(), c.compliance.end(), [](double e) { return e != 0; });
+  std::size_t begin = 0;
+  for (const std::size_t end : groups) {
+    for (; begin < end; begin += std::min(lanes, end - begin)) {
+      const std::size_t used = std::min(lanes, end - begin);
+      Block& block = blocks_.emplace_back();
+      Softness softness{};
+      std::uint8_t counts = 0;
+      for (std::size_t l = 0; l < lanes; ++l) {
+        // An empty lane has the parameters of a full one, but is stiff, so that it never moves: nothing may show how many there
+        // are.
+        const std::uint32_t i = order[begin + std::min(l, used - 1)];
+        for (std::size_t p = 0; p < parameter_count; ++p) block.parameters[p][l] = constraints[i].parameters[p];
+        for (std::size_t k = 0; k < rows && l < used; ++k) softness.compliance[k][l] = constraints[i].compliance[k];
+        if (l < used) softness.damping[l] = constraints[i].damping;
+        const std::array<Slot, stencil> ends = slots(i);
+        for (std::size_t e = 0; e < stencil; ++e) block.slot[e][l] = l < used ? ends[e] : nobody;
+        if (l < used && counted(i)) counts |= static_cast<std::uint8_t>(1u << l);
+        order_.push_back(l < used ? static_cast<std::int32_t>(i) : -1);
+      }
+      if (soft) softness_.push_back(softness);
+      counted_.push_back(counts);
+    }
+    group_end_.push_back(static_cast<std::uint32_t>(blocks_.size()));
+  }
+  lambda_.assign(blocks_.size(), Solution{});
+  has_inverses_ = false;
+  applied_.assign(form == Form::total ? blocks_.size() : 0, Impulses{});
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::set_multipliers(std::span<const Multipliers> multipliers) {
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    for (std::size_t k = 0; k < rows; ++k)
+      lambda_[i / lanes][k][i % lanes] =
+          multipliers.empty() || order_[i] < 0 ? 0 : multipliers[static_cast<std::size_t>(order_[i])][k];
+  y_.clear();
+  has_inverses_ = false;
+  applied_.assign(form_ == Form::total ? blocks_.size() : 0, Impulses{});
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) const {
+  for (std::size_t i = 0; i < order_.size(); ++i)
+    if (order_[i] >= 0)
+      for (std::size_t k = 0; k < rows; ++k)
+        multipliers[static_cast<std::size_t>(order_[i])][k] = lambda_[i / lanes][k][i % lanes];
+}
+
+// 1/P of rows whose gradients have length 1: it changes with the bodies' weights only, from step to step.
+template <ConstraintType C>
+void ConstraintBatch<C>::take_inverses(const StepStart& start) {
+  if (!has_unit_gradients<C> || has_inverses_) return;
+  has_inverses_ = true;
+  inverses_.resize(blocks_.size());
+  const Vec4d step = broadcast(start.step);
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    Vec4d P = broadcast(0);
+    for (const auto& slots : blocks_[b].slot)
+      for (std::size_t l = 0; l < lanes; ++l) P[l] += start.places[slots[l]][3];
+    if (!softness_.empty()) P += softness_[b].compliance[0] / (step * (step + softness_[b].damping));
+    inverses_[b] = inverse_or_zero(P);
+  }
+}
+
+template <ConstraintType C>
+std::size_t ConstraintBatch<C>::bytes() const {
+  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return of(blocks_) + of(softness_) + of(lambda_) + of(y_) + of(inverses_) + of(counted_) + of(group_end_) + of(order_) +
+         of(applied_);
+}
+
+}  // namespace unibody
