@@ -82,7 +82,9 @@ StepReport Simulation::step(const StepWishes& wishes) {
   detect();
   const PhaseClock::Scope scope(clock_, Phase::solve);
   const Scratch::Frame frame(scratch_);
-  const StepReport report = solve_steadily(wishes);
+  if (has_joints()) turning_ = turning_of_joints();
+  StepReport report;
+  steadily([&] { report = solve(wishes); });
   finalise();
   system_ = System(&scratch_);
   detected_ = false;

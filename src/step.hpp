@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -100,6 +101,12 @@ class Simulation {
   void measure_solution(StepReport& report);
   std::vector<ContactBatch::Impulse> total_impulses(std::span<const ContactBatch::Impulse> kept, bool apart) const;
   StepError estimate_error(const SolvedStep& solved);
+  ConvergedStep converged_step(const SolvedStep& solved);
+  ConvergedStep solve_on(const SolvedStep& solved);
+  ConvergedStep solve_anew(const SolvedStep& solved) const;
+  ConvergedStep converge(SolveFunction solver);
+  Scene scene_of_reference() const;
+  bool has_other_reference() const;
   void fill_problem(const SolvedStep& solved, ContactProblem& problem) const;
   bool any_over_ranks(bool here) const;
   bool is_alone() const;
@@ -112,7 +119,8 @@ class Simulation {
   std::vector<double> turning_of_joints() const;
   void steady_turning();
   bool turns_too_fast(std::span<const double> found) const;
-  StepReport solve_steadily(const StepWishes& wishes);
+  void steadily(const std::function<void()>& solve);
+  bool has_iterative_joints() const { return has_joints() && scene_.solver.joints == JointSolve::iterative; }
   bool has_constraints() const { return constraints_of_all_ > 0 || has_joints(); }  // beside contacts
   bool needs_surfaces() const { return has_surfaces() || drag_.any(); }
   double time() const { return static_cast<double>(steps_done) * step_; }  // s

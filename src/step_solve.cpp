@@ -57,19 +57,19 @@ bool Simulation::turns_too_fast(std::span<const double> found) const {
   return any_over_ranks(here);
 }
 
-// Solves the step, and again with its own forces where they turned bodies faster than it was steadied for.
-StepReport Simulation::solve_steadily(const StepWishes& wishes) {
-  if (!has_joints() || !world.has_rotations) return predict(), solve(wishes);
+// Makes the prediction and solve()s, and again with the step's own forces where they turned bodies faster than it was steadied
+// for.
+void Simulation::steadily(const std::function<void()>& solve) {
+  if (!has_joints() || !world.has_rotations) return predict(), solve();
   constexpr int most_repeats = 3;
-  turning_ = turning_of_joints();
   const auto multipliers_before = multipliers;
   const auto constraints_before = constraint_multipliers;
   const auto joints_before = joint_impulses;
   for (int repeats = 0;; ++repeats) {
     predict();
-    const StepReport report = solve(wishes);
+    solve();
     std::vector<double> found = turning_of_joints();
-    if (repeats == most_repeats || !turns_too_fast(found)) return report;
+    if (repeats == most_repeats || !turns_too_fast(found)) return;
     for (std::size_t i = 0; i < found.size(); ++i)
       turning_[i] = std::isfinite(found[i]) ? std::max(turning_[i], found[i]) : std::numeric_limits<double>::max();
     system_ = System(&scratch_);

@@ -54,7 +54,9 @@ def measure(nodes, diagonals, arguments):
 
 
 def cloth(arguments):
-    lines = table(['cloth', 'links', 'program', 'ranks', 'ms a frame', 'ns a link and iteration', 'RMS stretch', 'max stretch', 'speed-up on 2 ranks'])
+    lines = table([
+        'cloth', 'links', 'program', 'ranks', 'ms a frame', 'ns a link and iteration', 'RMS stretch', 'max stretch',
+        'speed-up on 2 ranks'])
     verdicts = table(['cloth', '', 'fastest of ours with no more stretch', 'its ms', 'against', 'its ms', 'ratio', 'asked for'])
     for nodes in (50, 100) if arguments.quick else (50, 100, 150):
         for diagonals in DIAGONALS:
@@ -97,10 +99,12 @@ def compare(nodes, found):
 
 def sizes(arguments):
     """Stretch against the number of nodes at the same work a link, 50 iterations a frame: what substeps and a warm start each do."""
-    variants = [('AJ 50 cold', 'accelerated_jacobi', 50, 1, '0'), ('AJ 50', 'accelerated_jacobi', 50, 1, 'auto'),
-                ('AJ 50, share .5', 'accelerated_jacobi', 50, 1, '0.5'), ('AJ 5x10', 'accelerated_jacobi', 10, 5, 'auto'),
-                ('AJ 10x5', 'accelerated_jacobi', 5, 10, 'auto'), ('GS 50 cold', 'gauss_seidel', 50, 1, '0'), ('GS 50', 'gauss_seidel', 50, 1, 'auto'),
-                ('GS 10x5', 'gauss_seidel', 5, 10, 'auto'), ('GS 50x1', 'gauss_seidel', 1, 50, 'auto'), ('J 50', 'jacobi', 50, 1, 'auto')]
+    variants = [
+        ('AJ 50 cold', 'accelerated_jacobi', 50, 1, '0'), ('AJ 50', 'accelerated_jacobi', 50, 1, 'auto'),
+        ('AJ 50, share .5', 'accelerated_jacobi', 50, 1, '0.5'), ('AJ 5x10', 'accelerated_jacobi', 10, 5, 'auto'),
+        ('AJ 10x5', 'accelerated_jacobi', 5, 10, 'auto'), ('GS 50 cold', 'gauss_seidel', 50, 1, '0'),
+        ('GS 50', 'gauss_seidel', 50, 1, 'auto'), ('GS 10x5', 'gauss_seidel', 5, 10, 'auto'),
+        ('GS 50x1', 'gauss_seidel', 1, 50, 'auto'), ('J 50', 'jacobi', 50, 1, 'auto')]
     sides = (25, 50, 100) if arguments.quick else (25, 50, 100, 200)
     lines = table(['50 iterations a frame'] + [f'{n} x {n}: RMS / max' for n in sides])
     for name, solver, iterations, substeps, warm in variants:
@@ -108,7 +112,9 @@ def sizes(arguments):
         for nodes in sides:
             say(f'sizes: {name}, {nodes} x {nodes}')
             more = ['output.every=0', f'time.substeps={substeps}', f'solver.warm_start={warm}']
-            rows = unibody('cloth_50', hanging_cloth(nodes, 'alternating', solver, iterations, more), folder('sizes'), 1, arguments.core, arguments.frames)
+            rows = unibody(
+                'cloth_50', hanging_cloth(nodes, 'alternating', solver, iterations, more), folder('sizes'), 1, arguments.core,
+                arguments.frames)
             cells.append('{:.4f} / {:.3f}'.format(*stretch_of(rows)))
         lines.append(line(name, *cells))
     publish('sizes.md', lines)

@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 
 import targets
-from runs import BUILD, OUT, ROOT, command, frame_ms, publish, say, unibody
+from runs import BUILD, OUT, ROOT, command, frame_ms, publish, say, table, unibody
 
 SCENES = {'B2000': 'boxes_2000', 'B5000': 'boxes_5000', 'BW2000': 'boxes_walled_2000', 'S5000': 'spheres_5000', 'T2000': 'towers_2000'}
 
@@ -112,8 +112,9 @@ def publish_rigid(rows):
         writer = csv.DictWriter(file, rows[0])
         writer.writeheader()
         writer.writerows(rows)
-    lines = ['| scene | program | ranks | frames | RMS mm | L2 mm | max mm | peak L2/max mm | KE/body J | mean height m | ms a frame (least-most) | / Bullet 10 |',
-             '|' + '---|' * 12]
+    lines = table([
+        'scene', 'program', 'ranks', 'frames', 'RMS mm', 'L2 mm', 'max mm', 'peak L2/max mm', 'KE/body J', 'mean height m',
+        'ms a frame (least-most)', '/ Bullet 10'])
     for r in rows:
         name = ('**unibody ' + r['name'] + '**') if r['ours'] else r['name']
         lost = f' ({r["lost"]} lost)' if r['lost'] else ''

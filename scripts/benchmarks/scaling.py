@@ -14,7 +14,8 @@ BYTES = 2048  # under, a sphere
 
 def spheres(count, columns, width):
     """scenes/spheres_5000.yaml in another width at the same depth, so that as many touch a sphere."""
-    return ['spheres_5000', [f'bodies[0].container.size=[{width}, {width}]', f'bodies[1].lattice.count={count}', f'bodies[1].lattice.columns=[{columns}, {columns}]']]
+    lattice = [f'bodies[1].lattice.count={count}', f'bodies[1].lattice.columns=[{columns}, {columns}]']
+    return ['spheres_5000', [f'bodies[0].container.size=[{width}, {width}]', *lattice]]
 
 
 # name: scene, its changes, frames until all lies on each other
@@ -38,7 +39,8 @@ class Pile:
     def rows(self, solver, ranks, core=None):
         """The report of the frames from there; the first one makes room and is left out."""
         core = self.core if core is None else core
-        return unibody(self.scene, self.changes + SOLVERS[solver] + ['output.every=0'], folder(f'scaling_{core}'), ranks, core, self.frames, self.start)[1:]
+        changes = self.changes + SOLVERS[solver] + ['output.every=0']
+        return unibody(self.scene, changes, folder(f'scaling_{core}'), ranks, core, self.frames, self.start)[1:]
 
     def ms(self, solver, ranks, core=None):
         return frame_ms(self.rows(solver, ranks, core))
@@ -61,12 +63,15 @@ def ranks_table(piles, arguments, verdicts):
             one, two = (statistics.median(ms) for ms in zip(*pairs))
             at_best = 2 / slowdown(lambda core, of=solver, pile=piles[name]: pile.ms(of, 1, core), arguments.core)
             lines.append(line(name, solver, f'{one:.1f}', f'{two:.1f}', f'{one / two:.2f}', f'{at_best:.2f}'))
-            verdicts.append((f'{name}, {solver}: 2 ranks at least {least} times as fast', f'{one / two:.2f} of {at_best:.2f} at best', one / two >= least))
+            target = f'{name}, {solver}: 2 ranks at least {least} times as fast'
+            verdicts.append((target, f'{one / two:.2f} of {at_best:.2f} at best', one / two >= least))
     return lines
 
 
 def size_table(piles, arguments, verdicts):
-    lines = table(['spheres', 'contacts a sphere', 'GS 10: ns a contact and iteration', 'of these the iterations alone', 'AJ 50', 'bytes a sphere: GS', 'AJ'])
+    lines = table([
+        'spheres', 'contacts a sphere', 'GS 10: ns a contact and iteration', 'of these the iterations alone', 'AJ 50',
+        'bytes a sphere: GS', 'AJ'])
     each, most_bytes = {'GS 10': [], 'AJ 50': []}, 0
     for name in ('5,000 spheres', '20,000 spheres', 'spheres_100k'):
         found, nbytes = {solver: [] for solver in SOLVERS}, {}
@@ -82,10 +87,13 @@ def size_table(piles, arguments, verdicts):
         most_bytes = max(most_bytes, *nbytes.values())
         count = 100000 if name == 'spheres_100k' else int(name.split()[0].replace(',', ''))
         alone = (30 * ns['GS 30'] - 10 * ns['GS 10']) / 20
-        lines.append(line(f'{count:,}', f'{contacts / count:.2f}', f'{ns["GS 10"]:.1f}', f'{alone:.1f}', f'{ns["AJ 50"]:.1f}', f'{nbytes["GS 10"]:.0f}', f'{nbytes["AJ 50"]:.0f}'))
+        lines.append(line(
+            f'{count:,}', f'{contacts / count:.2f}', f'{ns["GS 10"]:.1f}', f'{alone:.1f}', f'{ns["AJ 50"]:.1f}',
+            f'{nbytes["GS 10"]:.0f}', f'{nbytes["AJ 50"]:.0f}'))
     for solver, values in each.items():
         growth = max(values) / min(values)
-        verdicts.append((f'{solver}: time a contact and iteration within {GROWTH - 1:.0%} from 5,000 to 100,000 spheres', f'{growth - 1:.0%}', growth <= GROWTH))
+        target = f'{solver}: time a contact and iteration within {GROWTH - 1:.0%} from 5,000 to 100,000 spheres'
+        verdicts.append((target, f'{growth - 1:.0%}', growth <= GROWTH))
     verdicts.append((f'under {BYTES} bytes a sphere', f'{most_bytes:.0f}', most_bytes < BYTES))
     return lines
 

@@ -64,7 +64,8 @@ def beside(cells, arguments):
     settings = thrown_block(cells, 1e5, 'accelerated_jacobi', 50)
 
     def one(core):
-        return statistics.median(column(unibody('soft_cantilever', settings, folder(f'soft_{core}'), 1, core, arguments.frames or 10), 'wall_solve')[1:])
+        rows = unibody('soft_cantilever', settings, folder(f'soft_{core}'), 1, core, arguments.frames or 10)
+        return statistics.median(column(rows, 'wall_solve')[1:])
 
     return slowdown(one, arguments.core)
 
@@ -121,7 +122,11 @@ def softness(arguments):
     for solver in ('accelerated_jacobi', 'gauss_seidel'):
         for iterations, substeps in ((50, 1), (10, 5), (5, 10), (200, 1), (50, 10)):
             for share in ('0', 'auto', '0.5') if substeps == 1 and iterations == 50 else ('auto',):
-                name = f'{SOLVERS[solver]} ' + (f'{substeps}x{iterations}' if substeps > 1 else str(iterations)) + {'0': ' cold', '0.5': ', share .5'}.get(share, '')
+                name = (
+                    f'{SOLVERS[solver]} '
+                    + (f'{substeps}x{iterations}' if substeps > 1 else str(iterations))
+                    + {'0': ' cold', '0.5': ', share .5'}.get(share, '')
+                )
                 say(f'softness: {name}')
                 found = sag([f'solver.name={solver}', f'solver.iterations={iterations}', f'time.substeps={substeps}', f'solver.warm_start={share}',
                              'output.every=1'], arguments.frames or 400, arguments)

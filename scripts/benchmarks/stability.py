@@ -4,7 +4,9 @@ from cloth import hanging_cloth
 
 
 def stability(arguments):
-    lines = table(['cloth', 'h (s)', 'program', 'warm start', 'finished', 'max stretch, worst frame', 'largest energy / at the start', 'KE at the end (J)'])
+    lines = table([
+        'cloth', 'h (s)', 'program', 'warm start', 'finished', 'max stretch, worst frame', 'largest energy / at the start',
+        'KE at the end (J)'])
     frames = arguments.frames or 2000
     for nodes in arguments.nodes or (50, 100, 150):
         for step in (.016, 1 / 24):

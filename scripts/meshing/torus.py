@@ -4,7 +4,6 @@
   torus.py OUT.msh [--radius R] [--tube T] [--rings N] [--sections M]     m; 6 N^2 triangles in each of M sections (18 N^2 M tets)
 """
 import argparse
-import os
 import sys
 
 import numpy as np

@@ -16,9 +16,12 @@ from solve_siconos import differences
 from work_precision import Setting
 
 TITLE = 'Siconos on the same contact problems'
-COLUMNS = ['scene', 'frame', 'contacts', 'solver', 'ms of the solve', 'natural map', 'largest |r . u^| (J)', 'velocities from Siconos', 'impulses from Siconos']
-OURS = [Setting('accelerated_jacobi', 50), Setting('gauss_seidel', 50), Setting('accelerated_jacobi', 500, 1, 1, 'joint'), Setting('accelerated_jacobi', 5000, 1, 1, 'joint'),
-        Setting('gauss_seidel', 5000, 1, 1, 'joint')]
+COLUMNS = [
+    'scene', 'frame', 'contacts', 'solver', 'ms of the solve', 'natural map', 'largest |r . u^| (J)', 'velocities from Siconos',
+    'impulses from Siconos']
+OURS = [
+    Setting('accelerated_jacobi', 50), Setting('gauss_seidel', 50), Setting('accelerated_jacobi', 500, 1, 1, 'joint'),
+    Setting('accelerated_jacobi', 5000, 1, 1, 'joint'), Setting('gauss_seidel', 5000, 1, 1, 'joint')]
 THEIRS = ('1e-4', '1e-10')  # tolerances
 
 
@@ -28,10 +31,14 @@ def problems(maker):
         return [(f'{count} boxes', 'boxes_500', [f'bodies[1].lattice.count={count}'], frame) for frame in frames]
 
     def spheres(count, columns, width, *frames):
-        return [(f'{count} spheres', 'spheres_5000', [f'bodies[1].lattice.count={count}', f'bodies[1].lattice.columns=[{columns}, {columns}]', f'bodies[0].container.size=[{width}, {width}]'], frame)
-                for frame in frames]
+        settings = [
+            f'bodies[1].lattice.count={count}', f'bodies[1].lattice.columns=[{columns}, {columns}]',
+            f'bodies[0].container.size=[{width}, {width}]']
+        return [(f'{count} spheres', 'spheres_5000', settings, frame) for frame in frames]
 
-    return maker.pick(boxes(4, 20), boxes(50, 11, 45) + spheres(100, 5, .6, 25, 45), boxes(50, 11, 45) + boxes(200, 25, 60) + spheres(100, 5, .6, 25, 45) + spheres(300, 7, .82, 45))
+    return maker.pick(
+        boxes(4, 20), boxes(50, 11, 45) + spheres(100, 5, 0.6, 25, 45),
+        boxes(50, 11, 45) + boxes(200, 25, 60) + spheres(100, 5, 0.6, 25, 45) + spheres(300, 7, 0.82, 45))
 
 
 def stored_step(maker, scene, settings, setting, frame, state):
@@ -40,7 +47,9 @@ def stored_step(maker, scene, settings, setting, frame, state):
         folder = tempfile.mkdtemp(dir=os.path.join(maker.folder, 'scratch'))
         try:
             path = os.path.join(folder, 'step.h5')
-            maker.unibody(scene, settings + setting.values() + [f'time.frames={frame + 1}', 'output.every=0'], os.path.join(folder, 'out'), 1, ['-dump_fclib', path, '-dump_step', str(frame + 1)], state)
+            maker.unibody(
+                scene, settings + setting.values() + [f'time.frames={frame + 1}', 'output.every=0'], os.path.join(folder, 'out'),
+                1, ['-dump_fclib', path, '-dump_step', str(frame + 1)], state)
             row = report_rows(os.path.join(folder, 'out'))[-1]
             keep = os.path.join(maker.folder, 'states', key + '.h5')
             os.replace(path, keep)
@@ -61,7 +70,9 @@ def siconos(maker, path, tolerance):
     def make():
         words = [sys.executable, script, path, tolerance, str(maker.pick(1000, 20000, 100000)), '--json']
         try:
-            done = subprocess.run(['taskset', '-c', str(maker.core), *words], text=True, capture_output=True, check=False, timeout=maker.pick(60, 120, 900))
+            done = subprocess.run(
+                ['taskset', '-c', str(maker.core), *words], text=True, capture_output=True, check=False,
+                timeout=maker.pick(60, 120, 900))
         except subprocess.TimeoutExpired as late:
             return {'failed': f'not done in {late.timeout:.0f} s'}
         if done.returncode != 0:
@@ -83,7 +94,9 @@ def rows_of(maker, name, scene, settings, frame):
     def add(solver, ms, r):
         measures = problem.measures(r)
         apart = differences(problem, r, best) if best is not None else {'velocities': None, 'impulses': None}
-        rows.append([name, frame + 1, len(problem.mu), solver, ms, float(measures['residual']), float(measures['complementarity']), apart['velocities'], apart['impulses']])
+        rows.append([
+            name, frame + 1, len(problem.mu), solver, ms, float(measures['residual']), float(measures['complementarity']),
+            apart['velocities'], apart['impulses']])
 
     for setting, path, ms in solved:
         own = Problem(path)
@@ -94,17 +107,40 @@ def rows_of(maker, name, scene, settings, frame):
             rows.append([name, frame + 1, len(problem.mu), f'Siconos to {tolerance}: {said["failed"]}'] + [None] * (len(COLUMNS) - 4))
             continue
         found = said['found']
-        add(f'Siconos NSGS to {tolerance}, {found["iterations"]} iterations' + ('' if found['converged'] else ', not converged'), 1e3 * found['seconds'], np.array(found['r']))
+        add(
+            f'Siconos NSGS to {tolerance}, {found["iterations"]} iterations' + ('' if found['converged'] else ', not converged'),
+            1e3 * found['seconds'], np.array(found['r']))
     return rows
 
 
 def make(maker):
     rows = [row for wish in problems(maker) for row in rows_of(maker, *wish)]
-    table = Table('contact_problems', 'one step from one state, h = 16 ms: natural map |r - P(r - u^ / W)| / |r| by scripts/rivals/fclib.py of each one\'s impulses; differences over the norm of Siconos\' finest', COLUMNS, rows,
-                  'scripts/report contact_problems')
-    return Section(TITLE, [
-        'The step\'s contact problem is written by `-dump_fclib`; all settings of ours have the same matrix, free velocities and friction to the bit, and Siconos (NSGS, the distribution\'s build, a sparse matrix) '
-        'solves that. Ours takes what multipliers the state holds, Siconos starts from zero. Impulses of many contacts are not unique where bodies have more of them than they need: two solutions to '
-        'round-off may differ in impulses and agree in all velocities.',
-        'In jammed piles of spheres with friction the velocities are not unique either, and all solvers creep: what tells then is the natural map. With two stages (the default) what a step leaves undone is split between '
-        'its stages, so that its residual is not meant to vanish with few iterations; joint stages converge to the problem\'s solution.'], [table])
+    table = Table(
+        'contact_problems',
+        (
+            'one step from one state, h = 16 ms: natural map |r - P(r - u^ / W)| / |r| by scripts/rivals/fclib.py of each one\'s'
+            ' impulses; differences over the norm of Siconos\' finest'
+        ),
+        COLUMNS,
+        rows,
+        'scripts/report contact_problems',
+    )
+    return Section(
+        TITLE,
+        [
+            (
+                'The step\'s contact problem is written by `-dump_fclib`; all settings of ours have the same matrix, free'
+                ' velocities and friction to the bit, and Siconos (NSGS, the distribution\'s build, a sparse matrix) solves that.'
+                ' Ours takes what multipliers the state holds, Siconos starts from zero. Impulses of many contacts are not unique'
+                ' where bodies have more of them than they need: two solutions to round-off may differ in impulses and agree in'
+                ' all velocities.'
+            ),
+            (
+                'In jammed piles of spheres with friction the velocities are not unique either, and all solvers creep: what tells'
+                ' then is the natural map. With two stages (the default) what a step leaves undone is split between its stages,'
+                ' so that its residual is not meant to vanish with few iterations; joint stages converge to the problem\'s'
+                ' solution.'
+            ),
+        ],
+        [table],
+    )

@@ -23,8 +23,8 @@ def one_step(state, frame, name, iterations):
 
 
 def errors(maker, counts, frames, own):
-    """{solver: {k: ([penetration L2 of each sampled frame], [relative distance to the converged step])}}; own: along each solver's own trajectory of 50
-    iterations, else from the states of a reference of 300."""
+    """{solver: {k: ([penetration L2 of each sampled frame], [relative distance to the converged step])}}; own: along each solver's own trajectory of
+    50 iterations, else from the states of a reference of 300."""
     wishes, keys = [], []
     for name in SOLVERS:
         for frame in frames:
@@ -55,10 +55,18 @@ def make(maker):
     for name, short in SOLVERS.items():
         relative = paper_measure(own[name])
         for k in counts:
-            rows.append([short, k, relative[k], INDEPENDENT[short].get(k), 1e3 * statistics.mean(own[name][k][0]), 1e3 * statistics.mean(same[name][k][0]),
-                         statistics.median(same[name][k][1])])
-    table = Table('discs', f'penetration after k iterations of a step, means over {len(frames)} frames', ['solver', 'k', "the paper's measure", 'the same, independent code',
-                  'own trajectory, L2 (mm)', 'same states, L2 (mm)', 'same states, distance to the converged step / of the prediction (median)'], rows, 'scripts/report discs')
+            rows.append([
+                short, k, relative[k], INDEPENDENT[short].get(k), 1e3 * statistics.mean(own[name][k][0]),
+                1e3 * statistics.mean(same[name][k][0]), statistics.median(same[name][k][1])])
+    table = Table(
+        'discs',
+        f'penetration after k iterations of a step, means over {len(frames)} frames',
+        [
+            'solver', 'k', "the paper's measure", 'the same, independent code', 'own trajectory, L2 (mm)', 'same states, L2 (mm)',
+            'same states, distance to the converged step / of the prediction (median)'],
+        rows,
+        'scripts/report discs',
+    )
 
     def paint(axes):
         for name, short in SOLVERS.items():
@@ -69,10 +77,24 @@ def make(maker):
         axes[1].set(xlabel='iteration', ylabel='relative distance to the converged step', title='from the same states')
         axes[0].legend()
 
-    plot = draw('discs', 'Convergence on 100 discs: in the paper\'s measure, and as distance to the converged step from the same states', paint, wide=2)
-    return Section(TITLE, [
-        'The paper divides each solver\'s penetration by its own maximum and follows each along its own trajectory: a solver that pushes everything apart scores best. '
-        'Beside it: absolute penetration, the same from equal states (those of a run of 300 iterations), and the distance to the converged step, which counts friction and '
-        'over-pushing too. Position level, cold, as in the paper.',
-        'Our maximum is over the iterations sampled, from k = 1 on; the independent code counts the state before the first iteration too, so its first values are lower. Why '
-        'the result agrees in kind: accelerated Jacobi passes Gauss-Seidel at some 40 iterations, Jacobi stays far behind.'], [table], [plot])
+    plot = draw(
+        'discs', 'Convergence on 100 discs: in the paper\'s measure, and as distance to the converged step from the same states',
+        paint, wide=2)
+    return Section(
+        TITLE,
+        [
+            (
+                'The paper divides each solver\'s penetration by its own maximum and follows each along its own trajectory: a'
+                ' solver that pushes everything apart scores best. Beside it: absolute penetration, the same from equal states'
+                ' (those of a run of 300 iterations), and the distance to the converged step, which counts friction and'
+                ' over-pushing too. Position level, cold, as in the paper.'
+            ),
+            (
+                'Our maximum is over the iterations sampled, from k = 1 on; the independent code counts the state before the'
+                ' first iteration too, so its first values are lower. Why the result agrees in kind: accelerated Jacobi passes'
+                ' Gauss-Seidel at some 40 iterations, Jacobi stays far behind.'
+            ),
+        ],
+        [table],
+        [plot],
+    )

@@ -21,7 +21,10 @@ def digest(*things):
 
 def digest_of_file(path):
     with open(path, 'rb') as file:
-        return hashlib.file_digest(file, 'sha256').hexdigest()[:20] if hasattr(hashlib, 'file_digest') else hashlib.sha256(file.read()).hexdigest()[:20]
+        result = hashlib.sha256()
+        for block in iter(lambda: file.read(1 << 20), b''):
+            result.update(block)
+        return result.hexdigest()[:20]
 
 
 def now(seconds=None):
@@ -117,7 +120,8 @@ class Maker:
         made = min(times) if min(times) == max(times) else f'{min(times)} to {max(times)}'
         if None in loads:
             return [('made', made), ('cores busy at the start', 'not kept')]
-        return [('made', made), ('cores busy at the start', f'{max(loads):.1f}' + (' - too busy: these times are unfit to quote' if max(loads) > .3 else ''))]
+        verdict = ' - too busy: these times are unfit to quote' if max(loads) > .3 else ''
+        return [('made', made), ('cores busy at the start', f'{max(loads):.1f}{verdict}')]
 
     def key(self, scene, settings, ranks=1, options=(), start=None, look=()):
         return digest(self.mark(self.program), self.mark(scene_path(scene)), settings, ranks, options, start and self.mark(start), named(look))
@@ -180,8 +184,8 @@ class Maker:
             return None
         start = os.path.join(start, 'frames.h5')
         options = [*map(str, options), '--gravity', str(gravity)]
-        key = digest([self.mark(p if os.path.exists(p) else shutil.which(p)) for p in needs], self.mark(start), self.mark(os.path.join(self.rivals, 'measure')), options,
-                     named(look))
+        marks = [self.mark(p if os.path.exists(p) else shutil.which(p)) for p in needs]
+        key = digest(marks, self.mark(start), self.mark(os.path.join(self.rivals, 'measure')), options, named(look))
 
         def make():
             output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
@@ -210,7 +214,9 @@ def script(name, program):
 
 
 # Name -> how it is started, and the files or programs that must be there.
-RIVALS = {'Bullet': driver('bullet'), 'ODE': driver('ode'), 'DART': driver('dart'), 'LIGGGHTS': script('liggghts.py', 'liggghts'), 'LAMMPS': script('lammps.py', 'lmp')}
+RIVALS = {
+    'Bullet': driver('bullet'), 'ODE': driver('ode'), 'DART': driver('dart'), 'LIGGGHTS': script('liggghts.py', 'liggghts'),
+    'LAMMPS': script('lammps.py', 'lmp')}
 
 
 def named(look):

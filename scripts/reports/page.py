@@ -90,14 +90,19 @@ def table_html(table):
 def plot_html(plot):
     image = base64.b64encode(plot.png).decode()
     note = html.escape(plot.caption) + (f'<br><code>{html.escape(plot.command)}</code>' if plot.command else '')
-    return f'<figure id="{plot.name}"><img alt="{html.escape(plot.caption)}" src="data:image/png;base64,{image}"><figcaption>{note}</figcaption></figure>'
+    return (
+        f'<figure id="{plot.name}"><img alt="{html.escape(plot.caption)}"'
+        f' src="data:image/png;base64,{image}"><figcaption>{note}</figcaption></figure>'
+    )
 
 
 def page(sections, facts):
     """The whole page, with nothing outside of it."""
-    parts = ['<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Unibody: speed against error</title>', f'<style>{STYLE}</style></head><body>',
-             '<h1>Unibody: speed against error</h1>', '<table>' + ''.join(f'<tr><th>{html.escape(k)}</th><td>{html.escape(v)}</td></tr>' for k, v in facts) + '</table>',
-             '<ul>' + ''.join(f'<li><a href="#s{n}">{html.escape(s.title)}</a></li>' for n, s in enumerate(sections)) + '</ul>']
+    parts = [
+        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>Unibody: speed against error</title>',
+        f'<style>{STYLE}</style></head><body>', '<h1>Unibody: speed against error</h1>',
+        '<table>' + ''.join(f'<tr><th>{html.escape(k)}</th><td>{html.escape(v)}</td></tr>' for k, v in facts) + '</table>',
+        '<ul>' + ''.join(f'<li><a href="#s{n}">{html.escape(s.title)}</a></li>' for n, s in enumerate(sections)) + '</ul>']
     for n, section in enumerate(sections):
         parts.append(f'<h2 id="s{n}">{html.escape(section.title)}</h2>')
         parts += [f'<p>{html.escape(text)}</p>' for text in section.text]

@@ -4,7 +4,6 @@ import importlib.machinery
 import json
 import os
 import subprocess
-import sys
 
 import h5py
 import numpy as np
@@ -33,7 +32,8 @@ def measured(maker, folder, *options):
 
 def measure_file(maker, path, *options):
     table = path + '.csv'
-    text = subprocess.run([os.path.join(maker.rivals, 'measure'), '--json', *options, '--frames', table, path], check=True, text=True, capture_output=True).stdout
+    words = [os.path.join(maker.rivals, 'measure'), '--json', *options, '--frames', table, path]
+    text = subprocess.run(words, check=True, text=True, capture_output=True).stdout
     result = json.loads(text)
     with open(table, encoding='utf-8') as file:
         rows = list(csv.DictReader(file))

@@ -38,11 +38,29 @@ def make(maker):
             paper = PAPER.get(name)
             rows.append([name, iterations, ms['GS', 1], ms['GS', 2], ms['AJ', 1], ms['AJ', 2], ms['GS', 1] / ms['AJ', 2],
                          paper and f'{paper[0]:g} / {paper[1]:g} = {paper[0] / paper[1]:.2f}', error['GS'], error['AJ']])
-    table = Table('published_tables', 'ms a frame on 1 and 2 ranks; speed-up: GS on one rank over AJ on two, which is what the paper compares. Error: boxes, RMS '
-                  'penetration (m); cloths, RMS relative stretch', ['scene', 'iterations', 'GS 1', 'GS 2', 'AJ 1', 'AJ 2', 'speed-up', 'paper, GS / AJ (ms)', 'error GS', 'error AJ'],
-                  rows, 'scripts/report published_tables')
-    return Section(TITLE, [
-        "Paper's columns: table 1 (two cores of a laptop of 2012), 150 x 150 from table 2 (four cores). It does not state its iterations, nor any error: a time "
-        'alone says little, since at equal iterations the two solvers end with errors as different as the last columns show.',
-        'Why ours differ: a processor ten years younger; our Gauss-Seidel is coloured, so it runs in parallel and vectorised as well, and on one rank costs about as '
-        'much an iteration as accelerated Jacobi does. The speed-up that is left is that of the second core.'], [table])
+    table = Table(
+        'published_tables',
+        (
+            'ms a frame on 1 and 2 ranks; speed-up: GS on one rank over AJ on two, which is what the paper compares. Error:'
+            ' boxes, RMS penetration (m); cloths, RMS relative stretch'
+        ),
+        ['scene', 'iterations', 'GS 1', 'GS 2', 'AJ 1', 'AJ 2', 'speed-up', 'paper, GS / AJ (ms)', 'error GS', 'error AJ'],
+        rows,
+        'scripts/report published_tables',
+    )
+    return Section(
+        TITLE,
+        [
+            (
+                "Paper's columns: table 1 (two cores of a laptop of 2012), 150 x 150 from table 2 (four cores). It does not state"
+                " its iterations, nor any error: a time alone says little, since at equal iterations the two solvers end with"
+                " errors as different as the last columns show."
+            ),
+            (
+                'Why ours differ: a processor ten years younger; our Gauss-Seidel is coloured, so it runs in parallel and'
+                ' vectorised as well, and on one rank costs about as much an iteration as accelerated Jacobi does. The speed-up'
+                ' that is left is that of the second core.'
+            ),
+        ],
+        [table],
+    )

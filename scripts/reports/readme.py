@@ -13,7 +13,10 @@ def result_lines(sections, facts, size):
     facts = dict(facts)
     missing = []
     option = '' if size == 'full' else f' --{size}'
-    lines = [f'Made by `scripts/report{option} --readme` on {facts["made"]}: {facts["machine"]}, {facts["compiler"]}; cores busy at the start {facts["cores busy at the start"]}.']
+    lines = [
+        f'Made by `scripts/report{option} --readme` on {facts["made"]}: {facts["machine"]}, {facts["compiler"]}; cores busy at'
+        f' the start {facts["cores busy at the start"]}.'
+    ]
     for kind, names in (('plots', PLOTS), ('tables', TABLES)):
         for name in names:
             item = next((i for s in sections for i in getattr(s, kind) if i.name == name), None)

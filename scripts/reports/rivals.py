@@ -5,7 +5,9 @@ from page import Section, Table, draw
 from work_precision import DEFAULT, SOLVERS, Setting
 
 TITLE = 'Other programs on the same bodies'
-COLUMNS = ['scene', 'program', 'settings', 'ranks', 'ms a frame', 'error (mm)', 'max (mm)', 'KE/body (J)', 'mean height (m)', 'ours with no more error', 'its ms / these ms']
+COLUMNS = [
+    'scene', 'program', 'settings', 'ranks', 'ms a frame', 'error (mm)', 'max (mm)', 'KE/body (J)', 'mean height (m)',
+    'ours with no more error', 'its ms / these ms']
 
 
 def ours(*how):
@@ -23,8 +25,11 @@ def other(name, text, *options):
 
 PILE = [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 40), ('unibody', DEFAULT), ours('gauss_seidel', 5, 4),
         ours('gauss_seidel', 20, 1, 2), ours('accelerated_jacobi', 50, 1, 2)]
-ENGINES = [other('Bullet', '10 iterations', '--iterations', 10), other('Bullet', '50 iterations', '--iterations', 50), other('Bullet', '4 substeps of 5', '--iterations', 5, '--substeps', 4),
-           other('ODE', 'quickstep, 20 iterations', '--iterations', 20), other('ODE', 'quickstep, 50', '--iterations', 50), other('ODE', 'quickstep, 4 substeps of 10', '--iterations', 10, '--substeps', 4)]
+ENGINES = [
+    other('Bullet', '10 iterations', '--iterations', 10), other('Bullet', '50 iterations', '--iterations', 50),
+    other('Bullet', '4 substeps of 5', '--iterations', 5, '--substeps', 4),
+    other('ODE', 'quickstep, 20 iterations', '--iterations', 20), other('ODE', 'quickstep, 50', '--iterations', 50),
+    other('ODE', 'quickstep, 4 substeps of 10', '--iterations', 10, '--substeps', 4)]
 DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30), other('DART', 'PGS, 100 iterations', '--iterations', 100)]
 SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '1e6': '2e-4', '2e6': '1.333e-4'}
 
@@ -38,7 +43,9 @@ def soft_spheres(maker):
 def chain_settings(maker):
     found = [ours('accelerated_jacobi', 100), ours('accelerated_jacobi', 400), ours('accelerated_jacobi', 100, 4), ours('gauss_seidel', 100, 4)]
     found += [ours('accelerated_jacobi', 2, n, 1, 'direct') for n in (1, 4, 16)]
-    for name, text, *options in (('Bullet', '100 iterations', '--iterations', 100), ('ODE', 'quickstep, 100', '--iterations', 100), ('ODE', 'direct', '--direct', 1), ('DART', 'reduced coordinates')):
+    engines = (('Bullet', '100 iterations', '--iterations', 100), ('ODE', 'quickstep, 100', '--iterations', 100),
+               ('ODE', 'direct', '--direct', 1), ('DART', 'reduced coordinates'))
+    for name, text, *options in engines:
         found += [other(name, text + f', {n} substeps', *options, '--substeps', n) for n in maker.pick((4,), (4, 16), (1, 4, 16))]
     return found
 
@@ -48,15 +55,26 @@ def scenes(maker):
     boxes = ['bodies[1].lattice.count=' + str(maker.pick(20, 500, 2000))]
     spheres = ['bodies[1].lattice.count=' + str(maker.pick(20, 1000, 5000))]
     frames = maker.pick(10, 300, 400)
-    found = {'boxes': (maker.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + ENGINES, False),
-             '100 boxes': ('boxes_500', ['bodies[1].lattice.count=' + str(maker.pick(10, 100, 100))], maker.pick(10, 200, 400), PILE[:4] + ENGINES[:1] + ENGINES[3:4] + DART, False),
-             'spheres': ('spheres_5000', spheres, frames, PILE + ENGINES[:1] + ENGINES[3:4] + soft_spheres(maker), False),
-             'chain': ('chain_heavy_ball', ['output.joints=false'] + maker.pick(['bodies[0].chain.count=5'], [], []), maker.pick(5, 60, 150), chain_settings(maker), True)}
+    found = {
+        'boxes': (maker.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + ENGINES, False),
+        '100 boxes': (
+            'boxes_500', ['bodies[1].lattice.count=' + str(maker.pick(10, 100, 100))], maker.pick(10, 200, 400),
+            PILE[:4] + ENGINES[:1] + ENGINES[3:4] + DART, False),
+        'spheres': ('spheres_5000', spheres, frames, PILE + ENGINES[:1] + ENGINES[3:4] + soft_spheres(maker), False),
+        'chain': (
+            'chain_heavy_ball', ['output.joints=false'] + maker.pick(['bodies[0].chain.count=5'], [], []), maker.pick(5, 60, 150),
+            chain_settings(maker), True),
+    }
     if maker.size == 'tiny':  # each program once
-        found = {name: (scene, settings, frames, list({entry[0]: entry for entry in entries}.values()), chain) for name, (scene, settings, frames, entries, chain) in found.items()}
+        found = {
+            name: (scene, settings, frames, list({entry[0]: entry for entry in entries}.values()), chain)
+            for name, (scene, settings, frames, entries, chain) in found.items()
+        }
     if maker.size == 'full':
-        found['50,000 spheres'] = ('spheres_5000', ['bodies[1].lattice.count=50000', 'bodies[1].lattice.columns=[41, 41]', 'bodies[0].container.size=[4.74, 4.74]'], 150,
-                                   [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(maker), False)
+        found['50,000 spheres'] = (
+            'spheres_5000',
+            ['bodies[1].lattice.count=50000', 'bodies[1].lattice.columns=[41, 41]', 'bodies[0].container.size=[4.74, 4.74]'], 150,
+            [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(maker), False)
     return found
 
 
@@ -83,7 +101,8 @@ def rows_of(maker, name, scene, settings, frames, entries, chain):
             ranks = options[options.index('--ranks') + 1] if '--ranks' in options else 1
             done = maker.rival(entry[0], start, [*options, '--frames', frames] + (['--chain', 1] if chain else []), look)
             if done is None or done['ms'] is None:
-                rows.append([name, entry[0], text + (': not installed' if done is None else ': ended in an error'), ranks] + [None] * (len(COLUMNS) - 4))
+                why = 'not installed' if done is None else 'ended in an error'
+                rows.append([name, entry[0], f'{text}: {why}', ranks] + [None] * (len(COLUMNS) - 4))
                 continue
             ms, seen = done['ms'], done['seen']
         if chain:
@@ -96,7 +115,8 @@ def rows_of(maker, name, scene, settings, frames, entries, chain):
 
 
 def compare(rows):
-    """Fills the last two columns of other programs' rows: our fastest setting on as many ranks or fewer whose error is no larger, and how its time compares."""
+    """Fills the last two columns of other programs' rows: our fastest setting on as many ranks or fewer whose error is no larger,
+    and how its time compares."""
     for row in rows:
         if row[1] == 'unibody' or row[4] is None:
             continue
@@ -128,13 +148,38 @@ def make(maker):
     maker.expect(sum(len(entries) for _, _, _, entries, _ in plan.values()))
     for name, (scene, settings, frames, entries, chain) in plan.items():
         (ties if chain else rows).extend(rows_of(maker, name, scene, settings, frames, entries, chain))
-    piles = Table('rivals', 'Piles at rest: RMS and largest penetration of all pairs, medians of the last 100 frames, from the poses; one thread against one rank; h = 16 ms, mu = .3', COLUMNS, rows,
-                  'scripts/report rivals')
-    best = Table('rivals_best', 'Piles at rest, of each program its fastest setting and that of least error, of ours also the fastest with no more error than any other program has; RMS and largest penetration of all '
-                 'pairs, medians of the last 100 frames, from the poses; h = 16 ms, mu = .3', COLUMNS, telling(rows), 'scripts/report rivals')
+    piles = Table(
+        'rivals',
+        (
+            'Piles at rest: RMS and largest penetration of all pairs, medians of the last 100 frames, from the poses; one thread'
+            ' against one rank; h = 16 ms, mu = .3'
+        ),
+        COLUMNS,
+        rows,
+        'scripts/report rivals',
+    )
+    best = Table(
+        'rivals_best',
+        (
+            'Piles at rest, of each program its fastest setting and that of least error, of ours also the fastest with no more'
+            ' error than any other program has; RMS and largest penetration of all pairs, medians of the last 100 frames, from'
+            ' the poses; h = 16 ms, mu = .3'
+        ),
+        COLUMNS,
+        telling(rows),
+        'scripts/report rivals',
+    )
     heading = COLUMNS[:5] + ['drift RMS (mm)', 'largest drift of all (mm)', COLUMNS[7], 'from the fine reference (mm)'] + COLUMNS[9:]
-    joints = Table('rivals_chain', 'a chain of 100 links with a ball of 1,000 times their mass: how far its joints are open, and how far its bodies are at the end from a run of DART in fine steps', heading, ties,
-                   'scripts/report rivals')
+    joints = Table(
+        'rivals_chain',
+        (
+            'a chain of 100 links with a ball of 1,000 times their mass: how far its joints are open, and how far its bodies are'
+            ' at the end from a run of DART in fine steps'
+        ),
+        heading,
+        ties,
+        'scripts/report rivals',
+    )
 
     shown = [name for name in ('boxes', 'spheres', '50,000 spheres') if name in plan]
 
@@ -147,9 +192,31 @@ def make(maker):
             axis.set(title=name, xlabel='ms a frame, one thread', ylabel='RMS penetration (mm)')
             axis.legend(fontsize=8)
 
-    plot = draw('rivals_boxes', 'Time a frame against penetration at rest, this program and others, each with several settings (LIGGGHTS, LAMMPS: stiffnesses)', paint, len(shown), command='scripts/report rivals')
-    return Section(TITLE, [
-        'All start from the same file; scripts/rivals/measure judges the poses that each recorded. Bullet, ODE and DART as the distribution builds them, no sleeping, no damping, otherwise their defaults; '
-        'LIGGGHTS and LAMMPS with linear springs. Times: ODE, Bullet, DART CPU time of their step; LIGGGHTS, LAMMPS wall time without output; unibody contacts, solve and exchange.',
-        'DART (projected Gauss-Seidel on an assembled matrix) is not made for piles: it has its own, small one. In a chain it has reduced coordinates, and its joints cannot open: what is wrong there is '
-        'the step, as the last column but two tells.'], [best, piles, joints], [plot])
+    plot = draw(
+        'rivals_boxes',
+        (
+            'Time a frame against penetration at rest, this program and others, each with several settings (LIGGGHTS, LAMMPS:'
+            ' stiffnesses)'
+        ),
+        paint,
+        len(shown),
+        command='scripts/report rivals',
+    )
+    return Section(
+        TITLE,
+        [
+            (
+                'All start from the same file; scripts/rivals/measure judges the poses that each recorded. Bullet, ODE and DART'
+                ' as the distribution builds them, no sleeping, no damping, otherwise their defaults; LIGGGHTS and LAMMPS with'
+                ' linear springs. Times: ODE, Bullet, DART CPU time of their step; LIGGGHTS, LAMMPS wall time without output;'
+                ' unibody contacts, solve and exchange.'
+            ),
+            (
+                'DART (projected Gauss-Seidel on an assembled matrix) is not made for piles: it has its own, small one. In a'
+                ' chain it has reduced coordinates, and its joints cannot open: what is wrong there is the step, as the last'
+                ' column but two tells.'
+            ),
+        ],
+        [best, piles, joints],
+        [plot],
+    )

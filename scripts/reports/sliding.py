@@ -4,7 +4,9 @@ import math
 from page import Section, Table
 
 TITLE = 'The sliding box: friction models and directions'
-MODELS = {'disc': "Coulomb's, ours by default", 'cone': "the paper's", 'saxce': 'cone with its correction', 'box': 'box LCP', 'postprocess': 'after the solve'}
+MODELS = {
+    'disc': "Coulomb's, ours by default", 'cone': "the paper's", 'saxce': 'cone with its correction', 'box': 'box LCP',
+    'postprocess': 'after the solve'}
 H, G, V0 = .016, 9.8, 5.
 PAPER = {('cone', 0): 12.717, ('cone', 45): 12.717, ('box', 0): 12.717, ('box', 45): 8.978}  # m, at mu = .1; printed as decimetres
 
@@ -36,9 +38,13 @@ def make(maker):
     rows = []
     for (model, d), run in zip(cases, found):
         path = run.seen
-        rows.append([model, d, PAPER.get((model, d)) if mu == .1 else None, math.hypot(*path[-1][:2]), expected(model, mu, d), max(p[2] for p in path)])
-    table = Table('sliding_box', f'a box of 1 m on a plane, 5 m/s, mu = {mu}, h = 16 ms', ['friction', 'direction (degrees)', 'paper (m)', 'ours (m)', 'closed form (m)', 'lift (m)'],
-                  rows, 'scripts/run sliding_box -set solver.friction=cone')
+        rows.append([
+            model, d, PAPER.get((model, d)) if mu == 0.1 else None, math.hypot(*path[-1][:2]), expected(model, mu, d),
+            max(p[2] for p in path)])
+    table = Table(
+        'sliding_box', f'a box of 1 m on a plane, 5 m/s, mu = {mu}, h = 16 ms',
+        ['friction', 'direction (degrees)', 'paper (m)', 'ours (m)', 'closed form (m)', 'lift (m)'], rows,
+        'scripts/run sliding_box -set solver.friction=cone')
     return Section(TITLE, [
         'The paper prints 127.17 m and 89.78 m (box model, first bisector) where v0^2 / 2 mu g is 12.755 m: its numbers are decimetres. '
         'Implicit Euler itself stops after 12.715 m, since it takes a step\'s friction off before the box moves.',

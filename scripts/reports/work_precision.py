@@ -11,8 +11,9 @@ TITLE = 'Work against precision'
 SOLVERS = {'accelerated_jacobi': 'AJ', 'gauss_seidel': 'GS', 'newton': 'Newton'}
 LEVELS = (1e-2, 1e-3, 1e-4)  # of a body's size
 WINDOW = 2                   # frames to the comparison with the fine reference; a few more are run for their time
-VARIANTS = {'position stage alone': ['solver.stages=position'], 'cold': ['solver.stages=position', 'solver.warm_start=0'], 'joint': ['solver.stages=joint'],
-            'direct': ['solver.joints=direct'], '': []}
+VARIANTS = {
+    'position stage alone': ['solver.stages=position'], 'cold': ['solver.stages=position', 'solver.warm_start=0'],
+    'joint': ['solver.stages=joint'], 'direct': ['solver.joints=direct'], '': []}
 
 
 @dataclass
@@ -24,8 +25,13 @@ class Setting:
     variant: str = ''
 
     def name(self):
-        return (SOLVERS[self.solver] + (f' {self.iterations}' if self.iterations else '') + (f' x {self.substeps} substeps' if self.substeps > 1 else '') +
-                (f', {self.variant}' if self.variant else '') + (' on 2 ranks' if self.ranks > 1 else ''))
+        return (
+            SOLVERS[self.solver]
+            + (f' {self.iterations}' if self.iterations else '')
+            + (f' x {self.substeps} substeps' if self.substeps > 1 else '')
+            + (f', {self.variant}' if self.variant else '')
+            + (' on 2 ranks' if self.ranks > 1 else '')
+        )
 
     def values(self):
         count = [f'solver.iterations={self.iterations}'] if self.iterations else []
@@ -67,23 +73,44 @@ class Case:
 
 def cases(maker):
     def pile(scene, size, settings=(), frame=60):
-        return Case(scene, size, 'penetration_rms', Setting('accelerated_jacobi', maker.pick(20, 200, 500), 4), Setting('accelerated_jacobi', 100, maker.pick(16, 512, 1024), 1, 'joint'),
-                    list(settings), frame, maker.pick(16, 512, 1024))
+        return Case(
+            scene, size, 'penetration_rms', Setting('accelerated_jacobi', maker.pick(20, 200, 500), 4),
+            Setting('accelerated_jacobi', 100, maker.pick(16, 512, 1024), 1, 'joint'), list(settings), frame,
+            maker.pick(16, 512, 1024))
 
     def soft(scene, size, second, rows, careful, settings=(), frame=30, finest=512):
         return Case(scene, size, second, careful, Setting('accelerated_jacobi', 60, finest), list(settings), frame, finest, rows)
 
     newton = Setting('newton', 0, 2)
     if maker.size == 'tiny':
-        return {'boxes': pile('boxes_500', .12, ['bodies[1].lattice.count=20'], 20),
-                'cloth': soft('cloth_50', .2, 'stretch_rms', 'links', newton, ['cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]', 'cloths[0].links.stiffness=1.0e+4'], 5, 16)}
+        return {
+            'boxes': pile('boxes_500', 0.12, ['bodies[1].lattice.count=20'], 20),
+            'cloth': soft(
+                'cloth_50',
+                0.2,
+                'stretch_rms',
+                'links',
+                newton,
+                [
+                    'cloths[0].grid.nodes=[8, 8]', 'cloths[0].pins=[{node: [0, 0]}, {node: [7, 0]}]',
+                    'cloths[0].links.stiffness=1.0e+4'],
+                5,
+                16,
+            ),
+        }
     count = 'bodies[1].lattice.count'
-    return {'boxes': pile(maker.pick(0, 'boxes_500', 'boxes_2000'), .12), 'spheres': pile('spheres_5000', .1, maker.pick([], [f'{count}=1000'], [])),
-            'cloth': soft('cloth_50', 10 / 49, 'stretch_rms', 'links', newton, ['cloths[0].links.stiffness=1.0e+4']),
-            'soft block': soft('soft_block_on_floor', .5 / 8, 'strain_max', 'solid', Setting('accelerated_jacobi', 160, 4), frame=25, finest=256),
-            'chain': Case('chain_heavy_ball', .1, 'joint_drift_rms', Setting('accelerated_jacobi', 20, 4, 1, 'direct'), Setting('accelerated_jacobi', 4, 1024, 1, 'direct'), ['output.joints=false'],
-                          60, 1024, 'joints'),
-            'mixed': pile('mixed_pile', .2, maker.pick([], ['bodies[1].pile.count=300'], []))}
+    return {
+        'boxes': pile(maker.pick(0, 'boxes_500', 'boxes_2000'), 0.12),
+        'spheres': pile('spheres_5000', 0.1, maker.pick([], [f'{count}=1000'], [])),
+        'cloth': soft('cloth_50', 10 / 49, 'stretch_rms', 'links', newton, ['cloths[0].links.stiffness=1.0e+4']),
+        'soft block': soft(
+            'soft_block_on_floor', 0.5 / 8, 'strain_max', 'solid', Setting('accelerated_jacobi', 160, 4), frame=25, finest=256
+        ),
+        'chain': Case(
+            'chain_heavy_ball', 0.1, 'joint_drift_rms', Setting('accelerated_jacobi', 20, 4, 1, 'direct'),
+            Setting('accelerated_jacobi', 4, 1024, 1, 'direct'), ['output.joints=false'], 60, 1024, 'joints'),
+        'mixed': pile('mixed_pile', 0.2, maker.pick([], ['bodies[1].pile.count=300'], [])),
+    }
 
 
 def settings_of(maker, case):
@@ -94,9 +121,15 @@ def settings_of(maker, case):
             found += [Setting(solver, k, s) for k in (4, 40) for s in (1, 4)]
             continue
         counts = maker.pick((), (10, 40, 160, 640), (5, 10, 20, 50, 100, 200, 500, 2560))
-        found += [Setting(solver, k) for k in counts] + [Setting(solver, k, s) for s in maker.pick((), (4,), (2, 4, 8)) for k in counts[:maker.pick(0, 3, -2)]]
+        found += [Setting(solver, k) for k in counts]
+        found += [Setting(solver, k, s) for s in maker.pick((), (4,), (2, 4, 8)) for k in counts[:maker.pick(0, 3, -2)]]
         found += [Setting(solver, k, s) for s, k in ((16, 10), (16, 40), (64, 10), (64, 40), (256, 4))]
-        found += [Setting(solver, k, s, 1, v) for v in case.variants() for k in maker.pick((), (40,), counts[:-1]) for s in maker.pick((), (1,), (1, 4))]
+        found += [
+            Setting(solver, k, s, 1, v)
+            for v in case.variants()
+            for k in maker.pick((), (40,), counts[:-1])
+            for s in maker.pick((), (1,), (1, 4))
+        ]
         found += [Setting(solver, k, s, 1, 'joint') for k, s in ((640, 1), (2560, 1), (640, 4)) if case.rows == 'contacts']
         found += [Setting(solver, 2560)] if case.rows in ('links', 'solid') and maker.size == 'quick' else []
     if case.rows == 'joints' and maker.size != 'tiny':
@@ -134,7 +167,9 @@ def measure(maker, case):
     found = []
     for s in wanted:
         alone = next((f for f in found if s.ranks > 1 and f[0] == replace(s, ranks=1)), None)
-        settings = case.settings + s.values() + [f'time.frames={case.frame + maker.pick(WINDOW, 4, 6)}'] + (['output.every=1'] if alone is None else [])
+        settings = case.settings + s.values() + [f'time.frames={case.frame + maker.pick(WINDOW, 4, 6)}']
+        if alone is None:
+            settings.append('output.every=1')
         look = ['away', *([converged[s.substeps]] if s.substeps in converged else []), fine]
         try:
             run = maker.run(case.scene, settings, s.ranks, start=state, look=look if alone is None else None)
@@ -145,20 +180,32 @@ def measure(maker, case):
         found.append((s, run.frame_ms(1), *errors))
     bars = []
     for s in ERROR_BARS:
-        run = maker.run(case.scene, case.settings + s.values() + [f'time.frames={case.frame + 1}', 'output.every=1'], 1, ('-error_estimate', str(case.frame + 1)), state, ['away', converged[1]])
+        settings = case.settings + s.values() + [f'time.frames={case.frame + 1}', 'output.every=1']
+        run = maker.run(case.scene, settings, 1, ('-error_estimate', str(case.frame + 1)), state, ['away', converged[1]])
         bars.append((s, run.column('error_estimate')[0], run.column('error_reference_residual')[0], run.seen[0]))
     return found, known, bars
 
 
 ERRORS = ('the solver', 'solver and step')
+LEAST_DRAWN = 1e-12  # of a body's size, on logarithmic axes
 
 
 def about_defaults(curves):
     """A table of where the defaults stand on each curve, one of the settings that suit all scenes, and a sentence on both."""
     rows = [[c.scene, c.error, *found] for c in curves if (found := standing(c, DEFAULT))]
     on = sum(row[4] for row in rows)
-    table = Table('defaults', f'The defaults ({DEFAULT.name()}) on each curve, one rank. On the front: nothing is more than a tenth faster with no more error', [
-        'scene', 'error of', 'ms a frame', 'error / size', 'on the front', 'fastest with no more error', 'its ms / these', 'least error in no more time', 'its error / this'], rows, 'scripts/report work_precision')
+    table = Table(
+        'defaults',
+        (
+            f'The defaults ({DEFAULT.name()}) on each curve, one rank. On the front: nothing is more than a tenth faster with no'
+            ' more error'
+        ),
+        [
+            'scene', 'error of', 'ms a frame', 'error / size', 'on the front', 'fastest with no more error', 'its ms / these',
+            'least error in no more time', 'its error / this'],
+        rows,
+        'scripts/report work_precision',
+    )
     lines, targets = [], []
     for error in ERRORS:
         of = [c for c in curves if c.error == error]
@@ -169,9 +216,19 @@ def about_defaults(curves):
             targets.append([error, f'{level:g}', len(known), best and best[0].name(), best and best[1], best and best[2], own[0], own[1]])
     lines.append(f'The defaults ({DEFAULT.name()}, one substep) are on the front in {on} of {len(rows)} cases; ' +
                  '; '.join(f'for {name}, {standing_text(row)}' for row in rows if not row[4] for name in [f'{row[0]} ({row[1]})']) + '.')
-    choices = Table('one_setting', 'One setting for all scenes: which of those that run in all of them ends within a share of a body\'s size in most, at what time over each scene\'s cheapest '
-                    '(geometric mean), and what the defaults do. Only scenes whose reference is known so well', ['error of', 'within', 'scenes', 'best setting', 'reached in', 'its time / the cheapest',
-                                                                                                               'defaults: reached in', 'their time / the cheapest'], targets, 'scripts/report work_precision')
+    choices = Table(
+        'one_setting',
+        (
+            'One setting for all scenes: which of those that run in all of them ends within a share of a body\'s size in most, at'
+            ' what time over each scene\'s cheapest (geometric mean), and what the defaults do. Only scenes whose reference is'
+            ' known so well'
+        ),
+        [
+            'error of', 'within', 'scenes', 'best setting', 'reached in', 'its time / the cheapest', 'defaults: reached in',
+            'their time / the cheapest'],
+        targets,
+        'scripts/report work_precision',
+    )
     return table, choices, lines
 
 
@@ -186,52 +243,121 @@ def about_error_bars(everything):
             (' but for ' + '; '.join(wrong) + ': the residual of its reference, far from 0, is the sign of it.' if wrong else ' everywhere.'))
 
 
+def paint_curve(axis, curve):
+    """Errors over times on one rank: each solver by its substeps, all settings, their front, the defaults, and what is known."""
+    def places(points, least_share=0.):
+        return [(p[1], max(p[curve.which] / curve.size, least_share)) for p in points]
+
+    alone = curve.measured(1)
+    for solver, colour in (('accelerated_jacobi', 'C0'), ('gauss_seidel', 'C1')):
+        for substeps, style in ((1, '-'), (4, '--'), (16, ':')):
+            of = [p for p in alone if p[0].solver == solver and p[0].substeps == substeps and not p[0].variant]
+            label = SOLVERS[solver] + (f', {substeps} substeps' if substeps > 1 else '')
+            if of:
+                axis.loglog(*zip(*sorted(places(of))), style, marker='.', color=colour, label=label)
+    front = [p for p in alone if least(curve, p[1], 1) is p]
+    axis.loglog(*zip(*places(alone, LEAST_DRAWN)), '.', color='.7', zorder=0)
+    axis.loglog(*zip(*sorted(places(front, LEAST_DRAWN))), color='.5', linewidth=4, alpha=.4, zorder=0, label='front of all settings')
+    if own := places([p for p in alone if p[0] == DEFAULT]):
+        axis.loglog(*zip(*own), 'k*', markersize=10, label='the defaults')
+    axis.axhline(max(curve.known / curve.size, LEAST_DRAWN), color='C3', linewidth=.8, label='reference known to')
+    axis.set(title=curve.scene, xlabel='ms a frame', ylabel='distance / size')
+
+
 def make(maker):
     plan = cases(maker)
     maker.expect(sum(len(settings_of(maker, case)) + 2 * len(ERROR_BARS) for case in plan.values()))
     everything = {name: (case, *measure(maker, case)) for name, case in plan.items()}
-    curves = [Curve(name, case.size, error, 2 + k, known[k], found) for name, (case, found, known, _) in everything.items() for k, error in enumerate(ERRORS)]
-    rows = [[name, SOLVERS[s.solver], s.iterations or None, s.substeps, s.ranks, s.variant or 'default', ms, None if step is None else step / case.size, away / case.size, case.second, second]
-            for name, (case, found, _, _) in everything.items() for s, ms, step, away, second in found]
-    table = Table('work_precision', 'all settings start from the same state; distances over the size of a body (link, cell)', ['scene', 'solver', 'iterations', 'substeps', 'ranks', 'variant', 'ms a frame',
-                  'to the converged step', 'to the fine-step reference', 'other error', 'its value'], rows, 'scripts/report work_precision')
+    curves = [
+        Curve(name, case.size, error, 2 + k, known[k], found)
+        for name, (case, found, known, _) in everything.items()
+        for k, error in enumerate(ERRORS)
+    ]
+    rows = []
+    for name, (case, found, _, _) in everything.items():
+        for s, ms, step, away, second in found:
+            setting = [SOLVERS[s.solver], s.iterations or None, s.substeps, s.ranks, s.variant or 'default']
+            errors = [None if step is None else step / case.size, away / case.size]
+            rows.append([name, *setting, ms, *errors, case.second, second])
+    table = Table(
+        'work_precision',
+        'all settings start from the same state; distances over the size of a body (link, cell)',
+        [
+            'scene', 'solver', 'iterations', 'substeps', 'ranks', 'variant', 'ms a frame', 'to the converged step',
+            'to the fine-step reference', 'other error', 'its value'],
+        rows,
+        'scripts/report work_precision',
+    )
     heading = ['scene', 'size (m)', 'error of', 'known to', *(f'{level:g}' for level in LEVELS)]
     chosen = [[c.scene, f'{c.size:.3g}', c.error, f'{c.known / c.size:.1g}', *(choice(c, level) for level in LEVELS)] for c in curves]
-    settings = Table('settings', 'The cheapest setting that ends within a share of a body\'s size. The solver: distance of a frame of 16 ms to its converged steps; solver and step: distance after two frames '
-                     'to a run in fine steps; both from the same state. Known to: how far two ways to that reference are apart, as a share too', heading, chosen, 'scripts/report work_precision')
+    settings = Table(
+        'settings',
+        (
+            'The cheapest setting that ends within a share of a body\'s size. The solver: distance of a frame of 16 ms to its'
+            ' converged steps; solver and step: distance after two frames to a run in fine steps; both from the same state. Known'
+            ' to: how far two ways to that reference are apart, as a share too'
+        ),
+        heading,
+        chosen,
+        'scripts/report work_precision',
+    )
     defaults, one, said = about_defaults(curves)
-    bars = Table('error_bars', 'What a run says of itself with -error_estimate, against the distance of its frame to the converged one, found as above; all over a body\'s size', [
-        'scene', 'setting', 'its own estimate', 'residual of its reference', 'distance found', 'known to'],
-        [[name, s.name(), own / case.size, left / case.size, off / case.size, known[0] / case.size] for name, (case, _, known, told) in everything.items() for s, own, left, off in told],
-        'scripts/report work_precision')
+    bars = Table(
+        'error_bars',
+        (
+            'What a run says of itself with -error_estimate, against the distance of its frame to the converged one, found as'
+            ' above; all over a body\'s size'
+        ),
+        ['scene', 'setting', 'its own estimate', 'residual of its reference', 'distance found', 'known to'],
+        [
+            [name, s.name(), own / case.size, left / case.size, off / case.size, known[0] / case.size]
+            for name, (case, _, known, told) in everything.items()
+            for s, own, left, off in told
+        ],
+        'scripts/report work_precision',
+    )
 
     def painter(which):
         def paint(axes):
             for axis, curve in zip(axes, [c for c in curves if c.which == which]):
-                for solver, colour in (('accelerated_jacobi', 'C0'), ('gauss_seidel', 'C1')):
-                    for substeps, line in ((1, '-'), (4, '--'), (16, ':')):
-                        of = sorted((p[1], p[which] / curve.size) for p in curve.measured(1) if p[0].solver == solver and p[0].substeps == substeps and not p[0].variant)
-                        if of:
-                            axis.loglog(*zip(*of), line, marker='.', color=colour, label=SOLVERS[solver] + (f', {substeps} substeps' if substeps > 1 else ''))
-                points = [(p[1], max(p[which] / curve.size, 1e-12)) for p in curve.measured(1)]
-                front = sorted((p[1], max(p[which] / curve.size, 1e-12)) for p in curve.measured(1) if least(curve, p[1], 1) is p)
-                axis.loglog(*zip(*points), '.', color='.7', zorder=0)
-                axis.loglog(*zip(*front), color='.5', linewidth=4, alpha=.4, zorder=0, label='front of all settings')
-                axis.loglog([p[1] for p in curve.measured(1) if p[0] == DEFAULT], [p[which] / curve.size for p in curve.measured(1) if p[0] == DEFAULT], 'k*', markersize=10, label='the defaults')
-                axis.axhline(max(curve.known / curve.size, 1e-12), color='C3', linewidth=.8, label='reference known to')
-                axis.set(title=curve.scene, xlabel='ms a frame', ylabel='distance / size')
+                paint_curve(axis, curve)
             axes[0].legend(fontsize=6)
         return paint
 
     wide = min(3, len(everything))
-    plots = [draw(name, caption + ', over a body\'s size, against the time of a frame; one rank', painter(which), wide, -(-len(everything) // wide), 'scripts/report work_precision')
-             for which, name, caption in ((2, 'work_precision', 'Distance of a frame to its converged steps'), (3, 'work_precision_steps', 'Distance to a run in fine steps, two frames on'))]
-    return Section(TITLE, [
-        'Every setting starts from one state of each scene, in the middle of its motion, which an accurate run made. The solver\'s error is the distance of its first frame to the same frame with the same substeps, '
-        'solved until it converges: contacts by joint stages with up to 20,000 iterations, the chain directly, the cloth by Newton\'s method. How far that is known is the distance between two ways to it (AJ and GS, '
-        'direct and AJ; of Newton\'s its residual): with friction a step has no unique solution, and jammed piles creep towards one.',
-        'The error of solver and step is the distance, two frames on, to a run of hundreds of substeps a frame, known to what half as many change. Windows are this short since piles are chaotic: after some '
-        'impacts two runs differ by a body\'s size whatever their steps.',
-        'The cloth\'s links have 1e4 N/m here: of inextensible ones Newton\'s method finds no step. In one long step the others end at some distance from its, however many iterations they have, since their '
-        'default form of constraints misses implicit Euler by the turning of directions within a step; that falls with substeps (scenes/README.md, Form).',
-about_error_bars(everything), *said], [settings, defaults, one, bars, table], plots)
+    plots = [
+        draw(
+            name, caption + ', over a body\'s size, against the time of a frame; one rank', painter(which), wide,
+            -(-len(everything) // wide), 'scripts/report work_precision')
+        for which, name, caption in (
+            (2, 'work_precision', 'Distance of a frame to its converged steps'),
+            (3, 'work_precision_steps', 'Distance to a run in fine steps, two frames on'),
+        )
+    ]
+    return Section(
+        TITLE,
+        [
+            (
+                'Every setting starts from one state of each scene, in the middle of its motion, which an accurate run made. The'
+                ' solver\'s error is the distance of its first frame to the same frame with the same substeps, solved until it'
+                ' converges: contacts by joint stages with up to 20,000 iterations, the chain directly, the cloth by Newton\'s'
+                ' method. How far that is known is the distance between two ways to it (AJ and GS, direct and AJ; of Newton\'s'
+                ' its residual): with friction a step has no unique solution, and jammed piles creep towards one.'
+            ),
+            (
+                'The error of solver and step is the distance, two frames on, to a run of hundreds of substeps a frame, known to'
+                ' what half as many change. Windows are this short since piles are chaotic: after some impacts two runs differ by'
+                ' a body\'s size whatever their steps.'
+            ),
+            (
+                'The cloth\'s links have 1e4 N/m here: of inextensible ones Newton\'s method finds no step. In one long step the'
+                ' others end at some distance from its, however many iterations they have, since their default form of'
+                ' constraints misses implicit Euler by the turning of directions within a step; that falls with substeps'
+                ' (scenes/README.md, Form).'
+            ),
+            about_error_bars(everything),
+            *said,
+        ],
+        [settings, defaults, one, bars, table],
+        plots,
+    )

@@ -27,11 +27,15 @@ def deck(arguments, scene, steps, dump):
         walls.setdefault(axis, []).append(p[axis])
     gamma = 2 * .69 * (arguments.kn / .5) ** .5
     model = f'{arguments.kn:.17g} {arguments.kn * 2 / 7:.17g} {gamma:.17g} {gamma * 2 / 7:.17g} {arguments.friction:.17g} 1'
-    lines = ['units si', 'atom_style sphere', 'atom_modify map array', 'boundary m m m', 'newton off', 'comm_modify vel yes',
-             f'processors {arguments.ranks} 1 1', 'region all block ' + ' '.join(f'{a:.17g} {b:.17g}' for a, b in zip(low, high)) + ' units box',
-             'create_box 1 all', f'neighbor {.2 * radius[0]:.6g} bin', 'neigh_modify delay 0', f'pair_style gran/hooke/history {model}', 'pair_coeff * *']
+    lines = [
+        'units si', 'atom_style sphere', 'atom_modify map array', 'boundary m m m', 'newton off', 'comm_modify vel yes',
+        f'processors {arguments.ranks} 1 1',
+        'region all block ' + ' '.join(f'{a:.17g} {b:.17g}' for a, b in zip(low, high)) + ' units box', 'create_box 1 all',
+        f'neighbor {.2 * radius[0]:.6g} bin', 'neigh_modify delay 0', f'pair_style gran/hooke/history {model}', 'pair_coeff * *']
     lines += [f'create_atoms 1 single {a:.17g} {b:.17g} {c:.17g} units box' for a, b, c in x]
-    lines += [f'set group all diameter {2 * radius[0]:.17g}', f'set group all density {density:.17g}', f'fix gravity all gravity {arguments.gravity:.17g} vector 0 0 -1']
+    lines += [
+        f'set group all diameter {2 * radius[0]:.17g}', f'set group all density {density:.17g}',
+        f'fix gravity all gravity {arguments.gravity:.17g} vector 0 0 -1']
     for axis, at in walls.items():
         sides = f'{min(at):.17g} NULL' if len(at) == 1 else f'{min(at):.17g} {max(at):.17g}'
         lines.append(f'fix wall{axis} all wall/gran hooke/history {model} {"xyz"[axis]}plane {sides}')

@@ -164,17 +164,6 @@ double BoxTriangle::overlap_along(const Vec3& axis) const {
 
 }  // namespace
 
-void sphere_triangle(const Vec3& centre, double radius, const TriangleNodes& triangle, const TriangleReach& reach,
-                     TriangleContacts& out) {
-  out.count = 0;
-  const TrianglePoint near = closest_on_triangle(centre, triangle[0], triangle[1], triangle[2]);
-  Vec3 normal = centre - near.point;
-  if (!(near.distance > 1e-100)) normal = face_normal(triangle);  // either side will do if it is always the same
-  const double length = normal.norm();
-  normal = length > 0 ? Vec3(normal / length) : Vec3::UnitZ();
-  add(out, reach, near.point, normal, near.weights, near.distance - radius, static_cast<int>(near.feature()));
-}
-
 void box_triangle(const Vec3& centre, const Mat3& rotation, const Vec3& half, const TriangleNodes& triangle,
                   const TriangleReach& reach, TriangleContacts& out, std::span<const Vec3> beyond) {
   out.count = 0;

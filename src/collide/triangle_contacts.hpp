@@ -33,10 +33,6 @@ struct TriangleReach {
   double margin, depth;
 };
 
-// One point at most; its feature is that of TrianglePoint.
-void sphere_triangle(const Vec3& centre, double radius, const TriangleNodes& triangle, const TriangleReach& reach,
-                     TriangleContacts& out);
-
 // `beyond`: points (m) by which the surface goes on about flat behind the triangle's edges, so that the way over those is no way
 // out. Corners of the box over the face and the edges of the triangle, nodes of the triangle at the box, edges across edges. The
 // smallest gap of two that are apart is their distance, exactly up to rounding; no point of two that overlap is deeper than the

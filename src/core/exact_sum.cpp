@@ -84,8 +84,6 @@ double ExactSum::value() const {
   return -rounded_magnitude(a);
 }
 
-double ExactSum::all_sum(MPI_Comm comm) const { return all_sums(comm, {this, 1})[0]; }
-
 std::vector<double> all_sums(MPI_Comm comm, std::span<const ExactSum> sums) {
   constexpr auto stride = static_cast<std::size_t>(ExactSum::packed_count);
   std::vector<std::int64_t> packed;

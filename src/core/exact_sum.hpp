@@ -43,9 +43,6 @@ class ExactSum {
   double value() const;
   bool finite() const { return specials_[0] == 0 && specials_[1] == 0 && specials_[2] == 0; }
 
-  // The sum over all ranks, the same on each. Collective.
-  double all_sum(MPI_Comm comm) const;
-
  private:
   friend std::vector<double> all_sums(MPI_Comm comm, std::span<const ExactSum> sums);
   static constexpr int pending_limit = 1 << 30;

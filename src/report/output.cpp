@@ -36,6 +36,8 @@ std::string prepare_on_one_rank(const std::string& directory, bool overwrite, co
   return {};
 }
 
+std::string cannot_write(const std::string& path) { return "cannot write " + path + ": is the disk full?"; }
+
 std::string frame_name(std::int64_t frame) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%06lld", static_cast<long long>(frame));
@@ -181,7 +183,7 @@ void Output::write_bodies(const World& world) {
   const ShapeLibrary& library = shape_library();
   if (!library.hulls.empty() || !library.compounds.empty() || !library.meshes.empty())
     writer.write("shape_number", H5T_STD_I32LE, H5T_NATIVE_INT32, 0, pack<std::int32_t>(rows, 10, 1));
-  throw_if_any(writer.good ? "" : "cannot write " + path_ + ": is the disk full?");
+  throw_if_any(writer.good ? "" : cannot_write(path_));
   std::string names;
   for (const auto name : shape_names) names.append(names.empty() ? "" : " ").append(name);
   h5::write_attribute(group, "shape_names", names);
@@ -210,7 +212,7 @@ void Output::write_surfaces() {
     if (surface.tetrahedron_count > 0) write_cells("tetrahedra", surface.tetrahedron_count, 4, surface.tetrahedron);
     h5::write_attribute(own, "name", surface.name.empty() ? "surface " + std::to_string(n) : surface.name);
   }
-  throw_if_any(good ? "" : "cannot write " + path_ + ": is the disk full?");
+  throw_if_any(good ? "" : cannot_write(path_));
 }
 
 // By rank 0 for all; nothing where the library is empty.
@@ -243,7 +245,7 @@ void Output::write_shapes() {
   for (std::size_t i = 0; i < counts[2]; ++i)
     write("compound_" + std::to_string(i),
           [&](const h5::Handle& own) { return rows_of(own, "parts", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, part_rows(i)); });
-  throw_if_any(good ? "" : "cannot write " + path_ + ": is the disk full?");
+  throw_if_any(good ? "" : cannot_write(path_));
 }
 
 void Output::write(std::int64_t frame, double time, const World& world) {
@@ -265,13 +267,13 @@ void Output::write(std::int64_t frame, double time, const World& world) {
     writer.reals("angular_velocity", single_, rows, 10, 3);
     h5::write_attribute(group, "time", time);
     h5::write_attribute(group, "frame", frame);
-    if (!writer.good || H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_ + ": is the disk full?";
+    if (!writer.good || H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = cannot_write(path_);
   } catch (const std::exception& e) {
     fault = e.what();
   }
   throw_if_any(fault);
   if (rank_ == 0) append_xdmf(frame, time);
-  throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ + ": is the disk full?" : "");
+  throw_if_any(rank_ == 0 && xdmf_ < 0 ? cannot_write(xdmf_path_) : "");
 }
 
 void Output::start_xdmf() {

@@ -36,9 +36,4 @@ std::int64_t orient_triangles(TriangleMesh& mesh, const MeshTopology& topology, 
 // edge, two neighbours that disagree about which side is out, a node of no triangle.
 void check_mesh(const TriangleMesh& mesh, const std::string& origin);
 
-// A flat cloth: nodes[0] x nodes[1] nodes (2 at least) on a rectangle size[0] x size[1] (m) about the origin in the plane z = 0,
-// node i + nodes[0] j at the i-th place along x and the j-th along y. Two triangles a cell, normals along +z; the diagonals of
-// neighbouring cells cross, so that the cloth favours neither.
-TriangleMesh grid_mesh(const std::array<double, 2>& size, const std::array<std::int32_t, 2>& nodes);
-
 }  // namespace unibody

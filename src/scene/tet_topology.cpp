@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/errors.hpp"
-#include "scene/sets.hpp"
 
 namespace unibody {
 
@@ -162,16 +161,6 @@ std::vector<Face> boundary_of(const TetMesh& mesh) {
   for (const auto& [tet, face] : open)
     faces.push_back(face_nodes(mesh.tets[static_cast<std::size_t>(tet)], static_cast<std::size_t>(face)));
   return faces;
-}
-
-std::int32_t component_count(const TetMesh& mesh) {
-  Sets sets(mesh.nodes.size());
-  for (const Tet& tet : mesh.tets)
-    for (std::size_t k = 1; k < 4; ++k) sets.join(tet[0], tet[k]);
-  std::vector<std::int32_t> roots;
-  for (const Tet& tet : mesh.tets) roots.push_back(sets.root(tet[0]));
-  std::sort(roots.begin(), roots.end());
-  return static_cast<std::int32_t>(std::unique(roots.begin(), roots.end()) - roots.begin());
 }
 
 }  // namespace unibody

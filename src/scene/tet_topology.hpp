@@ -29,7 +29,4 @@ std::int64_t drop_unused_nodes(TetMesh& mesh);
 // The faces of one tet only, counterclockwise from the outside, in order of (tet, opposite node).
 std::vector<std::array<std::int32_t, 3>> boundary_of(const TetMesh& mesh);
 
-// Parts that share no node.
-std::int32_t component_count(const TetMesh& mesh);
-
 }  // namespace unibody

@@ -1,6 +1,7 @@
 // How far a step is from the one that its solver would converge to.
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "constraints/contact_batch.hpp"
@@ -17,6 +18,13 @@ struct StepError {
   double relative = 0;            // the same over the distance of the unconstrained prediction to the converged step
   double reference_residual = 0;  // m, natural residual of the converged step: the distance is known no better than this allows
   int iterations = 0;             // spent on it
+};
+
+// A step solved until it converges, or as far as it gets.
+struct ConvergedStep {
+  std::vector<SolverBody> moving;                             // of each home body, with the velocities that it moves with
+  double residual = std::numeric_limits<double>::infinity();  // m, natural residual
+  int iterations = 0;                                         // spent on it
 };
 
 // A step between its solve and what follows on it. Bodies as in System.

@@ -8,7 +8,7 @@
 #include "collide/bodies.hpp"
 #include "collide/reference_distance.hpp"
 #include "collide/triangle_crossing.hpp"
-#include "scene/mesh_topology.hpp"
+#include "scene/grid_mesh.hpp"
 
 namespace unibody {
 namespace {
@@ -176,33 +176,6 @@ TEST(TriangleContacts, BoxThatLiesFlatOnAGrid) {
       EXPECT_GT(nodes, 20);  // once for each triangle of a node
       EXPECT_GT(edges, 10);
     }
-}
-
-TEST(TriangleContacts, SphereAsByTheDistanceOfItsCentre) {
-  Random random(3);
-  for (int k = 0; k < 20000; ++k) {
-    const TriangleNodes n = random_triangle(random);
-    const Vec3 centre = random.vector(-1, 1);
-    const double radius = random(0.01, 0.5);
-    const double gap =
-        root(reference_distance(wide<Long>(centre), wide<Long>(n[0]), wide<Long>(n[1]), wide<Long>(n[2]))) - radius;
-    TriangleContacts contacts;
-    sphere_triangle(centre, radius, n, {0.2, 0.5}, contacts);
-    ASSERT_EQ(contacts.count, gap <= 0.2) << k;
-    if (contacts.count == 0) continue;
-    const TriangleContact& c = contacts.points[0];
-    ASSERT_NEAR(c.gap, gap, 1e-14);
-    ASSERT_NEAR(c.normal.norm(), 1, 1e-14);
-    ASSERT_LT((c.position + (0.5 * c.gap + radius) * c.normal - centre).norm(), 1e-14);
-    ASSERT_LT((c.weights[0] * n[0] + c.weights[1] * n[1] + c.weights[2] * n[2] + (gap + radius) * c.normal - centre).norm(),
-              1e-13);
-  }
-  TriangleContacts contacts;
-  sphere_triangle(Vec3(0.2, 0.2, 0), 1, {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {0, 2}, contacts);
-  ASSERT_EQ(contacts.count, 1);
-  EXPECT_EQ(contacts.points[0].normal, Vec3::UnitZ());
-  EXPECT_EQ(contacts.points[0].gap, -1);
-  EXPECT_EQ(contacts.points[0].feature, 7u);
 }
 
 TEST(TriangleContacts, CostOfABox) {

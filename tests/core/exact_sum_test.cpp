@@ -124,7 +124,7 @@ TEST(RanksExactSum, SameOnAnyNumberOfRanks) {
     whole += x;
     if (k % ranks == rank) mine += x, several[static_cast<std::size_t>(k % 2)] += x;
   }
-  EXPECT_EQ(mine.all_sum(MPI_COMM_WORLD), whole.value());
+  EXPECT_EQ(all_sums(MPI_COMM_WORLD, {&mine, 1})[0], whole.value());
   const auto values = all_sums(MPI_COMM_WORLD, several);
   ASSERT_EQ(values.size(), 3u);
   EXPECT_EQ(values[2], 0.0);

@@ -256,7 +256,8 @@ class Stored:
 class ErrorEstimate(ProgramTest):
     def test_every_third_frame_and_nothing_else_changes(self):
         soft = ("-set", "time.frames=8", "-set", "time.substeps=2")
-        for name, scene, options in (("pile", self.scene(PILE, "pile.yaml"), ("-set", "time.frames=10")), ("cloth", self.scene(CLOTH, "cloth.yaml"), ()),
+        for name, scene, options in (("pile", self.scene(PILE, "pile.yaml"), ("-set", "time.frames=10")),
+                                     ("cloth", self.scene(CLOTH, "cloth.yaml"), ()),
                                      ("solid", SCENES / "soft_block_on_floor.yaml", soft)):
             for solver in ("accelerated_jacobi", "gauss_seidel") if name == "pile" else ("accelerated_jacobi",):
                 with self.subTest(scene=name, solver=solver):

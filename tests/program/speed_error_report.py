@@ -45,17 +45,29 @@ class KnownCases(unittest.TestCase):
             return work_precision.Setting(solver, iterations, substeps, ranks)
 
         # (setting, ms, errors (m)); the last but one has no second error.
-        return fronts.Curve("any", .1, "the solver", 2, known,
-                            [(setting("gauss_seidel", 10), 1., .02, .5), (setting("gauss_seidel", 40), 3., .0005, .05), (work_precision.DEFAULT, 4., .002, .02),
-                             (setting("accelerated_jacobi", 50, 4, 2), 2., .0005, None), (setting("accelerated_jacobi", 500), 9., .00005, .01)])
+        return fronts.Curve(
+            "any",
+            0.1,
+            "the solver",
+            2,
+            known,
+            [
+                (setting("gauss_seidel", 10), 1.0, 0.02, 0.5), (setting("gauss_seidel", 40), 3.0, 0.0005, 0.05),
+                (work_precision.DEFAULT, 4.0, 0.002, 0.02), (setting("accelerated_jacobi", 50, 4, 2), 2.0, 0.0005, None),
+                (setting("accelerated_jacobi", 500), 9.0, 0.00005, 0.01)],
+        )
 
     def test_the_cheapest_setting_is_the_fastest_within_the_error(self):
         curve = self.curve()
-        self.assertEqual([fronts.cheapest(curve, limit)[0].name() for limit in (.02, .01, .0001)], ["GS 10", "AJ 50 x 4 substeps on 2 ranks", "AJ 500"])
+        self.assertEqual(
+            [fronts.cheapest(curve, limit)[0].name() for limit in (0.02, 0.01, 0.0001)],
+            ["GS 10", "AJ 50 x 4 substeps on 2 ranks", "AJ 500"])
         self.assertEqual(fronts.cheapest(curve, .01, 1)[0].name(), "GS 40")
         self.assertIsNone(fronts.cheapest(curve, 1e-5))
         self.assertEqual(fronts.least(curve, 4, 1)[0].name(), "GS 40")
-        self.assertEqual([fronts.choice(curve, level) for level in (1e-1, 1e-3, 1e-4)], ["AJ 50 x 4 substeps on 2 ranks: 2 ms", "AJ 500: 9 ms", "none; nearest AJ 500: 0.0005"])
+        self.assertEqual(
+            [fronts.choice(curve, level) for level in (1e-1, 1e-3, 1e-4)],
+            ["AJ 50 x 4 substeps on 2 ranks: 2 ms", "AJ 500: 9 ms", "none; nearest AJ 500: 0.0005"])
         self.assertEqual(fronts.choice(self.curve(2e-4), 1e-3), "known to 0.002 only")
 
     def test_where_the_defaults_stand(self):
@@ -66,7 +78,9 @@ class KnownCases(unittest.TestCase):
 
     def test_one_setting_for_all_scenes(self):
         one, two = self.curve(), self.curve()
-        two.points = [(s, 10 * ms if s.iterations == 40 else ms, error, other) for s, ms, error, other in two.points[:4]]  # AJ 500 is missing, GS 40 slow
+        two.points = [
+            (s, 10 * ms if s.iterations == 40 else ms, error, other) for s, ms, error, other in two.points[:4]
+        ]  # AJ 500 is missing, GS 40 slow
         best = fronts.one_for_all([one, two], .02)
         self.assertEqual((best[0].name(), best[1]), ("AJ 50", 2))  # GS 10 misses it; GS 40 costs 3 / 3 and 30 / 4
         self.assertAlmostEqual(best[2], (4 / 3) ** .5)
@@ -84,8 +98,10 @@ class KnownCases(unittest.TestCase):
         def row(program, settings, ranks, ms, error):
             return ["boxes", program, settings, ranks, ms, error, 0, 0, 0, None, None]
 
-        table = [row("unibody", "a", 1, 4., .1), row("unibody", "b", 1, 8., .01), row("unibody", "c", 2, 2., .01), row("Bullet", "", 1, 10., .1), row("Bullet", "", 1, 10., .05),
-                 row("LAMMPS", "", 2, 10., .05), row("ODE", "", 1, 10., .001), row("ODE", "", 1, None, None)]
+        table = [
+            row("unibody", "a", 1, 4.0, 0.1), row("unibody", "b", 1, 8.0, 0.01), row("unibody", "c", 2, 2.0, 0.01),
+            row("Bullet", "", 1, 10.0, 0.1), row("Bullet", "", 1, 10.0, 0.05), row("LAMMPS", "", 2, 10.0, 0.05),
+            row("ODE", "", 1, 10.0, 0.001), row("ODE", "", 1, None, None)]
         rivals.compare(table)
         self.assertEqual([r[9:] for r in table[3:]], [["a", .4], ["b", .8], ["c", .2], [None, None], [None, None]])
         self.assertEqual(table[0][9:], [None, None])
@@ -126,7 +142,12 @@ class Report(unittest.TestCase):
 
     @classmethod
     def report(cls, *words):
-        return execute([sys.executable, str(SOURCE / "scripts" / "report"), "--tiny", "--build", os.path.dirname(PROGRAM), "--output", str(cls.folder), *words], 600)
+        return execute(
+            [
+                sys.executable, str(SOURCE / "scripts" / "report"), "--tiny", "--build", os.path.dirname(PROGRAM), "--output",
+                str(cls.folder), *words],
+            600,
+        )
 
     def table(self, name):
         return rows_of(self.folder / "report" / f"{name}.csv")
@@ -178,7 +199,12 @@ class Report(unittest.TestCase):
 
     def test_the_defaults_are_those_of_the_program(self):
         folder = self.folder / "defaults"
-        run = execute([PROGRAM, str(SOURCE / "scenes" / "boxes_500.yaml"), "-output", str(folder), "-set", "time.frames=1", "-set", "output.every=0"], 60)
+        run = execute(
+            [
+                PROGRAM, str(SOURCE / "scenes" / "boxes_500.yaml"), "-output", str(folder), "-set", "time.frames=1", "-set",
+                "output.every=0"],
+            60,
+        )
         self.assertEqual(run.code, 0, run.err)
         summary = json.loads((folder / "summary.json").read_text())
         default = work_precision.DEFAULT

@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 
+#include "scene/grid_mesh.hpp"
 #include "scene/mesh_topology.hpp"
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "core/errors.hpp"
+#include "scene/grid_mesh.hpp"
 
 namespace unibody {
 namespace {

@@ -144,19 +144,6 @@ TEST(TetTopology, UnusedNodesAreDroppedInOrder) {
   EXPECT_EQ(drop_unused_nodes(mesh), 0);
 }
 
-TEST(TetTopology, ComponentsShareNoNode) {
-  EXPECT_EQ(component_count({}), 0);
-  EXPECT_EQ(component_count(pair), 1);
-  TetMesh apart = pair;
-  apart.nodes.insert(apart.nodes.end(), {{5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {5, 0, 1}});
-  apart.tets.push_back({5, 6, 7, 8});
-  EXPECT_EQ(component_count(apart), 2);
-  check_tets(apart, "mesh");
-  apart.nodes.push_back({3, 1, 1});
-  apart.tets.push_back({9, 8, 4, 1});  // by one node each
-  EXPECT_EQ(component_count(apart), 1);
-}
-
 std::string tet_fault(TetMesh mesh, bool oriented = true) {
   try {
     if (!oriented) orient_tets(mesh, "mesh");
