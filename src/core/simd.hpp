@@ -38,8 +38,8 @@ inline Vec4d sqrt(Vec4d a) {  // correctly rounded either way
 #endif
 }
 inline Vec4d inverse_or_zero(Vec4d a) {  // 0 of what is not positive
-  const Mask4 positive = a > broadcast(0);
-  return select(positive, broadcast(1) / select(positive, a, broadcast(1)), broadcast(0));
+  const Mask4 proper = a > broadcast(0);
+  return select(proper, broadcast(1) / select(proper, a, broadcast(1)), broadcast(0));
 }
 inline double horizontal_max(Vec4d a) { return std::max(std::max(a[0], a[1]), std::max(a[2], a[3])); }
 
