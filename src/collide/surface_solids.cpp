@@ -72,11 +72,12 @@ void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, st
   tidy(found, near.reach);
   for (int i = 0; i < found.count; ++i) {
     const ContactPoint& c = found.points[i];
-    const Vec3 on_body = c.position + 0.5 * c.gap * found.normal, on_face = c.position - 0.5 * c.gap * found.normal;
-    const Vec3 weights = without_twin(face, closest_on_triangle(on_face, nodes[0], nodes[1], nodes[2]).weights);
+    const TrianglePoint on_face = closest_on_triangle(c.position - 0.5 * c.gap * found.normal, nodes[0], nodes[1], nodes[2]);
+    const Vec3 weights = without_twin(face, on_face.weights);
     if (is_one_node(weights)) continue;  // nodes touch bodies as the particles that they are
     if (!owns(face, weights) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
-    add_touch(near, weights, on_body + body.position - place(body.slot), found.normal, c.gap, first_feature + c.feature);
+    const Vec3 arm = on_face.point + body.position - place(body.slot);  // to the face: friction turns nothing by itself
+    add_touch(near, weights, arm, found.normal, c.gap, first_feature + c.feature);
   }
 }
 
