@@ -17,6 +17,13 @@ ConvexBody at_origin(const Proxy& solid) { return convex_body(solid.shape(), sol
 
 Vec3 face_normal(const TriangleNodes& x) { return (x[1] - x[0]).cross(x[2] - x[0]); }
 
+// Weights of what of a face is furthest along a direction: of a node, an edge or all of it.
+Vec3 furthest(const TriangleNodes& x, const Vec3& direction, double tolerance) {
+  const Vec3 along(direction.dot(x[0]), direction.dot(x[1]), direction.dot(x[2]));
+  const Vec3 weights = (along.array() >= along.maxCoeff() - tolerance).cast<double>();
+  return weights / weights.sum();
+}
+
 }  // namespace
 
 // The share of the step at which a solid, without turning, first touches a face; 2: not within it, 0: they touch. Their distance
@@ -68,7 +75,11 @@ void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, st
   TriangleNodes nodes = places(face, near.time);
   for (Vec3& x : nodes) x -= near.centre;
   PairManifold found;
-  if (!sheet_manifold(at_origin(body), nodes, near.reach, found)) return;
+  const ConvexBody solid = at_origin(body);
+  if (!sheet_manifold(solid, nodes, near.reach, found)) return;
+  // the points share a normal, which is that of one feature of the face: where a neighbour comes closer, it speaks
+  const Vec3 feature = without_twin(face, furthest(nodes, found.normal, 1e-6 * solid.size));
+  if (!is_nearest(face, feature, found.normal, lean_of_boxes)) return;
   tidy(found, near.reach);
   for (int i = 0; i < found.count; ++i) {
     const ContactPoint& c = found.points[i];

@@ -30,16 +30,16 @@ struct Solid {
 };
 
 // Hills over the x-y plane.
-inline double height(double x, double y) { return 0.08 * std::sin(4 * x) * std::cos(3 * y); }
-constexpr int cells = 6;
-constexpr double width = 1.2;  // m
+inline double height_of_nodes(double x, double y) { return 0.08 * std::sin(4 * x) * std::cos(3 * y); }
+constexpr int cells_of_hills = 6;
+constexpr double width_of_hills = 1.2;  // m
 
 // m, of the triangles between: cells are cut from their lowest node to their highest.
 inline double height_of_hills(double x, double y) {
-  const double i = (x / width + 0.5) * cells, j = (y / width + 0.5) * cells;
-  const double u = i - std::floor(i), v = j - std::floor(j), step = width / cells;
+  const double i = (x / width_of_hills + 0.5) * cells_of_hills, j = (y / width_of_hills + 0.5) * cells_of_hills;
+  const double u = i - std::floor(i), v = j - std::floor(j), step = width_of_hills / cells_of_hills;
   const auto at = [&](int k, int l) {
-    return height(step * (std::floor(i) + k) - width / 2, step * (std::floor(j) + l) - width / 2);
+    return height_of_nodes(step * (std::floor(i) + k) - width_of_hills / 2, step * (std::floor(j) + l) - width_of_hills / 2);
   };
   return at(0, 0) +
          (u > v ? u * (at(1, 0) - at(0, 0)) + v * (at(1, 1) - at(1, 0)) : v * (at(0, 1) - at(0, 0)) + u * (at(1, 1) - at(0, 1)));
@@ -48,14 +48,15 @@ inline double height_of_hills(double x, double y) {
 inline MeshSurface hills() {
   std::vector<Vec3> nodes;
   std::vector<std::array<std::int32_t, 3>> triangles;
-  for (int j = 0; j <= cells; ++j)
-    for (int i = 0; i <= cells; ++i) {
-      const double x = width * (double(i) / cells - 0.5), y = width * (double(j) / cells - 0.5);
-      nodes.emplace_back(x, y, height(x, y));
+  for (int j = 0; j <= cells_of_hills; ++j)
+    for (int i = 0; i <= cells_of_hills; ++i) {
+      const double x = width_of_hills * (double(i) / cells_of_hills - 0.5),
+                   y = width_of_hills * (double(j) / cells_of_hills - 0.5);
+      nodes.emplace_back(x, y, height_of_nodes(x, y));
     }
-  for (int j = 0; j < cells; ++j)
-    for (int i = 0; i < cells; ++i) {
-      const int a = i + (cells + 1) * j, b = a + 1, c = a + cells + 1, d = c + 1;
+  for (int j = 0; j < cells_of_hills; ++j)
+    for (int i = 0; i < cells_of_hills; ++i) {
+      const int a = i + (cells_of_hills + 1) * j, b = a + 1, c = a + cells_of_hills + 1, d = c + 1;
       triangles.push_back({a, b, d}), triangles.push_back({a, d, c});
     }
   return make_mesh_shape(nodes, triangles, 1);
@@ -233,6 +234,14 @@ struct Placed {
   }
   ShapeKind kind() const { return body.properties.shape.kind; }
 };
+
+// m, what a face may separate less than the nearest points do and still give the normal (convex_pairs.cpp).
+inline double face_loss(const Shape& shape, double distance) { return 5e-4 * smallest_size(shape) + 0.02 * std::abs(distance); }
+// m, how far beside each other the nearest points may be then, across that normal.
+inline double beside(const Shape& shape, double distance) {
+  return std::sqrt(2 * std::abs(distance) * face_loss(shape, distance));
+}
+inline bool is_nearest_points(std::uint32_t feature) { return (feature & 1u << 16) != 0; }
 
 // m, by which a point below the axis of a capsule that slants lies within its side: its gap counts the radius along the normal.
 inline double within_side(const Placed& body, const Vec3& normal) {

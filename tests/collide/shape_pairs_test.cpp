@@ -15,10 +15,10 @@ struct Trial {
   bool planar;
   Contacts found;
 
-  // m: what a face may separate less and still give the normal (convex_pairs.cpp), and the samples' error.
+  // m, with the samples' error.
   double error(double gap) const {
-    const double size = std::min(smallest_size(a.body.properties.shape), smallest_size(b.body.properties.shape));
-    return 5e-4 * size + 0.02 * std::abs(gap) + 2 * Cloud::shortfall + fineness;
+    return std::min(face_loss(a.body.properties.shape, gap), face_loss(b.body.properties.shape, gap)) + 2 * Cloud::shortfall +
+           fineness;
   }
   double least_gap() const {
     double least = HUGE_VAL;
@@ -104,16 +104,18 @@ struct Trial {
       EXPECT_TRUE(b.kind() == ShapeKind::mesh && is_height_over_triangle(m, samples)) << least << " is off by " << nearest;
     }
   }
-  void expect_on_surface(const Placed& body, const Vec3& x, const Vec3& outwards, double gap) const {
+  void expect_on_surface(const Placed& body, const Vec3& x, const Vec3& outwards, const ContactPoint& c) const {
     if (body.kind() == ShapeKind::plane) return;
-    EXPECT_TRUE(is_on_surface(body, x, outwards, error(gap) + within_side(body, outwards))) << "gap " << gap;
+    double tolerance = error(c.gap) + within_side(body, outwards);
+    if (is_nearest_points(c.feature)) tolerance += beside(body.body.properties.shape, c.gap);
+    EXPECT_TRUE(is_on_surface(body, x, outwards, tolerance)) << "gap " << c.gap;
   }
   // So that no gap is smaller, and none larger, than what is between the surfaces there.
   void expect_points_on_surfaces() const {
     for (const Manifold& m : found.manifolds)
       for (const ContactPoint& c : points_of(m)) {
-        expect_on_surface(a, c.position + 0.5 * c.gap * m.normal, -m.normal, c.gap);
-        expect_on_surface(b, c.position - 0.5 * c.gap * m.normal, m.normal, c.gap);
+        expect_on_surface(a, c.position + 0.5 * c.gap * m.normal, -m.normal, c);
+        expect_on_surface(b, c.position - 0.5 * c.gap * m.normal, m.normal, c);
       }
   }
 };
@@ -136,7 +138,7 @@ bool go_near(const Solid& a, const Solid& b, const Mat3& turn_a, const Mat3& tur
   return false;
 }
 
-void run(const Shape& shape_a, const Shape& shape_b, bool planar, Random& random) {
+void run(const Shape& shape_a, const Shape& shape_b, bool planar, int number, Random& random) {
   const auto turn = [&] { return planar ? Quat(Eigen::AngleAxisd(random(0, around), Vec3::UnitY())) : random.turn(); };
   const auto flat = [&](Vec3 x) { return planar ? x.y() = 0, x : x; };
   Quat turn_a, turn_b;
@@ -148,7 +150,7 @@ void run(const Shape& shape_a, const Shape& shape_b, bool planar, Random& random
     place = 1.5 * way + flat(random.vector(-.1, .1));
   } while (!go_near(solid_of(shape_a, planar), solid_of(shape_b, planar), turn_a.toRotationMatrix(), turn_b.toRotationMatrix(),
                     way, place));
-  place += random(-0.02, 0.03) * way;
+  place += (number == 2 ? random(0.03, 0.08) : random(-0.02, 0.03)) * way;
   Placed a(shape_a, place, turn_a, planar), b(shape_b, Vec3::Zero(), turn_b, planar);
   b.body.id = 1;
   Trial trial{a, b, planar, contacts_of(world_of({a.body, b.body}), still(planar))};
@@ -160,7 +162,7 @@ void run(const Shape& shape_a, const Shape& shape_b, bool planar, Random& random
     trial.expect_gap_over_plane();
   else if (b.kind() == ShapeKind::mesh && apart < 3 * fineness)
     trial.expect_depth_in_mesh();
-  else if (!planar && !getenv("QUICK"))
+  else if (!planar)
     trial.expect_gap_of_pieces();
   trial.expect_normals_separate();
   trial.expect_points_on_surfaces();
@@ -186,10 +188,10 @@ TEST(ShapePairs, ContactsAreThoseOfSampledSurfaces) {
         if (planar ? std::max(first, second) > ShapeKind::particle : disc) continue;
         for (const Shape& a : examples_of(first))
           for (const Shape& b : examples_of(second))
-            for (int k = 0; k < 4; ++k) {
+            for (int k = 0; k < 3; ++k) {
               SCOPED_TRACE(std::string(shape_names[std::size_t(first)]) + " and " +
                            std::string(shape_names[std::size_t(second)]) + (planar ? ", planar, " : ", ") + std::to_string(k));
-              run(a, b, planar, random);
+              run(a, b, planar, k, random);
             }
       }
     }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "collide/sampled_solids.hpp"
+#include "collide/surface_contacts.hpp"
 #include "collide/surface_world.hpp"
 
 namespace unibody::testing {
@@ -33,10 +34,8 @@ struct Scene {
   }
 };
 
-// m, what a face may separate less and still give the normal (convex_pairs.cpp), and the samples' error.
-double error(const Shape& shape, double distance) {
-  return 5e-4 * smallest_size(shape) + 0.02 * std::abs(distance) + 2 * Cloud::shortfall + fineness;
-}
+// m, with the samples' error.
+double error(const Shape& shape, double distance) { return face_loss(shape, distance) + 2 * Cloud::shortfall + fineness; }
 
 double least_distance(const Contacts& found) {
   double least = HUGE_VAL;
@@ -52,7 +51,9 @@ void expect_contacts_join_the_surfaces(const Scene& scene, const Contacts& found
     EXPECT_NEAR(c.normal.norm(), 1, 1e-12);
     const Vec3 on_face = scene.s.point(c, -1), on_solid = on_face + (c.gap + radius) * c.normal;
     EXPECT_LT((scene.s.point(c, 1) + c.arm - on_face).norm(), 1e-13);
-    const double tolerance = error(solid.body.properties.shape, c.gap + radius) + within_side(solid, c.normal);
+    const double distance = c.gap + radius;
+    const double tolerance = error(solid.body.properties.shape, distance) + within_side(solid, c.normal) +
+                             (is_nearest_points(c.feature) ? beside(solid.body.properties.shape, distance) : 0);
     EXPECT_TRUE(is_on_surface(solid, on_solid, -c.normal, tolerance)) << c.gap << " feature " << c.feature;
   }
 }
@@ -106,7 +107,8 @@ TEST(SurfaceShapes, OverASheetAndABlockTheLowestPointIsTheLeastGap) {
         const double least = least_distance(found);
         EXPECT_LE(least, height + error(shape, height));
         EXPECT_GE(least, height - Cloud::shortfall - 1e-12);
-        for (const SurfaceContact& c : found.surface) EXPECT_LT((c.normal - o.up).norm(), 1e-9);
+        // no neighbour's edge rises more; between two edges at right angles that is the square root of 2 of it
+        for (const SurfaceContact& c : found.surface) EXPECT_LT((c.normal - o.up).norm(), 1.5 * lean_of_boxes) << c.feature;
         expect_contacts_join_the_surfaces(o.scene, found, o.solid);
         contacts += static_cast<int>(found.surface.size());
       }
@@ -147,6 +149,7 @@ TEST(SurfaceShapes, BesideTrianglesTheLeastGapIsTheDistance) {
         }
       EXPECT_TRUE(is_attained) << least;
       for (const SurfaceContact& c : found.surface) {
+        if (c.gap + radius > least + tolerance) continue;  // one that is only over a part of the face
         double most = -HUGE_VAL;
         for (const Cloud& x : solid.clouds)
           for (const Cloud& y : faces) most = std::max(most, sampled_separation(x, y, c.normal));
@@ -155,7 +158,7 @@ TEST(SurfaceShapes, BesideTrianglesTheLeastGapIsTheDistance) {
       expect_contacts_join_the_surfaces(scene, found, solid);
       ++compared;
     }
-  EXPECT_GT(compared, 40);
+  EXPECT_GT(compared, 30);
 }
 
 }  // namespace unibody::testing
