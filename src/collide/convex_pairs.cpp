@@ -243,7 +243,8 @@ bool convex_manifold(const ConvexBody& a, const ConvexBody& b, double margin, Pa
   const double least = manifolder.add(normal, of_a, of_b, gap);
   if (snapped && out.count == 0) normal = distance.normal, gap = distance.gap, snapped = false;
   out.normal = normal;
-  const bool said = out.count > 0 && (snapped ? gap > 0 || least <= 0 : least <= gap + 1e-6 * smallest);
+  const double snapped_least = gap > 0 ? gap + face_loss(smallest, gap) : 0;
+  const bool said = out.count > 0 && least <= (snapped ? snapped_least : gap + 1e-6 * smallest);
   if (!said) out.add(0.5 * (distance.on_a + distance.on_b), gap, nearest_feature);
   return out.count > 0;
 }

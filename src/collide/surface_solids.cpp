@@ -17,6 +17,13 @@ ConvexBody at_origin(const Proxy& solid) { return convex_body(solid.shape(), sol
 
 Vec3 face_normal(const TriangleNodes& x) { return (x[1] - x[0]).cross(x[2] - x[0]); }
 
+// Weights of what of a face is furthest along a direction: of a node, an edge or all of it.
+Vec3 furthest(const TriangleNodes& x, const Vec3& direction, double tolerance) {
+  const Vec3 along(direction.dot(x[0]), direction.dot(x[1]), direction.dot(x[2]));
+  const Vec3 weights = (along.array() >= along.maxCoeff() - tolerance).cast<double>();
+  return weights / weights.sum();
+}
+
 }  // namespace
 
 // The share of the step at which a solid, without turning, first touches a face; 2: not within it, 0: they touch. Their distance
@@ -68,15 +75,20 @@ void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, st
   TriangleNodes nodes = places(face, near.time);
   for (Vec3& x : nodes) x -= near.centre;
   PairManifold found;
-  if (!sheet_manifold(at_origin(body), nodes, near.reach, found)) return;
+  const ConvexBody solid = at_origin(body);
+  if (!sheet_manifold(solid, nodes, near.reach, found)) return;
+  // the points share a normal, which is that of one feature of the face: where a neighbour comes closer, it speaks
+  const Vec3 feature = without_twin(face, furthest(nodes, found.normal, 1e-6 * solid.size));
+  if (!is_nearest(face, feature, found.normal, lean_of_boxes)) return;
   tidy(found, near.reach);
   for (int i = 0; i < found.count; ++i) {
     const ContactPoint& c = found.points[i];
-    const Vec3 on_body = c.position + 0.5 * c.gap * found.normal, on_face = c.position - 0.5 * c.gap * found.normal;
-    const Vec3 weights = without_twin(face, closest_on_triangle(on_face, nodes[0], nodes[1], nodes[2]).weights);
+    const TrianglePoint on_face = closest_on_triangle(c.position - 0.5 * c.gap * found.normal, nodes[0], nodes[1], nodes[2]);
+    const Vec3 weights = without_twin(face, on_face.weights);
     if (is_one_node(weights)) continue;  // nodes touch bodies as the particles that they are
     if (!owns(face, weights) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
-    add_touch(near, weights, on_body + body.position - place(body.slot), found.normal, c.gap, first_feature + c.feature);
+    const Vec3 arm = on_face.point + body.position - place(body.slot);  // to the face: friction turns nothing by itself
+    add_touch(near, weights, arm, found.normal, c.gap, first_feature + c.feature);
   }
 }
 

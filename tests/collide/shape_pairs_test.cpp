@@ -2,215 +2,24 @@
 // overlap a little. A new kind in the list has to say here what its surface is.
 #include <gtest/gtest.h>
 
-#include "collide/bodies.hpp"
-#include "collide/sampled_surface.hpp"
-#include "collide/surface_world.hpp"
-#include "world/shape_library.hpp"
+#include <span>
+
+#include "collide/sampled_solids.hpp"
 
 namespace unibody::testing {
 
 namespace {
 
-constexpr double fineness = 1e-3;  // m, of samples where they matter
-
-// A solid as sampled, in its own axes or in place.
-struct Solid {
-  Patches surface;
-  std::vector<Patches> pieces;                  // convex, which fill it; none of a mesh or a half space
-  std::function<bool(const Vec3&)> holds = {};  // of a mesh
-
-  void add(const Patches& piece) {
-    pieces.push_back(piece);
-    surface.insert(surface.end(), piece.begin(), piece.end());
-  }
-};
-
-// Hills over the x-y plane.
-double height(double x, double y) { return 0.08 * std::sin(4 * x) * std::cos(3 * y); }
-constexpr int cells = 6;
-constexpr double width = 1.2;  // m
-
-// m, of the triangles between: cells are cut from their lowest node to their highest.
-double height_of_hills(double x, double y) {
-  const double i = (x / width + 0.5) * cells, j = (y / width + 0.5) * cells;
-  const double u = i - std::floor(i), v = j - std::floor(j), step = width / cells;
-  const auto at = [&](int k, int l) {
-    return height(step * (std::floor(i) + k) - width / 2, step * (std::floor(j) + l) - width / 2);
-  };
-  return at(0, 0) +
-         (u > v ? u * (at(1, 0) - at(0, 0)) + v * (at(1, 1) - at(1, 0)) : v * (at(0, 1) - at(0, 0)) + u * (at(1, 1) - at(0, 1)));
-}
-
-MeshSurface hills() {
-  std::vector<Vec3> nodes;
-  std::vector<std::array<std::int32_t, 3>> triangles;
-  for (int j = 0; j <= cells; ++j)
-    for (int i = 0; i <= cells; ++i) {
-      const double x = width * (double(i) / cells - 0.5), y = width * (double(j) / cells - 0.5);
-      nodes.emplace_back(x, y, height(x, y));
-    }
-  for (int j = 0; j < cells; ++j)
-    for (int i = 0; i < cells; ++i) {
-      const int a = i + (cells + 1) * j, b = a + 1, c = a + cells + 1, d = c + 1;
-      triangles.push_back({a, b, d}), triangles.push_back({a, d, c});
-    }
-  return make_mesh_shape(nodes, triangles, 1);
-}
-
-// A closed L: two blocks of the plane x-y, with a reentrant edge.
-const std::array<std::pair<Vec3, Vec3>, 2> blocks{{{{-.3, -.3, -.15}, {.3, 0, .15}}, {{-.3, 0, -.15}, {0, .3, .15}}}};
-MeshSurface ell() {
-  const double x[6] = {-.3, .3, .3, 0, 0, -.3}, y[6] = {-.3, -.3, 0, 0, .3, .3};
-  std::vector<Vec3> nodes;
-  for (const double z : {-.15, .15})
-    for (int k = 0; k < 6; ++k) nodes.emplace_back(x[k], y[k], z);
-  std::vector<std::array<std::int32_t, 3>> triangles{{6, 7, 8}, {6, 8, 9}, {6, 9, 10}, {6, 10, 11}};
-  for (int k = 0; k < 4; ++k) triangles.push_back({0, k + 2, k + 1});
-  for (int k = 0; k < 4; ++k) {
-    const int l = (k + 1) % 6;
-    triangles.push_back({k, l, 6 + l}), triangles.push_back({k, 6 + l, 6 + k});
-  }
-  return make_mesh_shape(nodes, triangles);
-}
-
-bool is_hills(const Shape& s) { return s.kind == ShapeKind::mesh && shape_library().meshes[s.data].nodes.size() > 12; }
-
-Shape hull_of(const std::vector<Vec3>& points) { return shape_library().add(make_hull(points)); }
-Shape tee() {
-  const Quat lying(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitX()));
-  const Compound::Part parts[] = {{{ShapeKind::box, {.3, .08, .06}}, Vec3(0, 0, .2), Quat::Identity()},
-                                  {{ShapeKind::cylinder, {.07, .07, .2}}, Vec3(.05, 0, 0), Quat::Identity()},
-                                  {{ShapeKind::capsule, {.06, .06, .25}}, Vec3(0, .1, -.2), lying}};
-  return shape_library().add(make_compound(parts));
-}
-
-std::vector<Shape> examples_of(ShapeKind kind) {
-  static const std::vector<Shape> hulls{hull_of({{.3, 0, 0}, {-.3, 0, 0}, {0, .2, 0}, {0, -.2, 0}, {0, 0, .4}, {0, 0, -.2}}),
-                                        hull_of({{0, 0, 0}, {.4, 0, 0}, {0, .3, 0}, {0, 0, .5}, {.4, 0, .5}, {0, .3, .5}})};
-  static const std::vector<Shape> tees{tee()}, meshes{shape_library().add(hills()), shape_library().add(ell())};
-  switch (kind) {
-    case ShapeKind::sphere:
-      return {{kind, {.2, 0, 0}}};
-    case ShapeKind::box:
-      return {{kind, {.2, .3, .15}}};
-    case ShapeKind::plane:
-      return {{kind, Vec3::Zero()}};
-    case ShapeKind::disc:
-      return {{kind, {.2, 0, 0}}};
-    case ShapeKind::particle:
-      return {{kind, {.05, 0, 0}}};
-    case ShapeKind::capsule:
-      return {{kind, {.1, .1, .35}}};
-    case ShapeKind::cylinder:
-      return {{kind, {.2, .2, .3}}};
-    case ShapeKind::hull:
-      return hulls;
-    case ShapeKind::compound:
-      return tees;
-    case ShapeKind::mesh:
-      return meshes;
-  }
-  return {};
-}
-
-Patches box_of(const Vec3& h) {
-  Patches faces;
-  for (int k = 0; k < 3; ++k)
-    for (const double side : {-1.0, 1.0}) {
-      const Vec3 n = h[k] * Vec3::Unit(k), a = h[(k + 1) % 3] * Vec3::Unit((k + 1) % 3),
-                 b = h[(k + 2) % 3] * Vec3::Unit((k + 2) % 3);
-      faces.push_back(quad(side * n - a - b, 2 * a, 2 * b));
-    }
-  return faces;
-}
-
-// In its own axes; in the x-z plane where that is where all happens.
-Solid solid_of(const Shape& s, bool planar) {
-  const double r = s.size.x(), h = s.size.z(), half_pi = std::numbers::pi / 2;
-  Solid result;
-  switch (s.kind) {
-    case ShapeKind::sphere:
-    case ShapeKind::particle:
-    case ShapeKind::disc:
-      result.add(planar ? Patches{ring(r)} : Patches{dome(r, 0, 0, 2 * half_pi)});
-      break;
-    case ShapeKind::box:
-      result.add(planar ? Patches{quad({-r, 0, -h}, {2 * r, 0, 0}, Vec3::Zero()), quad({-r, 0, h}, {2 * r, 0, 0}, Vec3::Zero()),
-                                  quad({-r, 0, -h}, {0, 0, 2 * h}, Vec3::Zero()), quad({r, 0, -h}, {0, 0, 2 * h}, Vec3::Zero())}
-                        : box_of(s.size));
-      break;
-    case ShapeKind::plane:
-      result.surface = {planar ? quad({-1, 0, 0}, {2, 0, 0}, Vec3::Zero()) : quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})};
-      result.holds = [](const Vec3& x) { return x.z() < 0; };
-      break;
-    case ShapeKind::capsule:
-      result.add({tube(r, r - h, h - r), dome(r, h - r, 0, half_pi), dome(r, r - h, half_pi, 2 * half_pi)});
-      break;
-    case ShapeKind::cylinder:
-      result.add({tube(r, -h, h), lid(r, -h), lid(r, h)});
-      break;
-    case ShapeKind::hull: {
-      const Hull& hull = shape_library().hulls[s.data];
-      Patches faces;
-      for (const Hull::Face& f : hull.faces)
-        for (std::uint32_t k = 2; k < f.count; ++k) {
-          const auto corner = [&](std::uint32_t i) { return hull.corners[hull.face_corners[f.first + i]]; };
-          faces.push_back(triangle(corner(0), corner(k - 1), corner(k)));
-        }
-      result.add(faces);
-      break;
-    }
-    case ShapeKind::compound:
-      for (const Compound::Part& part : shape_library().compounds[s.data].parts)
-        result.add(moved(solid_of(part.shape, planar).surface, part.place, part.turn.toRotationMatrix()));
-      break;
-    case ShapeKind::mesh: {
-      const MeshSurface& mesh = shape_library().meshes[s.data];
-      for (const auto& t : mesh.triangles) {
-        const auto node = [&](std::size_t k) { return mesh.nodes[static_cast<std::size_t>(t.nodes[k])]; };
-        result.surface.push_back(triangle(node(0), node(1), node(2)));
-      }
-      result.holds = is_hills(s) ? [](const Vec3& x) { return x.z() < height_of_hills(x.x(), x.y()); } : [](const Vec3& x) {
-        return std::any_of(blocks.begin(), blocks.end(), [&](const auto& block) {
-          return (x.array() > block.first.array()).all() && (x.array() < block.second.array()).all();
-        });
-      };
-      break;
-    }
-  }
-  return result;
-}
-
-// A body, and what is sampled of it where it stands.
-struct Placed {
-  Body body;
-  Solid solid;
-  std::vector<Cloud> clouds;  // of convex pieces, of a mesh its triangles
-
-  Placed(const Shape& shape, const Vec3& place, const Quat& turn, bool planar) {
-    body.properties.shape = shape;
-    body.properties.motion = shape.kind == ShapeKind::plane || shape.kind == ShapeKind::mesh ? Motion::fixed : Motion::dynamic;
-    body.state.position = place, body.state.orientation = turn;
-    const Solid own = solid_of(shape, planar);
-    const Mat3 rotation = turn.toRotationMatrix();
-    solid.surface = moved(own.surface, place, rotation);
-    for (const Patches& piece : own.pieces) clouds.emplace_back(moved(piece, place, rotation));
-    if (shape.kind == ShapeKind::mesh)
-      for (const Patch& p : solid.surface) clouds.emplace_back(Patches{p});
-    if (own.holds) solid.holds = [=, f = own.holds](const Vec3& x) { return f(rotation.transpose() * (x - place)); };
-  }
-  ShapeKind kind() const { return body.properties.shape.kind; }
-};
-
+// Two bodies, and what is found between them.
 struct Trial {
   const Placed &a, &b;  // b may be a plane or a mesh
   bool planar;
   Contacts found;
 
-  // m: what a face may separate less and still give the normal (convex_pairs.cpp), and the samples' error.
+  // m, with the samples' error.
   double error(double gap) const {
-    const double size = std::min(smallest_size(a.body.properties.shape), smallest_size(b.body.properties.shape));
-    return 5e-4 * size + 0.02 * std::abs(gap) + 2 * Cloud::shortfall + fineness;
+    return std::min(face_loss(a.body.properties.shape, gap), face_loss(b.body.properties.shape, gap)) + 2 * Cloud::shortfall +
+           fineness;
   }
   double least_gap() const {
     double least = HUGE_VAL;
@@ -257,30 +66,67 @@ struct Trial {
     EXPECT_GE(least_gap(), lowest - Cloud::shortfall);
     for (const Vec3& n : normals()) EXPECT_LT((n - up).norm(), 1e-12);
   }
+  // m, how far an octagon in a cylinder's cap, which is what meets a triangle, lies within the rim.
+  static double rim_loss(const Shape& shape) {
+    double radius = 0;
+    if (shape.kind == ShapeKind::cylinder) radius = shape.size.x();
+    if (shape.kind == ShapeKind::compound)
+      for (const Compound::Part& part : shape_library().compounds[shape.data].parts)
+        radius = std::max(radius, part.shape.kind == ShapeKind::cylinder ? part.shape.size.x() : 0);
+    return radius * (1 - std::cos(std::numbers::pi / 8));
+  }
   // Somewhere the body is as deep as its samples inside are away from the surface.
   void expect_depth_in_mesh() const {
     double deepest = 0;
     for (const Vec3& x : spread_points(a.solid.surface, 0.02))
       if (b.solid.holds(x)) deepest = std::max(deepest, sampled_distance(b.solid.surface, x, fineness));
     if (deepest == 0) return;
-    EXPECT_LE(least_gap(), -deepest * (1 - worst_share) + fineness);
+    EXPECT_LE(least_gap(), -deepest * (1 - worst_share) + fineness + rim_loss(a.body.properties.shape));
   }
-  // Of points with the least gap one lies half way between two that are on the surfaces: others may be on the planes of faces
-  // that meet in an edge.
-  void expect_point_on_surfaces() const {
-    for (const Cloud& x : a.clouds)
-      for (const Cloud& y : b.clouds)
-        if (is_of_axes(x, y)) return;
-    double nearest = HUGE_VAL;
+  std::span<const ContactPoint> points_of(const Manifold& m) const { return std::span(found.points).subspan(m.first, m.count); }
+  double least_gap(const Manifold& m) const {
+    double least = HUGE_VAL;
+    for (const ContactPoint& c : points_of(m)) least = std::min(least, c.gap);
+    return least;
+  }
+  // Whether a triangle with this normal has no sample of the body over it that is deeper than the manifold says.
+  bool is_height_over_triangle(const Manifold& m, const std::vector<Vec3>& samples) const {
+    return std::any_of(b.solid.pieces.begin(), b.solid.pieces.end(), [&](const Piece& t) {
+      const Vec3 p = t.surface[0].at(0, 0), q = t.surface[0].at(1, 0), r = t.surface[0].at(1, 1);
+      if ((q - p).cross(r - p).normalized().dot(m.normal) < 1 - 1e-9) return false;
+      return std::none_of(samples.begin(), samples.end(), [&](const Vec3& x) {
+        const auto is_left = [&](const Vec3& from, const Vec3& to) { return (to - from).cross(x - from).dot(m.normal) >= 0; };
+        return is_left(p, q) && is_left(q, r) && is_left(r, p) && m.normal.dot(x - p) < least_gap(m) - 1e-9;
+      });
+    });
+  }
+  // Moved along its normal by the depth, two pieces are apart, and by no more: which with the least gap says that the normal is
+  // the way out. A triangle of a mesh that the body stands in speaks for what is over it.
+  void expect_normals_separate() const {
+    std::vector<Vec3> samples;
+    if (b.kind() == ShapeKind::mesh) samples = spread_points(a.solid.surface, 0.02);
+    for (const Manifold& m : found.manifolds) {
+      const double least = least_gap(m);
+      double nearest = HUGE_VAL;
+      for (const Cloud& x : a.clouds)
+        for (const Cloud& y : b.clouds) nearest = std::min(nearest, std::abs(sampled_separation(x, y, m.normal) - least));
+      if (nearest < error(least) || b.kind() == ShapeKind::plane) continue;
+      EXPECT_TRUE(b.kind() == ShapeKind::mesh && is_height_over_triangle(m, samples)) << least << " is off by " << nearest;
+    }
+  }
+  void expect_on_surface(const Placed& body, const Vec3& x, const Vec3& outwards, const ContactPoint& c) const {
+    if (body.kind() == ShapeKind::plane) return;
+    double tolerance = error(c.gap) + within_side(body, outwards);
+    if (is_nearest_points(c.feature)) tolerance += beside(body.body.properties.shape, c.gap);
+    EXPECT_TRUE(is_on_surface(body, x, outwards, tolerance)) << "gap " << c.gap;
+  }
+  // So that no gap is smaller, and none larger, than what is between the surfaces there.
+  void expect_points_on_surfaces() const {
     for (const Manifold& m : found.manifolds)
-      for (std::uint32_t k = m.first; k < m.first + m.count; ++k) {
-        const ContactPoint& c = found.points[k];
-        if (c.gap > least_gap() + 1e-9) continue;
-        const Vec3 half = 0.5 * c.gap * m.normal;
-        const double on_b = b.kind() == ShapeKind::plane ? 0 : sampled_distance(b.solid.surface, c.position - half, fineness);
-        nearest = std::min(nearest, std::max(on_b, sampled_distance(a.solid.surface, c.position + half, fineness)));
+      for (const ContactPoint& c : points_of(m)) {
+        expect_on_surface(a, c.position + 0.5 * c.gap * m.normal, -m.normal, c);
+        expect_on_surface(b, c.position - 0.5 * c.gap * m.normal, m.normal, c);
       }
-    EXPECT_LT(nearest, error(least_gap())) << least_gap();
   }
 };
 
@@ -302,7 +148,7 @@ bool go_near(const Solid& a, const Solid& b, const Mat3& turn_a, const Mat3& tur
   return false;
 }
 
-void run(const Shape& shape_a, const Shape& shape_b, bool planar, Random& random) {
+void run(const Shape& shape_a, const Shape& shape_b, bool planar, int number, Random& random) {
   const auto turn = [&] { return planar ? Quat(Eigen::AngleAxisd(random(0, around), Vec3::UnitY())) : random.turn(); };
   const auto flat = [&](Vec3 x) { return planar ? x.y() = 0, x : x; };
   Quat turn_a, turn_b;
@@ -314,7 +160,7 @@ void run(const Shape& shape_a, const Shape& shape_b, bool planar, Random& random
     place = 1.5 * way + flat(random.vector(-.1, .1));
   } while (!go_near(solid_of(shape_a, planar), solid_of(shape_b, planar), turn_a.toRotationMatrix(), turn_b.toRotationMatrix(),
                     way, place));
-  place += random(-0.02, 0.03) * way;
+  place += (number == 2 ? random(0.03, 0.08) : random(-0.02, 0.03)) * way;
   Placed a(shape_a, place, turn_a, planar), b(shape_b, Vec3::Zero(), turn_b, planar);
   b.body.id = 1;
   Trial trial{a, b, planar, contacts_of(world_of({a.body, b.body}), still(planar))};
@@ -328,7 +174,8 @@ void run(const Shape& shape_a, const Shape& shape_b, bool planar, Random& random
     trial.expect_depth_in_mesh();
   else if (!planar)
     trial.expect_gap_of_pieces();
-  trial.expect_point_on_surfaces();
+  trial.expect_normals_separate();
+  trial.expect_points_on_surfaces();
 
   std::swap(a.body.id, b.body.id);
   const Trial back{a, b, planar, contacts_of(world_of({a.body, b.body}), still(planar))};
@@ -351,10 +198,10 @@ TEST(ShapePairs, ContactsAreThoseOfSampledSurfaces) {
         if (planar ? std::max(first, second) > ShapeKind::particle : disc) continue;
         for (const Shape& a : examples_of(first))
           for (const Shape& b : examples_of(second))
-            for (int k = 0; k < 4; ++k) {
+            for (int k = 0; k < 3; ++k) {
               SCOPED_TRACE(std::string(shape_names[std::size_t(first)]) + " and " +
                            std::string(shape_names[std::size_t(second)]) + (planar ? ", planar, " : ", ") + std::to_string(k));
-              run(a, b, planar, random);
+              run(a, b, planar, k, random);
             }
       }
     }

@@ -2,46 +2,53 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "small_worlds.hpp"
 
 namespace unibody::small_worlds {
 
-// Five discs on each other stand, and the ground bears their weight.
-TEST(Catalogue, FiveDiscsStandOnEachOther) {
-  Experiment run(scene_from_text(R"(
-planar: true
-bodies:
-  - {shape: {plane: {normal: [0, 0, 1]}}}
-  - {stack: {count: 5}, shape: {disc: {radius: 0.1}}, mass: 2}
-solver: {iterations: 400, tolerance: 0}
-)"));
-  run.seconds(2);
-  EXPECT_NEAR(run.position(5).z(), 0.9, 1e-5);
-  EXPECT_NEAR(run.normal_force(0, 1), 5 * 2 * 9.81, 0.01);
-}
+namespace {
 
-// Two discs side by side and a third on them. With N and F = mu N between the third and the others, torques balance where the
-// ground's friction is F too, forces where F (1 + cos 30) = N sin 30: it stands above mu = tan 15 degrees = .268, and falls
-// below.
-TEST(Catalogue, APyramidStandsByFriction) {
-  for (const double mu : {0.25, 0.29}) {
-    Experiment run(scene_from_text(R"(
-planar: true
-materials: {a: {friction: )" + std::to_string(mu) +
-                                   R"(}}
+// Discs of a planar scene or spheres.
+std::string round_world(bool planar, double friction, const char* bodies) {
+  return std::string(planar ? "planar: true\n" : "") + "materials: {a: {friction: " + std::to_string(friction) + R"(}}
 bodies:
   - {shape: {plane: {normal: [0, 0, 1]}}}
-  - {points: [[-0.1, 0, 0.1], [0.1, 0, 0.1], [0, 0, 0.27320508075688772]], shape: {disc: {radius: 0.1}}, mass: 2}
+  - {)" + bodies +
+         ", shape: {" + (planar ? "disc" : "sphere") + R"(: {radius: 0.1}}, mass: 2}
 solver: {iterations: 400, tolerance: 0}
 time: {step: 0.004}
-)"));
-    run.seconds(1.5);
-    if (mu > std::tan(M_PI / 12))
-      EXPECT_NEAR(run.position(3).z(), 0.27320508075688772, 1e-4) << mu;
-    else
-      EXPECT_LT(run.position(3).z(), 0.11) << mu;
+)";
+}
+
+}  // namespace
+
+// Five of them on each other stand, and each bears the weight of those above.
+TEST(Catalogue, FiveDiscsOrSpheresStandOnEachOther) {
+  for (const bool planar : {true, false}) {
+    Experiment run(scene_from_text(round_world(planar, 0.5, "stack: {count: 5}")));
+    run.seconds(2);
+    for (int k = 1; k <= 5; ++k) {
+      EXPECT_LT((run.position(k) - Vec3(0, 0, 0.2 * k - 0.1)).norm(), 1e-5) << planar << ' ' << k;
+      EXPECT_NEAR(run.normal_force(k - 1, k), (6 - k) * 2 * 9.81, 0.01) << planar << ' ' << k;
+    }
   }
+}
+
+// Two side by side and a third on them. With N and F = mu N between the third and the others, torques balance where the ground's
+// friction is F too, forces where F (1 + cos 30) = N sin 30: it stands above mu = tan 15 degrees = .268, and falls below.
+TEST(Catalogue, APyramidStandsByFriction) {
+  for (const bool planar : {true, false})
+    for (const double mu : {0.25, 0.29}) {
+      Experiment run(
+          scene_from_text(round_world(planar, mu, "points: [[-0.1, 0, 0.1], [0.1, 0, 0.1], [0, 0, 0.27320508075688772]]")));
+      run.seconds(1.5);
+      if (mu > std::tan(M_PI / 12))
+        EXPECT_NEAR(run.position(3).z(), 0.27320508075688772, 1e-4) << planar << ' ' << mu;
+      else
+        EXPECT_LT(run.position(3).z(), 0.11) << planar << ' ' << mu;
+    }
 }
 
 // A top held at a point of its horizontal axis, at d from its centre: it precesses at m g d / (I_3 w), whatever else it weighs.
