@@ -69,6 +69,7 @@ StepReport Simulation::solve_steadily(const StepWishes& wishes) {
   const auto multipliers_before = multipliers;
   const auto constraints_before = constraint_multipliers;
   const auto joints_before = joint_impulses;
+  const auto velocity_before = world.velocity;
   for (int repeats = 0;; ++repeats) {
     predict();
     const StepReport report = solve(wishes);
@@ -77,6 +78,7 @@ StepReport Simulation::solve_steadily(const StepWishes& wishes) {
     for (std::size_t i = 0; i < found.size(); ++i)
       turning_[i] = std::isfinite(found[i]) ? std::max(turning_[i], found[i]) : std::numeric_limits<double>::max();
     system_ = System(&scratch_);
+    std::copy(velocity_before.begin(), velocity_before.end(), world.velocity.begin());  // the guard and the estimate work on it
     multipliers = multipliers_before, constraint_multipliers = constraints_before, joint_impulses = joints_before;
   }
 }
