@@ -24,6 +24,17 @@ std::string settings_of(const Scene& scene) {
   return text.str();
 }
 
+// A body at the start: a checkpoint holds all of it, so that another one in the scene would be of no effect.
+void add_body(const Body& body, std::ostringstream& text) {
+  const BodyProperties& p = body.properties;
+  const BodyState& s = body.state;
+  text << static_cast<int>(p.shape.kind) << ' ' << p.shape.data << ' ' << static_cast<int>(p.motion) << ' ' << p.material << ' '
+       << p.mass;
+  for (const Vec3& v : {p.shape.size, p.inertia, p.force, p.torque, s.position, s.velocity, s.angular_velocity})
+    text << ' ' << v.transpose();
+  text << ' ' << s.orientation.coeffs().transpose() << '\n';
+}
+
 // What is moved.
 std::string physics_of(const Scene& scene) {
   std::ostringstream text;
@@ -35,9 +46,12 @@ std::string physics_of(const Scene& scene) {
        {std::pair("bounce", &scene.restitution), {"roll", &scene.rolling}, {"spin", &scene.spinning}})
     if (has_any(*values))
       for (const double value : *values) text << what << ' ' << value << '\n';
-  for (const BodyGroup& group : scene.groups) text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
+  for (const BodyGroup& group : scene.groups) {
+    text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
+    for (const Id k : {Id{0}, group.count / 2, group.count - 1}) add_body(group.make(k), text);
+  }
   text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
-  for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << '\n';
+  for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
   for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
   for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
   for (const Joint& j : scene.joints) {

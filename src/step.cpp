@@ -156,10 +156,13 @@ void Simulation::predict() {
   for (std::size_t i = 0; i < n; ++i) {
     const FreeMotion motion = predict_motion(world.properties[i], world.state(i), scene_.gravity, step_, scene_.planar);
     system_.bodies[i] = motion.body;
-    system_.isotropic[i] = motion.isotropic;
-    if (motion.isotropic) continue;
+    const bool held_in_plane = scene_.planar && has_joints();  // whose rows would tilt a disc whose inertia is a scalar
+    system_.isotropic[i] = motion.isotropic && !held_in_plane;
+    if (system_.isotropic[i]) continue;
     if (system_.inertia.empty()) system_.inertia.resize(n), system_.gyroscopic.resize(n);
-    system_.inertia[i] = motion.inverse_inertia, system_.gyroscopic[i] = motion.gyroscopic;
+    system_.inertia[i] = motion.isotropic ? InverseInertia{0, motion.body.inverse_inertia, 0, 0, 0, 0} : motion.inverse_inertia;
+    system_.gyroscopic[i] = motion.gyroscopic;
+    system_.bodies[i].inverse_inertia = 0;
   }
   if (drag_.any()) drag_.apply(world, step_, world.homes, system_.bodies);
 }

@@ -117,6 +117,7 @@ class Simulation {
   std::vector<RollingContact> rolling_contacts() const;
   void build_joints(std::span<const std::int32_t> counts);
   std::vector<double> turning_of_joints() const;
+  double least_moment(std::size_t slot) const;
   void steady_turning();
   bool turns_too_fast(std::span<const double> found) const;
   void steadily(const std::function<void()>& solve);

@@ -27,6 +27,12 @@ std::vector<double> Simulation::turning_of_joints() const {
   return turning;
 }
 
+// Of the axes about which a body may turn (kg m^2).
+double Simulation::least_moment(std::size_t slot) const {
+  const Vec3& moments = world.properties[slot].inertia;
+  return scene_.planar ? moments.y() : moments.minCoeff();
+}
+
 // A light body between strong joints turns back so fast that the step does not resolve it: h^2 K > I. An iteration that takes
 // these forces along directions of its own would make it spin. As in Andrews et al. (Geometric stiffness for real-time
 // constrained multibody dynamics, 2017) such a body's inertia against constraints is raised, here until h^2 K = I; resolved
@@ -35,7 +41,7 @@ void Simulation::steady_turning() {
   if (!has_joints() || !world.has_rotations) return;
   cut_.exchange(std::span(turning_));
   for (std::size_t i = 0; i < world.first_static(); ++i) {
-    const double missing = turning_[i] - world.properties[i].inertia.minCoeff();
+    const double missing = turning_[i] - least_moment(i);
     SolverBody& body = system_.bodies[i];
     if (!(missing > 0) || world.properties[i].shape.kind == ShapeKind::particle) continue;
     if (system_.isotropic[i]) {
@@ -43,8 +49,8 @@ void Simulation::steady_turning() {
       continue;
     }
     const Vec3 moments = world.properties[i].inertia + Vec3::Constant(missing);
-    system_.inertia[i] =
-        inverse_inertia(world.orientation[i], scene_.planar ? Vec3(0, 1 / moments.y(), 0) : Vec3(moments.cwiseInverse()));
+    system_.inertia[i] = scene_.planar ? InverseInertia{0, 1 / moments.y(), 0, 0, 0, 0}
+                                       : inverse_inertia(world.orientation[i], moments.cwiseInverse());
   }
 }
 
@@ -52,8 +58,7 @@ void Simulation::steady_turning() {
 bool Simulation::turns_too_fast(std::span<const double> found) const {
   bool here = false;
   for (std::size_t i = 0; i < world.homes; ++i)
-    if (world.properties[i].shape.kind != ShapeKind::particle)
-      here |= !(found[i] <= 2 * std::max(turning_[i], world.properties[i].inertia.minCoeff()));
+    if (world.properties[i].shape.kind != ShapeKind::particle) here |= !(found[i] <= 2 * std::max(turning_[i], least_moment(i)));
   return any_over_ranks(here);
 }
 
@@ -65,6 +70,7 @@ void Simulation::steadily(const std::function<void()>& solve) {
   const auto multipliers_before = multipliers;
   const auto constraints_before = constraint_multipliers;
   const auto joints_before = joint_impulses;
+  const auto velocity_before = world.velocity;
   for (int repeats = 0;; ++repeats) {
     predict();
     solve();
@@ -73,6 +79,7 @@ void Simulation::steadily(const std::function<void()>& solve) {
     for (std::size_t i = 0; i < found.size(); ++i)
       turning_[i] = std::isfinite(found[i]) ? std::max(turning_[i], found[i]) : std::numeric_limits<double>::max();
     system_ = System(&scratch_);
+    std::copy(velocity_before.begin(), velocity_before.end(), world.velocity.begin());  // the guard and the estimate work on it
     multipliers = multipliers_before, constraint_multipliers = constraints_before, joint_impulses = joints_before;
   }
 }

@@ -53,6 +53,14 @@ Mat3 square_root_of(const Mat3& W) {
 
 }  // namespace
 
+double JointBatch::least_diagonal(const Side& a, const Side& b, double share_a, double share_b, const Vec3& linear,
+                                  const Vec3& angular, const Vec3& angular_b) {
+  const double moves = (share_a * a.inverse_mass + share_b * b.inverse_mass) * linear.squaredNorm();
+  const double turns =
+      share_a * a.inverse_inertia.trace() * angular.squaredNorm() + share_b * b.inverse_inertia.trace() * angular_b.squaredNorm();
+  return least_pivot * (moves + turns);
+}
+
 void JointBatch::add_to_tree(Part& part, std::int32_t tree, std::span<const SolverBody> bodies) {
   with_joint_type(part.type, [&]<class T>() {
     const Rows<T> at = evaluate<T>(part, bodies);
@@ -69,6 +77,13 @@ void JointBatch::add_to_tree(Part& part, std::int32_t tree, std::span<const Solv
         sides[e].rows.row(row).tail<3>() = (e == 0 ? at.angular[k] : at.angular_b[k]).transpose() * turn;
         compliance[row] = (k + T::angles < T::rows ? part.compliance : part.turning) / (step_ * (step_ + part.damping));
       }
+    }
+    for (std::size_t k = 0; k < T::rows; ++k) {
+      const Side &a = part.side[0], &b = part.side[1];
+      const auto row = static_cast<Eigen::Index>(k);
+      const double diagonal = sides[0].rows.row(row).squaredNorm() + sides[1].rows.row(row).squaredNorm();
+      if (!(diagonal > least_diagonal(a, b, a.share, b.share, at.linear[k], at.angular[k], at.angular_b[k])))
+        sides[0].rows.row(row).setZero(), sides[1].rows.row(row).setZero();
     }
     part.link = static_cast<std::int32_t>(trees_.add(tree, sides[0], sides[1], compliance));
   });
@@ -208,6 +223,7 @@ JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<dou
     const Vec3 turn_a = share_a * (a.inverse_inertia * at.angular[i]), turn_b = share_b * (b.inverse_inertia * at.angular_b[i]);
     for (std::size_t j = 0; j <= i; ++j)
       P[i][j] = mobility * at.linear[i].dot(at.linear[j]) + turn_a.dot(at.angular[j]) + turn_b.dot(at.angular_b[j]);
+    if (!(P[i][i] > least_diagonal(a, b, share_a, share_b, at.linear[i], at.angular[i], at.angular_b[i]))) P[i][i] = 0;
     const double compliance = i + T::angles < n ? part.compliance : part.turning;
     P[i][i] += compliance / (step_ * (step_ + part.damping));
   }

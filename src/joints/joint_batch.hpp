@@ -98,6 +98,10 @@ class JointBatch {
   template <class T>
   struct Step;
 
+  // Below it a row's diagonal is round-off: 1e-10 of what it were if both bodies turned about all axes as about their easiest. In
+  // a planar scene that is so of rows that would tilt a body out of the plane, and they are left alone.
+  static double least_diagonal(const Side& a, const Side& b, double share_a, double share_b, const Vec3& linear,
+                               const Vec3& angular, const Vec3& angular_b);
   void add_to_tree(Part& part, std::int32_t tree, std::span<const SolverBody> bodies);
   void solve_trees(std::span<const SolverBody> bodies, bool extrapolated);
   template <class T>

@@ -78,7 +78,9 @@ void JointBatch::limit_approach(Part& part, JointKind kind) const {
       std::array<std::array<double, J::rows>, J::rows> P;
       std::array<double, J::rows> across;
       for (std::size_t i = 0; i < J::rows; ++i) {
-        for (std::size_t k = 0; k <= i; ++k) P[i][k] = product(row(rows, i), row(rows, k));
+        const Row own = row(rows, i);
+        for (std::size_t k = 0; k <= i; ++k) P[i][k] = product(own, row(rows, k));
+        if (!(P[i][i] > least_diagonal(a, b, 1, 1, own.linear, own.angular, own.angular_b))) P[i][i] = 0;
         across[i] = product(row(rows, i), driven);
       }
       const auto held = solve_semidefinite<J::rows>(P, across);

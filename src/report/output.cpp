@@ -17,7 +17,8 @@ namespace unibody {
 
 namespace {
 
-constexpr std::array result_files{"frames.h5", "frames.xdmf", "report.csv", "summary.json", "checkpoint.h5"};
+constexpr std::array result_files{"frames.h5",     "frames.xdmf", "report.csv", "summary.json",
+                                  "checkpoint.h5", "joints.csv",  "joints.h5"};
 constexpr std::string_view xdmf_tail = "  </Grid>\n</Domain>\n</Xdmf>\n";
 
 std::string prepare_on_one_rank(const std::string& directory, bool overwrite, const std::string& keep) {

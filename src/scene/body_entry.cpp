@@ -132,6 +132,17 @@ Generated read_generated(const Value& entry, BodyTemplate& body, const Generator
   return type ? type->read(*entry.find(type->key), body, scene) : read_single(entry, body, scene);
 }
 
+// Numbers that are finite each may give places that are not: looked for at both ends of an entry.
+void check_places(const Value& entry, const BodyGroup& group) {
+  const auto check = [&](Id k) {
+    const BodyState state = group.make(k).state;
+    if (!state.position.allFinite() || !state.orientation.coeffs().allFinite())
+      entry.fail("a place of body " + std::to_string(k) + " that is not finite", "smaller numbers");
+  };
+  for (Id k = 0; k < std::min<Id>(group.count, 8); ++k) check(k);
+  check(group.count - 1);
+}
+
 void read_entry(const Value& entry, Scene& scene) {
   if (entry.kind != Value::Kind::map) entry.fail_expected("a map with a shape or a generator");
   const GeneratorType* type = find_generator(entry);
@@ -156,6 +167,7 @@ void read_entry(const Value& entry, Scene& scene) {
     if (result.properties.shape.kind != ShapeKind::particle) result.state.orientation = orientation * result.state.orientation;
     return result;
   };
+  check_places(entry, group);
   // An entry has bodies of one kind, or boxes, or a chain's ball at the end.
   group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle ||
                   group.make(group.count - 1).properties.shape.kind != ShapeKind::particle;
@@ -269,8 +281,7 @@ void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape
   if (!body.properties.is_dynamic()) return;
   const BodyProperties p = make_body(body, shape, Vec3::Zero()).properties;
   const double moment = shape.kind == ShapeKind::particle ? p.mass : p.inertia.minCoeff();
-  const double least = std::min(p.mass, moment), most = std::max(p.mass, p.inertia.maxCoeff());
-  if (least > 0 && std::isfinite(most)) return;
+  if (std::min(p.mass, moment) > 0 && std::isfinite(p.mass) && p.inertia.allFinite()) return;
   const Value* amount = entry.find(body.mass ? "mass" : "density");
   (amount ? *amount : entry).fail_expected("a mass and an inertia > 0 and finite for a body of this size");
 }

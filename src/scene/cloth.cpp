@@ -77,7 +77,7 @@ MeshShape read_shape_of(const Value& entry, const ClothLaw& law, const Scene& sc
 void check_node_mass(const Value& entry, const MeshShape& shape) {
   for (const char* key : {"mass", "mass_per_area"})
     if (const Value* amount = entry.find(key))
-      if (!(shape.mass(0) > 0)) amount->fail_expected("a mass > 0 of each node");
+      if (!(shape.mass(0) > 0 && std::isfinite(shape.mass(0)))) amount->fail_expected("a finite mass > 0 of each node");
 }
 
 void read_cloth(const Value& entry, Scene& scene) {

@@ -99,10 +99,9 @@ Named read_named(const Value& value, const Scene& scene) {
   return {body};
 }
 
-// Two vectors in the bodies' axes.
-std::array<Vec3, 2> read_pair(const Value& value, const std::string& what) {
+std::array<Vec3, 2> read_pair(const Value& value, const Scene& scene, const std::string& what) {
   if (value.kind != Value::Kind::list || value.entries.size() != 2) value.fail_expected("a list of 2 " + what);
-  return {value.entries[0].vector(any_number, "m"), value.entries[1].vector(any_number, "m")};
+  return {read_vector(value.entries[0], scene, "m"), read_vector(value.entries[1], scene, "m")};
 }
 
 // Where the anchors are: one world point for both, a world point of each, or a point of each in its own axes.
@@ -118,14 +117,14 @@ void read_anchors(const Value& entry, const Scene& scene, const std::array<BodyS
     entry.fail_missing("anchor", "a point (m, world axes), or anchors: a list of 2 points in the bodies' axes");
   }
   if (anchors) {
-    joint.anchor = read_pair(*anchors, "points in the bodies' axes (m)");
+    joint.anchor = read_pair(*anchors, scene, "points in the bodies' axes (m)");
     return;
   }
   std::array<Vec3, 2> place;
   if (anchor)
     place.fill(read_vector(*anchor, scene, "m"));
   else
-    place = read_pair(*points, "points (m, world axes)");
+    place = read_pair(*points, scene, "points (m, world axes)");
   for (std::size_t e = 0; e < 2; ++e) joint.anchor[e] = at[e].orientation.conjugate() * (place[e] - at[e].position);
 }
 
@@ -144,6 +143,8 @@ void read_axes(const Value& entry, const Scene& scene, const std::array<BodyStat
   const Value* given = axes ? axes : axis;
   if (given && scene.planar && joint.kind == JointKind::hinge && (std::abs(z[0].y()) < 1 - 1e-9 || std::abs(z[1].y()) < 1 - 1e-9))
     given->fail_expected("an axis along y (planar scene)");
+  if (given && scene.planar && joint.kind == JointKind::slider && (std::abs(z[0].y()) > 1e-9 || std::abs(z[1].y()) > 1e-9))
+    given->fail_expected("an axis without y component (planar scene)");
   Vec3 x = Vec3::Zero();
   if (second) {
     x = second->unit_vector();

@@ -1,12 +1,12 @@
 // Mesh cloths: nodes and triangles of an OBJ or STL file.
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <set>
 
 #include "scene/cloth_shape.hpp"
 #include "scene/mesh_constraints.hpp"
 #include "scene/mesh_topology.hpp"
+#include "scene/shape_files.hpp"
 #include "scene/surface_file.hpp"
 
 namespace unibody {
@@ -111,11 +111,7 @@ struct MeshCloth {
 };
 
 TriangleMesh read_mesh(const Value& file, const Scene& scene, std::string& path) {
-  namespace fs = std::filesystem;
-  path = (fs::path(scene.path).parent_path() / file.string("an OBJ or STL file")).string();
-  std::error_code error;
-  if (!fs::is_regular_file(path, error))
-    file.fail(path + ", which isn't there", "an OBJ or STL file, its path from the scene's folder");
+  path = surface_path(file, scene);
   return read_surface(path);
 }
 

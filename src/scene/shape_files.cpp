@@ -26,8 +26,7 @@ const Value& need(const Value& map, const char* key, const std::string& expected
 
 // A sound mesh from the key `key` with the factor `scale`.
 TriangleMesh read_mesh(const Value& value, const char* key, const Scene& scene, std::string& path) {
-  const std::string& name = need(value, key, "an OBJ or STL file").string("an OBJ or STL file");
-  path = (std::filesystem::path(scene.path).parent_path() / name).string();
+  path = surface_path(need(value, key, "an OBJ or STL file"), scene);
   TriangleMesh mesh = read_surface(path);
   const Value* scale = value.find("scale");
   const double factor = scale ? scale->number(positive, "") : 1;
@@ -157,7 +156,20 @@ TriangleMesh read_tube(const Value& value) {
   return mesh;
 }
 
+// Where a mesh comes from that has no file.
+std::string place_of(const Value& value) {
+  return *value.origin + (value.line > 0 ? ":" + std::to_string(value.line) : "") + ": key '" + value.key + "'";
+}
+
 }  // namespace
+
+std::string surface_path(const Value& file, const Scene& scene) {
+  const auto path = std::filesystem::path(scene.path).parent_path() / file.string("an OBJ or STL file");
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    file.fail(path.string() + ", which isn't there", "an OBJ or STL file, its path from the scene's folder");
+  return path.string();
+}
 
 Shape read_hull(const Value& value, const Scene& scene) {
   value.map({"points", "mesh", "scale"});
@@ -201,7 +213,7 @@ Shape read_mesh_shape(const Value& value, const Scene& scene) {
   if ((file != nullptr) + (field != nullptr) + (tube != nullptr) != 1)
     value.fail("not one of file, height_field and tube", "one of the three");
   if (const Value* scale = value.find("scale"); scale && !file) scale->fail_expected("no scale without a file");
-  std::string path = *value.origin;
+  std::string path = field ? place_of(*field) : tube ? place_of(*tube) : "";
   double below = 0;
   TriangleMesh mesh = field ? read_height_field(*field, below) : tube ? read_tube(*tube) : read_mesh(value, "file", scene, path);
   check_mesh(mesh, path);

@@ -6,6 +6,9 @@
 
 namespace unibody {
 
+// The file that `file` names by its path from the scene's folder; refused where none is there.
+std::string surface_path(const Value& file, const Scene& scene);
+
 // hull: {points: [[x, y, z], ...]}, or {mesh: FILE, scale: factor}: the hull of its nodes.
 Shape read_hull(const Value& value, const Scene& scene);
 

@@ -58,7 +58,8 @@ void read_solid(const Value& entry, Scene& scene) {
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
   MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
   shape.closed = true;
-  if (!(shape.mass(0) > 0)) need(entry, "density", "").fail_expected("a mass > 0 of each node");
+  if (!(shape.mass(0) > 0 && std::isfinite(shape.mass(0))))
+    need(entry, "density", "").fail_expected("a finite mass > 0 of each node");
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   Vec3 spin = Vec3::Zero();
   if (const Value* value = entry.find("angular_velocity")) spin = read_vector(*value, scene, "rad/s");

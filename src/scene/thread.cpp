@@ -42,6 +42,7 @@ void read_line(const Value& points, Thread& thread, const Scene& scene) {
   if (thread.corners.size() < 2) points.fail_expected("a list of at least 2 points");
   for (std::size_t k = 1; k < thread.corners.size(); ++k) {
     const double length = (thread.corners[k] - thread.corners[k - 1]).norm();
+    if (!std::isfinite(length)) points.entries[k].fail("a point too far from the one before", "a finite distance");
     if (!(length > 0)) points.entries[k].fail("the point before it again", "a point at a distance");
     thread.arc.push_back(thread.arc.back() + length);
   }

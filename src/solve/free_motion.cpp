@@ -58,8 +58,9 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
       w += step * inverse * body.torque;
     } else {
       const Mat3 R = state.orientation.toRotationMatrix();
-      const Vec3 inverse = planar ? Vec3(0, 1 / body.inertia.y(), 0) : Vec3(body.inertia.cwiseInverse());
-      const Mat3 W = R * inverse.asDiagonal() * R.transpose();
+      const Vec3 inverse = body.inertia.cwiseInverse();
+      Mat3 W = R * inverse.asDiagonal() * R.transpose();
+      if (planar) W = Vec3(0, inverse.y(), 0).asDiagonal();  // turned about y, it is the same to the last bit
       motion.inverse_inertia = six_of(W);
       if (!planar && w != Vec3::Zero()) {
         const Vec3 spin = R.transpose() * w, mean = midpoint_spin(body.inertia, spin, step);

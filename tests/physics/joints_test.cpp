@@ -51,6 +51,35 @@ TEST(Joint, PendulumHasItsPeriod) {
   }
 }
 
+// In a plane a hinge says what a ball joint does, whatever the solver, of boxes and of discs. (Its rows that would tilt a body
+// out of the plane are nought but for round-off, by which nothing may be divided.) From the horizontal all of m g d becomes
+// motion.
+TEST(Joint, InAPlaneAHingeIsABall) {
+  const auto links = [](const std::string& type) {
+    return "planar: true\nbodies:\n  - {shape: {box: {size: [0.09, 0.03, 0.02]}}, mass: 0.1, chain: {count: 12, from: [0, 0, 0], "
+           "to: [0.8, 0, -0.8], held: start, joint: {type: " +
+           type +
+           "}, ball: {radius: 0.1, mass: 2}}}\n  - {name: rod, shape: {box: {size: [1, 0.05, 0.05]}}, mass: 1, position: " +
+           "[3.5, 0, 0]}\njoints:\n  - {type: " + type + ", bodies: [rod, world], anchor: [3, 0, 0]" +
+           (type == "hinge" ? ", axis: [0, 1, 0]}\n" : "}\n");
+  };
+  for (const std::string solver : solver_list)
+    for (const char* joints : {"iterative", "direct"}) {
+      const auto scene = [&](const char* type) {
+        return scene_from_text(links(type) + settings(solver + ", joints: " + joints, 60, 0.004));
+      };
+      Experiment hinges(scene("hinge")), balls(scene("ball"));
+      double fastest = 0;
+      for (int k = 0; k < 150; ++k) {
+        hinges.step(), balls.step();
+        fastest = std::max(fastest, std::abs(hinges.world().angular_velocity[13].y()));
+      }
+      for (Id i = 0; i < 14; ++i)
+        EXPECT_LT((hinges.position(i) - balls.position(i)).norm(), 1e-8) << solver << ' ' << joints << " body " << i;
+      EXPECT_NEAR(0.5 * inertia_at_end * fastest * fastest / (9.81 * 0.5), 1, 0.02) << solver << ' ' << joints;
+    }
+}
+
 // Two rods, the second on the first: against the Lagrange equations by Runge and Kutta, with an error that falls with the step.
 TEST(Joint, DoublePendulumFollowsAFineReference) {
   const double I = (1 + 0.05 * 0.05) / 12, g = 9.81;

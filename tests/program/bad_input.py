@@ -215,6 +215,19 @@ class BadOutput(RefusedTest):
                         os.rename(self.folder / other, self.folder / "results" / other)
         self.good(scene, "results", "-overwrite")
 
+    def test_results_of_joints_are_results(self):
+        """Without -overwrite they are kept; with it none of another run stays behind."""
+        text = GOOD + "joints: [{type: rope, bodies: [1, world], points: [[0, 0, 0.3], [0, 0, 0.4]]}]\n"
+        self.good(self.scene(text), "results", "-set", "output.joints=true")
+        for name in ("joints.csv", "joints.h5"):
+            self.good(self.scene(text), name, "-set", "output.joints=true")
+            for other in os.listdir(self.folder / name):
+                if other != name:
+                    os.remove(self.folder / name / other)
+            self.refused(self.scene(text), output=name, says=[name, "exists"])
+        self.good(self.scene(text), "results", "-overwrite")
+        self.assertFalse((self.folder / "results/joints.csv").exists() or (self.folder / "results/joints.h5").exists())
+
     def test_a_fault_with_overwrite_keeps_the_results(self):
         self.good(self.scene(GOOD), "results")
         self.refused(self.scene(GOOD.replace("mass: 1", "mass: -1"), "bad.yaml"), "-overwrite", output="results")

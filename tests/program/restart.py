@@ -165,7 +165,12 @@ class Restart(ProgramTest):
         self.assertGreater(sum(held[25:]), 0)
 
     def test_another_cloth_is_refused(self):
-        self.check_refused(CLOTH, ("cloths[0].links.stiffness=3001", "cloths[0].bending.damping=0.1", "cloths[0].pins[1].release=0.8"))
+        self.check_refused(CLOTH, ("cloths[0].links.stiffness=3001", "cloths[0].bending.damping=0.1", "cloths[0].pins[1].release=0.8",
+                                   "cloths[0].self_collision=true", "cloths[0].thickness=0.06", "cloths[0].position=[0, 0, 0.36]"))
+
+    def test_other_bodies_are_refused(self):
+        self.check_refused(PILE, ("bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].velocity=[0.1, 0, 0]",
+                                  "bodies[1].shape.box.size=[0.2, 0.9, 0.3]", "bodies[2].force=[0, 0, 1]"))
 
     def test_other_ties_or_another_wind_are_refused(self):
         self.check_refused(TIED, ("cloths[0].pins[1].to=weight", "cloths[0].pins[2].to=crank", "cloths[0].pins[2].release=1",

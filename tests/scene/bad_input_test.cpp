@@ -27,6 +27,10 @@ const std::vector<BadInput> bad_files{
     {"two_documents", "title: x\n---\ntitle: y\n", "FILE:2: found text after the scene's end, expected one YAML document"},
     {"begins_with_a_comma", ", title: x\n", "FILE:1: found text after the scene's end, expected one YAML document"},
     {"no_bodies", "title: x\n", "FILE:1: key 'bodies': found nothing, expected a list of bodies and generators"},
+    {"place_beyond_all_numbers",
+     "bodies:\n  - shape: {box: {size: [1, 1, 1]}}\n    mass: 1\n"
+     "    lattice: {count: 9, columns: [1, 1], spacing: [1, 1, 1], rotation_jitter: 1.0e+300}\n",
+     "FILE:2: key 'bodies[0]': found a place of body 0 that is not finite, expected smaller numbers"},
     {"bodies_empty", "title: x\nbodies: []\n",
      "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
@@ -234,6 +238,8 @@ const std::string pin_to = "FILE:12: key 'cloths[0].pins[0].to': ";
 const std::string single_body = "the name of an entry of bodies that is one body, or its place in the list";
 
 const std::vector<BadInput> bad_flexibles{
+    {"thread_without_end", "threads:\n  - {points: [[0, 0, 0], [1.0e+300, 0, 0]], segments: 2, radius: 0.1, mass: 1}\n",
+     "FILE:2: key 'threads[0].points[1]': found a point too far from the one before, expected a finite distance"},
     {"mesh_that_is_missing", "cloths:\n  - mesh: no/flag.obj\n    mass: 1\n    thickness: 0.01\n",
      "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ or STL file, its path from the "
      "scene's "

@@ -83,6 +83,18 @@ const std::vector<Fault> faults{
      "planar: true\nbodies:\n  - {name: a, shape: {disc: {radius: 0.1}}, mass: 1}\njoints:\n"
      "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n",
      "FILE:5: key 'joints[0].axis': found [0, 0, 1], expected an axis along y (planar scene)"},
+    {"rope_out_of_the_plane",
+     "planar: true\nbodies:\n  - {name: a, shape: {disc: {radius: 0.1}}, mass: 1}\njoints:\n"
+     "  - {type: rope, bodies: [a, world], points: [[0, 0, 0], [0, 1, 1]]}\n",
+     "FILE:5: key 'joints[0].points[1]': found [0, 1, 1], expected 0 as the second of three numbers (m; planar scene)"},
+    {"anchors_out_of_the_plane",
+     "planar: true\nbodies:\n  - {name: a, shape: {disc: {radius: 0.1}}, mass: 1}\njoints:\n"
+     "  - {type: ball, bodies: [a, world], anchors: [[0, 0.1, 0], [0, 0, 0]]}\n",
+     "FILE:5: key 'joints[0].anchors[0]': found [0, 0.1, 0], expected 0 as the second of three numbers (m; planar scene)"},
+    {"slider_out_of_the_plane",
+     "planar: true\nbodies:\n  - {name: a, shape: {disc: {radius: 0.1}}, mass: 1}\njoints:\n"
+     "  - {type: slider, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 1, 0]}\n",
+     "FILE:5: key 'joints[0].axis': found [0, 1, 0], expected an axis without y component (planar scene)"},
     {"chain_of_no_length", with_chain("count: 2, from: [0, 0, 0], to: [0, 0, 0], joint: {type: ball}"),
      "FILE:4: key 'bodies[0].chain.to': found [0, 0, 0], expected another point than from (m)"},
     {"chain_of_sliders", with_chain("count: 2, from: [0, 0, 0], to: [1, 0, 0], joint: {type: slider}"),

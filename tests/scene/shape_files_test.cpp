@@ -83,6 +83,24 @@ TEST(ShapeFiles, BadShapesAreRefused) {
   EXPECT_EQ(fault_of(body_of("hull: {points: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]}")),
             hull + ".points': found points that lie in one plane, expected " + solid);
   EXPECT_EQ(fault_of(body_of("hull: {}")), hull + "': found both or none of points and mesh, expected one of the two");
+  const std::string missing =
+      ": found FOLDER/no/part.stl, which isn't there, expected an OBJ or STL file, its path from the scene's folder";
+  for (const std::string shape : {"hull.mesh", "compound.mesh", "mesh.file"}) {
+    const auto dot = shape.find('.');
+    EXPECT_EQ(fault_of(body_of(shape.substr(0, dot) + ": {" + shape.substr(dot + 1) + ": no/part.stl}", "motion: fixed")),
+              "FILE:2: key 'bodies[0].shape." + shape + "'" + missing);
+  }
+  EXPECT_EQ(fault_of(body_of("mesh: {height_field: {size: [1.0e+9, 1], cells: [1, 1], heights: [0, 0, 0, 0]}}", "motion: fixed")),
+            "FILE:2: key 'bodies[0].shape.mesh.height_field': found triangle 0 without area, expected a height of 1e-8 of the "
+            "longest edge");
+  EXPECT_EQ(
+      fault_of(body_of("mesh: {tube: {radius: 1.0e-9, length: 1}}", "motion: fixed")),
+      "FILE:2: key 'bodies[0].shape.mesh.tube': found triangle 0 without area, expected a height of 1e-8 of the longest edge");
+  const std::string finite = "expected a mass and an inertia > 0 and finite for a body of this size";
+  EXPECT_EQ(fault_of(body_of("capsule: {radius: 1.0e+300, length: 1}", "mass: 1")),
+            "FILE:3: key 'bodies[0].mass': found 1, " + finite);
+  EXPECT_EQ(fault_of(body_of("compound: {parts: [{shape: {sphere: {radius: 1.0e+300}}}]}", "mass: 1")),
+            "FILE:3: key 'bodies[0].mass': found 1, " + finite);
   const std::string hole = fault_of(body_of("compound: {mesh: " + open.path() + "}"));
   EXPECT_EQ(
       hole,
