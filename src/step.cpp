@@ -149,7 +149,7 @@ void Simulation::build_constraints() {
 // does comes on top, for homes alone; build_system tells the guests.
 void Simulation::predict() {
   const std::size_t n = world.size();
-  system_.homes = world.homes;
+  system_.homes = world.homes, system_.first_static = world.first_static();
   system_.bodies.assign(n + 1, SolverBody{});
   system_.isotropic.assign(n + 1, 1);
   system_.rotates = world.has_rotations;

@@ -147,7 +147,7 @@ bool Experiment::finite() const {
 
 void Bench::predict() {
   const std::size_t n = world.size();
-  system.homes = world.homes;
+  system.homes = world.homes, system.first_static = world.first_static();
   system.bodies.assign(n + 1, SolverBody{});
   system.inertia.assign(n + 1, InverseInertia{});
   system.isotropic.assign(n + 1, 1);

@@ -125,7 +125,7 @@ class ContactBatch {
   // Ends a stage of a Jacobi solver, for which a pile may be too much: a home body that would end the step further in what does
   // not move than its centre is out of it, is relaxed against that alone, in key order. So none is lost through a floor, however
   // few the iterations. Where the rows hold nothing changes.
-  void settle(std::size_t homes, std::span<SolverBody> bodies);
+  void settle(std::size_t homes, std::size_t first_static, std::span<SolverBody> bodies);
 
   // Natural residual (m): max K |lambda - Proj(lambda - K^-1 r)|. Zero exactly at a solution.
   double residual(std::span<const SolverBody> bodies) const;

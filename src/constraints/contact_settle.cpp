@@ -71,13 +71,13 @@ bool ContactBatch::sinks(const Block& block, const Source& source, std::size_t l
   return false;
 }
 
-void ContactBatch::settle(std::size_t homes, std::span<SolverBody> bodies) {
+void ContactBatch::settle(std::size_t homes, std::size_t first_static, std::span<SolverBody> bodies) {
   constexpr int passes = 4;
   const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < homes; };
   for (std::size_t i = 0; i < blocks.size(); ++i)
     for (std::size_t l = 0; l < lanes; ++l) {
       const Slot a = blocks[i].slot_a[l], b = blocks[i].slot_b[l];
-      if (is_home(a) == is_home(b) || bodies[is_home(a) ? b : a].inverse_mass > 0) continue;
+      if (is_home(a) == is_home(b) || static_cast<std::size_t>(is_home(a) ? b : a) < first_static) continue;
       if (!sinks(blocks[i], sources[i], l, is_home(a), bodies)) continue;
       const Inertia* inertia = blocks[i].inertia < 0 ? nullptr : &inertias[blocks[i].inertia];
       LoneManifold lone(*this, blocks[i], l, inertia, uses_cone_projection(friction_), bodies);

@@ -39,6 +39,7 @@ struct System {
         counted(memory) {}
 
   std::size_t homes = 0;
+  std::size_t first_static = 0;  // slot from which on bodies are static: pinned nodes, guests too, stand before it
   std::pmr::vector<SolverBody> bodies;
   std::pmr::vector<SolverBody> moving;       // with whose velocities bodies move, where they end with others; else empty
   std::pmr::vector<InverseInertia> inertia;  // of each body that is not isotropic; empty where all are
