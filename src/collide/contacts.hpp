@@ -54,19 +54,24 @@ struct Contacts {
   void clear() { manifolds.clear(), points.clear(), bounce.clear(), surface.clear(); }
 };
 
-// Takes away the manifolds for which unwanted(manifold), with their points.
+// Takes away the manifolds for which unwanted(manifold), with their points and what is said of these.
 template <class Unwanted>
 void leave_out(Contacts& contacts, Unwanted&& unwanted) {
   std::vector<Manifold> manifolds;
   std::vector<ContactPoint> points;
+  std::vector<double> bounce;
   for (Manifold m : contacts.manifolds) {
     if (unwanted(m)) continue;
     const auto from = contacts.points.begin() + m.first;
+    if (!contacts.bounce.empty()) {
+      const auto speed = contacts.bounce.begin() + m.first;
+      bounce.insert(bounce.end(), speed, speed + m.count);
+    }
     m.first = static_cast<std::uint32_t>(points.size());
     points.insert(points.end(), from, from + m.count);
     manifolds.push_back(m);
   }
-  contacts.manifolds = std::move(manifolds), contacts.points = std::move(points);
+  contacts.manifolds = std::move(manifolds), contacts.points = std::move(points), contacts.bounce = std::move(bounce);
 }
 
 }  // namespace unibody
