@@ -4,7 +4,7 @@ import csv
 import json
 import unittest
 
-from unibody_runs import SCENES, ProgramTest, comparable, contents
+from unibody_runs import SCENES, SOURCE, ProgramTest, comparable, contents
 
 SOLVERS = ["accelerated_jacobi", "gauss_seidel", "jacobi"]
 
@@ -152,6 +152,18 @@ class RankInvariance(ProgramTest):
             drift = [float(row["joint_drift_max (m)"]) for row in report]
             self.assertGreater(max(drift), 1e-6, "nothing pulls at any joint: such a run tells nothing")
             self.assertLess(max(drift), 0.1)
+
+    # What is taken from contacts for one kind of constraint must not show in what is said of the others.
+    def test_everything_at_once(self):
+        scene = SOURCE / "tests" / "program" / "everything.yaml"
+        for name, more in (("iterative", []), ("direct", ["-set", "solver.joints=direct"]), ("velocity", ["-solver_level", "velocity"])):
+            one = self.good(scene, f"{name}_1", *more, ranks=1)
+            for ranks, partition in ((2, []), (3, ["-partition", "random:4"])):
+                with self.subTest(joints=name, ranks=ranks):
+                    self.assertEqual(self.good(scene, f"{name}_{ranks}", *more, *partition, ranks=ranks).state, one.state)
+                    self.assert_same(f"{name}_1", f"{name}_{ranks}")
+            rows = list(csv.DictReader((self.folder / f"{name}_1" / "report.csv").read_text().splitlines()))
+            self.assertGreater(int(rows[-1]["contacts"]), 100, "nothing touches anything: such a run tells nothing")
 
     # Few grains in the drum and on the hills; solids read from an STL file, in convex pieces, on a cloth.
     def test_shapes(self):
