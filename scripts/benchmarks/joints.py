@@ -13,7 +13,7 @@ LONG = [
 CASES = {
     '100 links, ball of 1,000': ('chain_heavy_ball', [], 100, (1, 4), (50, 100, 400), (5, 10)),
     '10,000 links': ('chain_heavy_ball', LONG, 10, (1,), (25, 100, 400), (5, 10)),
-    '300 ragdolls on stairs': ('ragdolls_on_stairs', [], 60, (4,), (15, 50), (15, 50)),
+    '300 ragdolls on stairs': ('ragdolls_on_stairs', [], 60, (12,), (50, 20), (50, 20)),
 }
 
 

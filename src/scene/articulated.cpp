@@ -185,8 +185,10 @@ Generated read_chain(const Value& value, const BodyTemplate& body, const Scene& 
   chain.turn = turn_x_to(way.normalized());
   chain.link = body;
   if (const Value* ball = value.find("ball")) read_ball(*ball, scene, chain);
-  const JointTemplate joint = read_joint_template(need(value, "joint", "a map with type"), scene,
-                                                  {JointKind::ball, JointKind::hinge, JointKind::universal, JointKind::fixed});
+  const Value& of_joint = need(value, "joint", "a map with type");
+  const JointTemplate joint =
+      read_joint_template(of_joint, scene, {JointKind::ball, JointKind::hinge, JointKind::universal, JointKind::fixed});
+  check_turns(of_joint, joint.joint.kind, body.properties.shape);
   const Value* held = value.find("held");
   const std::size_t holds = held ? held->choice({"none", "start", "end", "both"}) : 0;
 

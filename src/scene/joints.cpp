@@ -182,6 +182,8 @@ Joint read_joint(const Value& entry, const Scene& scene) {
   const Named a = read_named(bodies.entries[0], scene), b = read_named(bodies.entries[1], scene);
   if (!a.body) bodies.entries[0].fail("world", "a body; the second may be world");
   if (b.body && a.body->id == b.body->id) bodies.fail("the same body twice", "two bodies");
+  for (std::size_t e = 0; e < 2; ++e)
+    if (const auto& body = (e == 0 ? a : b).body) check_turns(bodies.entries[e], joint.kind, body->properties.shape);
   if (!a.body->properties.is_dynamic() && !(b.body && b.body->properties.is_dynamic()))
     bodies.fail("no body that moves freely", "at least one dynamic body");
   joint.ids = {a.body->id, b.body ? b.body->id : -1};
@@ -199,6 +201,12 @@ Joint read_joint(const Value& entry, const Scene& scene) {
 }
 
 }  // namespace
+
+void check_turns(const Value& value, JointKind kind, const Shape& shape) {
+  if (kind == JointKind::ball || kind == JointKind::rope || shape.kind != ShapeKind::particle) return;
+  value.fail(std::string(joint_names[static_cast<std::size_t>(kind)]) + " at a particle, which does not turn",
+             "a body that turns; ball and rope also hold particles");
+}
 
 Quat joint_axes(const Vec3& axis, const Vec3& second) {
   Vec3 x = second - second.dot(axis) * axis;

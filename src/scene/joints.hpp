@@ -12,6 +12,9 @@ Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& po
 // Axes whose z is along the unit vector `axis`, and whose x is as near to `second` as can be, or is any where that is none.
 Quat joint_axes(const Vec3& axis, const Vec3& second = Vec3::Zero());
 
+// Refuses, as the fault of `value`, a joint at a particle that would have to turn it.
+void check_turns(const Value& value, JointKind kind, const Shape& shape);
+
 // The keys that say how a joint of known type behaves: compliance, turning_compliance, damping, collide, of hinges and sliders
 // limits, motor and friction, of balls swing_limit and twist_limits.
 std::vector<std::string> joint_keys(JointKind kind);

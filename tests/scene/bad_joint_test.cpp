@@ -95,6 +95,16 @@ const std::vector<Fault> faults{
      "planar: true\nbodies:\n  - {name: a, shape: {disc: {radius: 0.1}}, mass: 1}\njoints:\n"
      "  - {type: slider, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 1, 0]}\n",
      "FILE:5: key 'joints[0].axis': found [0, 1, 0], expected an axis without y component (planar scene)"},
+    {"hinge_at_a_particle",
+     "bodies:\n  - {name: a, shape: {particle: {radius: 0.1}}, mass: 1}\njoints:\n"
+     "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n",
+     "FILE:4: key 'joints[0].bodies[0]': found hinge at a particle, which does not turn, expected a body that turns; ball and "
+     "rope also hold particles"},
+    {"chain_of_fixed_particles",
+     "bodies:\n  - shape: {particle: {radius: 0.1}}\n    mass: 1\n    chain: {count: 2, from: [0, 0, 0], to: [1, 0, 0], joint: "
+     "{type: fixed}}\n",
+     "FILE:4: key 'bodies[0].chain.joint': found fixed at a particle, which does not turn, expected a body that turns; ball and "
+     "rope also hold particles"},
     {"chain_of_no_length", with_chain("count: 2, from: [0, 0, 0], to: [0, 0, 0], joint: {type: ball}"),
      "FILE:4: key 'bodies[0].chain.to': found [0, 0, 0], expected another point than from (m)"},
     {"chain_of_sliders", with_chain("count: 2, from: [0, 0, 0], to: [1, 0, 0], joint: {type: slider}"),
