@@ -251,10 +251,10 @@ void Simulation::build_system() {
     cut_.set_colours(colouring.colour, colouring.colours);
   }
   fill_places(counts);
-  system_.contacts.build(contacts, order, groups, world.position, system_.bodies, system_.inertia, system_.isotropic, counts,
+  system_.contacts.build(contacts, order, groups, world, system_.bodies, system_.inertia, system_.isotropic, counts,
                          scene_.solver, step_);
-  system_.rolling.build(rolling, contacts, system_.contacts, world.position, system_.bodies, system_.inertia, system_.isotropic,
-                        counts, scene_.solver.scaling, step_);
+  system_.rolling.build(rolling, contacts, system_.contacts, world, system_.bodies, system_.inertia, system_.isotropic, counts,
+                        scene_.solver.scaling, step_);
   build_surface_contacts(counts);
   build_attachments(counts);
   build_joints(counts);

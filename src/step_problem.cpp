@@ -42,7 +42,7 @@ void Simulation::fill_problem(const SolvedStep& solved, ContactProblem& problem)
       for (const Slot slot : {m.slot_a, m.slot_b}) {
         const auto i = static_cast<std::size_t>(slot);
         const SolverBody& body = solved.predicted[i];
-        const Vec3 arm = point.position - world.position[i];
+        const Vec3 arm = arm_of(m, point, world.position[i], world.velocity[i]);
         (slot == m.slot_a ? c.arm_a : c.arm_b) = list(arm);
         if (body.inverse_mass > 0) continue;
         const Vec3 velocity = Eigen::Map<const Vec3>(body.v) + Eigen::Map<const Vec3>(body.w).cross(arm);

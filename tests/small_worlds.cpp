@@ -172,16 +172,15 @@ void Bench::build_for_jacobi() {
   std::vector<std::uint32_t> order(contacts.manifolds.size());
   std::iota(order.begin(), order.end(), 0);
   const std::vector<std::uint32_t> groups{static_cast<std::uint32_t>(order.size())};
-  system.contacts.build(contacts, order, groups, world.position, system.bodies, system.inertia, system.isotropic, counts(),
-                        settings, step);
+  system.contacts.build(contacts, order, groups, world, system.bodies, system.inertia, system.isotropic, counts(), settings,
+                        step);
 }
 
 void Bench::build_sequential(std::span<const std::uint32_t> order) {
   predict();
   std::vector<std::uint32_t> groups(order.size());
   std::iota(groups.begin(), groups.end(), 1);
-  system.contacts.build(contacts, order, groups, world.position, system.bodies, system.inertia, system.isotropic, {}, settings,
-                        step);
+  system.contacts.build(contacts, order, groups, world, system.bodies, system.inertia, system.isotropic, {}, settings, step);
 }
 
 void Bench::start(const Stage& stage) {

@@ -78,7 +78,8 @@ void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSetti
     make_room(contacts.manifolds, contacts.manifolds.size() + 1);
     make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
     contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
-                                  static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count)});
+                                  static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count),
+                                  found.time});
     contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
   });
 }

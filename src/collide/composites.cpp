@@ -45,7 +45,8 @@ class OnMesh {
 
   void run(bool swapped, const Found& f) {
     const auto say = [&](PairManifold& m) {
-      for (int i = 0; i < m.count; ++i) m.points[i].position = b_.position + b_.rotation * (place_ + m.points[i].position);
+      const Vec3 moved = place_ + m.time * velocity_, at = b_.position + m.time * b_.velocity;
+      for (int i = 0; i < m.count; ++i) m.points[i].position = at + b_.rotation * (moved + m.points[i].position);
       m.normal = b_.rotation * m.normal;
       if (swapped) m.normal = -m.normal;
       f(m);
@@ -90,6 +91,7 @@ class OnMesh {
     const MeshTriangle triangle = in_place(t, place_ + time * velocity_);
     if (!triangle_manifold(body_, triangle, margin_, m)) return false;
     const double closed = time * std::max(0.0, -m.normal.dot(velocity_));
+    m.time = time;
     for (int i = 0; i < m.count; ++i) m.points[i].gap += closed;
     tidy(m, time > 0 ? margin_ : std::min(margin_, margin_along(b_.rotation * m.normal, a_, b_, settings_)));
     return m.count > 0;

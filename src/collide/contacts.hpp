@@ -12,12 +12,16 @@ namespace unibody {
 
 // One point of a manifold.
 struct ContactPoint {
-  Vec3 position;          // m, world, half way across the gap; both bodies' arms reach to it, so that momentum is exact
+  Vec3 position;          // m, world, half way across the gap, when the manifold's bodies are at its time
   double gap;             // m, along the manifold's normal; positive when open
   std::uint32_t feature;  // names the vertex/edge/face pair it came from; ascending and unique within a manifold
 };
 
 // All contact points of one pair of bodies. They share one normal.
+//
+// Bodies that move further in the step than their size are in contact as they will first touch, at `time`, moved on at their
+// velocities but not turned. Their arms are those of that moment: else an impact without friction would spin balls. Of such a
+// pair, if both are free, angular momentum is kept but for J x (v_a - v_b) time; of all others exactly.
 struct Manifold {
   Id id_a, id_b;  // the key: id_a < id_b
   Slot slot_a, slot_b;
@@ -25,7 +29,13 @@ struct Manifold {
   double friction;      // Coulomb's mu of the pair
   std::uint32_t first;  // into Contacts::points
   std::uint32_t count;  // 1..8
+  double time = 0;      // s, since the start of the step
 };
+
+// From a body's centre to the point (m), both when they are at the manifold's time.
+inline Vec3 arm_of(const Manifold& m, const ContactPoint& point, const Vec3& position, const Vec3& velocity) {
+  return point.position - (m.time > 0 ? Vec3(position + m.time * velocity) : position);
+}
 
 // A contact of a surface: of a body or a node with a face, or of two edges. Each side is one point, a body's own or the mean of
 // nodes by weight; the velocity at which the sides part is the sum of weight times velocity over the ends, and an impulse is

@@ -58,8 +58,8 @@ void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, doubl
   for (int i = 0; i < m.count; ++i) m.points[i].position += first.position;
 }
 
-// The manifold where the bodies will first touch, its gaps opened by what they close until then along its normal, its points
-// carried back with the dynamic body (half way between, if both are). Where they will not touch, only what is near them now.
+// The manifold where the bodies will first touch, its gaps opened by what they close until then along its normal. Where they will
+// not touch, only what is near them now.
 void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
                   PairManifold& m) {
   const Vec3 velocity = first.velocity - second.velocity;
@@ -78,9 +78,8 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
     cell.function(a, b, {margin, settings.planar}, m);
   }
   const double closed = impact.time * std::max(0.0, -m.normal.dot(velocity));
-  const double weight = a.dynamic == b.dynamic ? 0.5 : a.dynamic ? 1 : 0;
-  const Vec3 back = a.position - impact.time * (weight * a.velocity + (1 - weight) * b.velocity);
-  for (int i = 0; i < m.count; ++i) m.points[i].gap += closed, m.points[i].position += back;
+  m.time = impact.time;
+  for (int i = 0; i < m.count; ++i) m.points[i].gap += closed, m.points[i].position += a.position;
   tidy(m, margin);
 }
 
@@ -147,7 +146,7 @@ double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settin
 }
 
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& m) {
-  m.count = 0;
+  m.count = 0, m.time = 0;
   const double margin = pair_margin(a, b, settings);
   const bool has_plane = a.kind == ShapeKind::plane || b.kind == ShapeKind::plane;
   const double reach = a.radius + b.radius + margin;

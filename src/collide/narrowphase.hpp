@@ -34,11 +34,12 @@ struct Proxy {
 
 Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& settings);
 
-// Points of one pair under construction; positions relative to the first body's centre.
+// Points of one pair under construction; positions relative to the first body's centre at that time.
 struct PairManifold {
   static constexpr int capacity = 64, kept = 8;
   Vec3 normal = Vec3::UnitZ();  // from the second body towards the first
   int count = 0;
+  double time = 0;  // s, as Manifold's
   ContactPoint points[capacity];
 
   void add(const Vec3& position, double gap, std::uint32_t feature) {

@@ -26,7 +26,7 @@ class Bounces {
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const ContactPoint& point = contacts.points[p];
       const auto at = [&](std::size_t s) -> Vec3 {
-        return world_.velocity[s] + world_.angular_velocity_of(s).cross(point.position - world_.position[s]);
+        return world_.velocity[s] + world_.angular_velocity_of(s).cross(arm_of(m, point, world_.position[s], world_.velocity[s]));
       };
       contacts.bounce[p] = speed(e, point.gap, m.normal.dot(at(a) - at(b)));
     }

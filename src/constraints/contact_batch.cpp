@@ -3,6 +3,7 @@
 #include <cassert>
 
 #include "constraints/friction.hpp"
+#include "world/world.hpp"
 
 namespace unibody {
 
@@ -42,9 +43,9 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       inertias(memory) {}
 
 void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
-                         const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
-                         std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-                         std::span<const std::int32_t> counts, const SolverSettings& settings, double step) {
+                         const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
+                         std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts,
+                         const SolverSettings& settings, double step) {
   contacts_ = &contacts, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction, scaling_ = settings.scaling,
   step_ = step;
   blocks.clear(), sources.clear(), points.clear(), normals.clear(), tangents.clear(), tangent_impulses.clear();
@@ -65,7 +66,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
       Source& source = sources.emplace_back(Source{});
       const std::size_t used = std::min(lanes, end - begin);
       for (std::size_t k = begin + ahead; k < std::min(begin + ahead + lanes, order.size()); ++k)
-        ask_for(contacts, position, order[k], order[std::min(k + ahead, order.size() - 1)]);
+        ask_for(contacts, world.position, order[k], order[std::min(k + ahead, order.size() - 1)]);
       bool any_friction = false, all_isotropic = true;
       for (std::size_t l = 0; l < lanes; ++l) {
         block.slot_a[l] = block.slot_b[l] = nobody, block.manifold[l] = -1;
@@ -86,7 +87,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
           set_lane(both.b, l, inertia_of(block.slot_b[l]));
         }
       }
-      for (std::size_t l = 0; l < used; ++l) fill_lane(block, source, l, order[begin + l], position);
+      for (std::size_t l = 0; l < used; ++l) fill_lane(block, source, l, order[begin + l], world);
       if (gauss_seidel)
         scale_gauss_seidel(block, bodies);
       else
@@ -136,18 +137,19 @@ void ContactBatch::add_rows(Block& block, bool tangential, bool gauss_seidel) {
     normal_momenta.resize(points.size()), tangent_momenta.resize(tangents.size());
 }
 
-void ContactBatch::fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t number,
-                             const std::vector<Vec3>& position) {
+void ContactBatch::fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t number, const World& world) {
   const Manifold& m = contacts_->manifolds[number];
   source.contact[lane] = m.first, source.count[lane] = static_cast<std::uint8_t>(m.count);
   set_lane(block.n, lane, m.normal);
   set_lane(block.s, lane, first_tangent_of(m.normal));
   block.friction[lane] = m.friction;
+  Vec3 centre_a = world.position[m.slot_a], centre_b = world.position[m.slot_b];
+  if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];
   for (std::uint32_t p = 0; p < m.count; ++p) {
     const ContactPoint& contact = contacts_->points[m.first + p];
     Point& point = points[block.first_point + p];
-    set_lane(point.arm_a, lane, contact.position - position[m.slot_a]);
-    set_lane(point.arm_b, lane, contact.position - position[m.slot_b]);
+    set_lane(point.arm_a, lane, contact.position - centre_a);
+    set_lane(point.arm_b, lane, contact.position - centre_b);
     normals[block.first_point + p].bias[lane] = contact.gap;
     point.inverse_scale[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }

@@ -104,7 +104,7 @@ class ContactBatch {
   // block never spans two groups (a group is a colour, or everything). counts: constraint count n_b of each slot for the Jacobi
   // scaling; empty for Gauss-Seidel, whose scale is the point's own block.
   void build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
-             const std::vector<Vec3>& position, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
+             const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
              std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings,
              double step);
 
@@ -177,7 +177,7 @@ class ContactBatch {
   bool sinks(const Block& block, const Source& source, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
-  void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const std::vector<Vec3>& position);
+  void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const World& world);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
 

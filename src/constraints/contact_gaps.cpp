@@ -32,6 +32,7 @@ void ContactBatch::reevaluate(const World& world, std::span<const SolverBody> bo
     for (std::size_t l = 0; l < lanes; ++l) {
       if (block.manifold[l] < 0) continue;
       const Manifold& m = contacts_->manifolds[block.manifold[l]];
+      if (m.time > 0) continue;  // what has passed through something has another gap than what is before it
       const Shape &shape_a = world.properties[m.slot_a].shape, &shape_b = world.properties[m.slot_b].shape;
       const Moved a(world, m.slot_a, bodies[m.slot_a], stage.step), b(world, m.slot_b, bodies[m.slot_b], stage.step);
       const bool both_round = is_round(shape_a) && is_round(shape_b);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "world/world.hpp"
+
 namespace unibody {
 
 namespace {
@@ -21,9 +23,9 @@ double normal_impulse(const ContactBatch& batch, std::size_t block_number, std::
 }  // namespace
 
 void RollingBatch::build(std::span<const RollingContact> list, const Contacts& contacts, const ContactBatch& batch,
-                         const std::vector<Vec3>& position, std::span<const SolverBody> bodies,
-                         std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-                         std::span<const std::int32_t> counts, double scaling, double step) {
+                         const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
+                         std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, double scaling,
+                         double step) {
   rows_.clear(), group_end_.clear();
   step_ = step;
   if (list.empty()) return;
@@ -51,7 +53,8 @@ void RollingBatch::build(std::span<const RollingContact> list, const Contacts& c
     row.turn_a = inverse_inertia_of(bodies, inertia, isotropic, a),
     row.turn_b = inverse_inertia_of(bodies, inertia, isotropic, b);
     for (const std::size_t s : {a, b})
-      if (bodies[s].inverse_mass > 0) row.lever = std::max(row.lever, (contacts.points[m.first].position - position[s]).norm());
+      if (bodies[s].inverse_mass > 0)
+        row.lever = std::max(row.lever, arm_of(m, contacts.points[m.first], world.position[s], world.velocity[s]).norm());
     const auto share = [&](std::size_t s) { return counts.empty() ? 1 : std::max(1.0, scaling * counts[s]); };
     row.own_scale = scale_of(row, 1, 1), row.scale = scale_of(row, share(a), share(b));
     rows_.push_back(row);

@@ -33,9 +33,9 @@ class RollingBatch {
 
   // Lays out the list (ascending manifolds) as `batch`, built before, has laid out its contacts. counts: how many constraints
   // share each slot's mass; empty for Gauss-Seidel. scaling: factor on them; step: s.
-  void build(std::span<const RollingContact> list, const Contacts& contacts, const ContactBatch& batch,
-             const std::vector<Vec3>& position, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, double scaling, double step);
+  void build(std::span<const RollingContact> list, const Contacts& contacts, const ContactBatch& batch, const World& world,
+             std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
+             std::span<const std::int32_t> counts, double scaling, double step);
 
   // After a sweep or pass of `batch`, whose normal multipliers are the bound: as its own. relax() returns the largest change (m).
   void sweep_jacobi(const ContactBatch& batch, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,

@@ -25,13 +25,16 @@ bool has_one_point(const World& world, const Manifold& m) {
 // In the frame of the body that carries a manifold's points.
 class Places {
  public:
-  Places(const World& world, const Manifold& m) : position_(world.position[carrier(world, m)]) {
-    to_body_ = world.orientation_of(static_cast<std::size_t>(carrier(world, m))).conjugate().toRotationMatrix();
+  Places(const World& world, const Manifold& m) : manifold_(m) {
+    const auto slot = static_cast<std::size_t>(carrier(world, m));
+    position_ = world.position[slot], velocity_ = world.velocity[slot];
+    to_body_ = world.orientation_of(slot).conjugate().toRotationMatrix();
   }
-  Vec3 of(const ContactPoint& p) const { return to_body_ * (p.position - position_); }
+  Vec3 of(const ContactPoint& p) const { return to_body_ * arm_of(manifold_, p, position_, velocity_); }
 
  private:
-  Vec3 position_;
+  const Manifold& manifold_;
+  Vec3 position_, velocity_;
   Mat3 to_body_;
 };
 

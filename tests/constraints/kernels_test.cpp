@@ -245,8 +245,8 @@ TEST(ContactKernels, GroupingChangesNoBit) {
     bench->build_sequential(order);
     if (!alone) {
       const std::vector<std::uint32_t> one{static_cast<std::uint32_t>(order.size())};
-      bench->system.contacts.build(bench->contacts, order, one, bench->world.position, bench->system.bodies,
-                                   bench->system.inertia, bench->system.isotropic, {}, bench->settings, bench->step);
+      bench->system.contacts.build(bench->contacts, order, one, bench->world, bench->system.bodies, bench->system.inertia,
+                                   bench->system.isotropic, {}, bench->settings, bench->step);
     }
     bench->start(stage);
     for (int k = 0; k < 5; ++k)
