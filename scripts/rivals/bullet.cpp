@@ -4,6 +4,7 @@
 // for: no sleeping, no damping, restitution 0. It multiplies the friction of two bodies, so each has the root of the pair's. Half
 // spaces are static boxes, thick ones. Margins are the defaults: a box keeps its size, the margin of min(4 cm, a tenth of the
 // smallest half edge) lies inside; a sphere is all margin. Joints of a chain are point-to-point constraints.
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
