@@ -31,7 +31,10 @@ def result_lines(sections, facts, size):
                 missing.append(name)
                 continue
             lines += ['', f'{item.caption} (`{item.command}`):' if item.command else f'{item.caption}:', '']
-            lines += markdown(without(item, LEFT_OUT.get(name, ()))) if kind == 'tables' else [f'![{item.caption.split(".")[0]}]({PICTURES}/report_{name}.png)']
+            if kind == 'tables':
+                lines += markdown(without(item, LEFT_OUT.get(name, ())))
+            else:
+                lines.append(f'![{item.caption.split(".")[0]}]({PICTURES}/report_{name}.png)')
     return lines + (['', f'Not made in this run: {", ".join(missing)}.'] if missing else [])
 
 
