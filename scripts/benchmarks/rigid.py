@@ -7,7 +7,7 @@ import sys
 from dataclasses import dataclass
 
 import targets
-from runs import BUILD, OUT, ROOT, command, frame_ms, publish, say, table, unibody
+from runs import BUILD, DEFAULTS, OUT, ROOT, command, frame_ms, publish, say, table, unibody
 
 SCENES = {'B2000': 'boxes_2000', 'B5000': 'boxes_5000', 'BW2000': 'boxes_walled_2000', 'S5000': 'spheres_5000', 'T2000': 'towers_2000'}
 
@@ -20,20 +20,33 @@ class Setting:
     options: list         # values of the scene (unibody) or options of the driver
     quick: bool = False
     scenes: tuple = ()    # only these; none: all
+    control: bool = False  # shows what something is good for: not held to coming to rest
 
 
-def gauss_seidel(iterations, quick=False, scenes=(), more=()):
-    return Setting(f'GS {iterations}', 'GS', iterations, ['solver.name=gauss_seidel', f'solver.iterations={iterations}', *more], quick, scenes)
+def gauss_seidel(iterations, quick=False, scenes=(), more=(), says='', control=False):
+    values = ['solver.name=gauss_seidel', f'solver.iterations={iterations}', *more]
+    return Setting(f'GS {iterations}{says}', 'GS', iterations, values, quick, scenes, control)
 
 
-def accelerated_jacobi(iterations, quick=False, scenes=(), more=()):
-    return Setting(f'AJ {iterations}', 'AJ', iterations, ['solver.name=accelerated_jacobi', f'solver.iterations={iterations}', *more], quick, scenes)
+def accelerated_jacobi(iterations, quick=False, scenes=(), more=(), says=''):
+    values = ['solver.name=accelerated_jacobi', f'solver.iterations={iterations}', *more]
+    return Setting(f'AJ {iterations}{says}', 'AJ', iterations, values, quick, scenes)
+
+
+def one_stage(share):
+    """The position stage alone, from a share of the old multipliers."""
+    return ['solver.stages=position', f'solver.warm_start={share}']
 
 
 UNIBODY = [
-    gauss_seidel(6), gauss_seidel(10, quick=True), gauss_seidel(20, quick=True), gauss_seidel(40), gauss_seidel(80, scenes=('B2000',)),
-    accelerated_jacobi(20, quick=True), accelerated_jacobi(50, quick=True),
+    gauss_seidel(4, scenes=('B2000',)), gauss_seidel(6), gauss_seidel(10, quick=True), gauss_seidel(20, quick=True), gauss_seidel(40),
+    gauss_seidel(80, scenes=('B2000',)), gauss_seidel(100, scenes=('B2000',)),
+    gauss_seidel(20, scenes=('B2000',), more=one_stage(0), says=' one stage, cold', control=True),
+    gauss_seidel(20, scenes=('B2000',), more=one_stage(.5), says=' one stage, warm .5', control=True),
+    accelerated_jacobi(10, scenes=('T2000',)), accelerated_jacobi(20, quick=True), accelerated_jacobi(50, quick=True),
+    accelerated_jacobi(100, scenes=('S5000',)), accelerated_jacobi(50, scenes=('S5000',), more=['solver.leak=0.2'], says=' leak .2'),
     Setting('GS 4x5', 'GS substeps', 5, ['solver.name=gauss_seidel', 'solver.iterations=5', 'time.substeps=4']),
+    Setting('as shipped', 'defaults', 50, DEFAULTS),
 ]
 TWO_RANKS = ('GS 10', 'GS 20', 'AJ 50')  # of these also on 2 ranks
 BULLET = [
@@ -97,7 +110,7 @@ def rigid(arguments):
                 times[k].append(run_once(scene, setting, ranks, arguments.core, False, arguments.frames)[0])
         for (setting, ranks), ms, e in zip(entries, times, errors):
             rows.append({'scene': scene, 'name': setting.name, 'family': setting.family, 'iterations': setting.iterations, 'ranks': ranks,
-                         'ours': setting in UNIBODY, 'ms': statistics.median(ms), 'ms_least': min(ms), 'ms_most': max(ms),
+                         'ours': setting in UNIBODY, 'control': setting.control, 'ms': statistics.median(ms), 'ms_least': min(ms), 'ms_most': max(ms),
                          **{k: v for k, v in e.items() if k != 'file'}})
         publish_rigid(rows)  # after each scene: a run that is stopped keeps what it has
 

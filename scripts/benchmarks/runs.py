@@ -14,6 +14,7 @@ BUILD = os.path.join(ROOT, 'build', 'release')
 # The tolerance is 0: every setting does all of its iterations, as the others do. The bodies start apart, so penetration may be taken
 # out faster than the default, which is for starts that nobody has looked at.
 COMMON = ['solver.tolerance=0', 'solver.recovery_speed=1', 'output.checkpoint_every=-1']
+DEFAULTS = ['solver.tolerance=auto', 'solver.recovery_speed=0.25']  # what COMMON changes of them, taken back
 
 
 def command(words, ranks=0, core=None):

@@ -42,29 +42,31 @@ def choice(curve, level):
 
 
 def standing(curve, default):
-    """Where `default` stands among the settings on one rank: [ms, error / size, on the front?, the fastest with no more error, its
+    """Where `default` stands among the settings on one rank: [ms, error / size, on the front?, the fastest with no more error, its ms, its
     time / this one's, the best that takes no longer, its error / this one's]; None where it was not measured."""
     own = next((p for p in curve.measured(1) if p[0] == default), None)
     if own is None:
         return None
     fast, good = cheapest(curve, own[curve.which], 1), least(curve, own[1], 1)
-    return [own[1], own[curve.which] / curve.size, fast[1] >= (1 - NOISE) * own[1], fast[0].name(), fast[1] / own[1], good[0].name(),
-            good[curve.which] / own[curve.which] if own[curve.which] > 0 else 1.]
+    return [own[1], own[curve.which] / curve.size, fast[1] >= (1 - NOISE) * own[1], fast[0].name(), fast[1], fast[1] / own[1],
+            good[0].name(), good[curve.which] / own[curve.which] if own[curve.which] > 0 else 1.]
 
 
-def costs(curves, setting, level):
-    """In how many of the curves `setting` ends within `level`, and there the geometric mean of its time over that of the cheapest."""
+def costs(wishes, setting):
+    """Of the wishes (curve, level): in how many `setting` ends within the level, and there the geometric mean of its time over that of the
+    cheapest."""
     ratios = []
-    for curve in curves:
+    for curve, level in wishes:
         own = next((p for p in curve.measured(1) if p[0] == setting), None)
         if own and own[curve.which] <= level * curve.size:
             ratios.append(own[1] / cheapest(curve, level * curve.size, 1)[1])
     return len(ratios), math.exp(sum(map(math.log, ratios)) / len(ratios)) if ratios else None
 
 
-def one_for_all(curves, level):
-    """Of the settings that all curves have: the one that ends within `level` in most of them, and of those the cheapest on the
-    geometric mean, as (setting, in how many, the mean of its time over the cheapest's); None where none does."""
+def one_for_all(wishes):
+    """Of the settings that all curves have: the one that fulfils most of the wishes (curve, level), and of those the cheapest on the
+    geometric mean, as (setting, how many, the mean of its time over the cheapest's); None where none does any."""
+    curves = [c for c, _ in wishes]
     shared = [p[0] for p in curves[0].measured(1) if all(any(p[0] == q[0] for q in c.measured(1)) for c in curves)]
-    found = [(setting, *costs(curves, setting, level)) for setting in shared]
+    found = [(setting, *costs(wishes, setting)) for setting in shared]
     return min((f for f in found if f[1]), key=lambda f: (-f[1], f[2], f[0].name()), default=None)

@@ -32,7 +32,7 @@ def make(maker):
         axes[1].set(xlabel='frame', ylabel='stretch RMS')
         axes[0].legend(fontsize=7)
 
-    plot = draw('hanging_cloth', 'A hanging cloth, kinetic energy and stretch', paint, wide=2)
+    plot = draw('hanging_cloth', 'A hanging cloth, kinetic energy and stretch', paint, wide=2, command='scripts/report hanging_cloth')
     return Section(
         TITLE,
         [

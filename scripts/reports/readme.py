@@ -1,12 +1,19 @@
 """The README's results: plots and tables of the report, written between two markers."""
 import os
+from dataclasses import replace
 
 from page import markdown
 from runs import ROOT
 
 BEGIN, END = '<!-- scripts/report --readme writes from here -->', '<!-- to here -->'
-PLOTS, TABLES = ('work_precision', 'rivals_boxes', 'velocity_level'), ('settings', 'rivals_best')
+PLOTS, TABLES = ('work_precision', 'rivals_boxes', 'velocity_level'), ('settings', 'defaults', 'one_setting', 'rivals_best')
+LEFT_OUT = {'defaults': ('its ms / these', 'least error in no more time', 'its error / this')}  # columns, on the page only
 PICTURES = os.path.join('scenes', 'pictures')
+
+
+def without(table, columns):
+    kept = [n for n, column in enumerate(table.columns) if column not in columns]
+    return replace(table, columns=[table.columns[n] for n in kept], rows=[[row[n] for n in kept] for row in table.rows])
 
 
 def result_lines(sections, facts, size):
@@ -24,7 +31,10 @@ def result_lines(sections, facts, size):
                 missing.append(name)
                 continue
             lines += ['', f'{item.caption} (`{item.command}`):' if item.command else f'{item.caption}:', '']
-            lines += markdown(item) if kind == 'tables' else [f'![{item.caption.split(".")[0]}]({PICTURES}/report_{name}.png)']
+            if kind == 'tables':
+                lines += markdown(without(item, LEFT_OUT.get(name, ())))
+            else:
+                lines.append(f'![{item.caption.split(".")[0]}]({PICTURES}/report_{name}.png)')
     return lines + (['', f'Not made in this run: {", ".join(missing)}.'] if missing else [])
 
 

@@ -1,9 +1,10 @@
 // Runs Bullet from the first frame of a frames.h5 and records its frames in the same format: options in driver.hpp.
 //
-// Bullet is left at its defaults (erp2 .2, split impulse, warm start .85, contacts kept to 2 cm) but for: no sleeping, no
-// damping, restitution 0. It multiplies the friction of two bodies, so each has the root of the pair's. Half spaces are
-// static boxes, thick ones. Margins are the defaults: a box keeps its size, the margin of min(4 cm, a tenth of the smallest half
-// edge) lies inside; a sphere is all margin. Joints of a chain are point-to-point constraints.
+// Bullet is left at its defaults (erp2 .2 unless --erp2 says otherwise, split impulse, warm start .85, contacts kept to 2 cm) but
+// for: no sleeping, no damping, restitution 0. It multiplies the friction of two bodies, so each has the root of the pair's. Half
+// spaces are static boxes, thick ones. Margins are the defaults: a box keeps its size, the margin of min(4 cm, a tenth of the
+// smallest half edge) lies inside; a sphere is all margin. Joints of a chain are point-to-point constraints.
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -44,6 +45,8 @@ struct World : rivals::Engine {
   World(const Bodies& scene, const Frame& start, const rivals::Settings& settings) {
     world.setGravity({0, 0, static_cast<btScalar>(-settings.gravity)});
     world.getSolverInfo().m_numIterations = settings.iterations;
+    world.getSolverInfo().m_erp2 = static_cast<btScalar>(settings.erp2);
+    world.getSimulationIslandManager()->setSplitIslands(settings.split != 0);
     double extent = 10;  // m, half width of the boxes that stand for half spaces
     for (std::size_t i = 0; i < scene.count(); ++i)
       if (scene.shape[i] != Shape::plane) extent = std::max(extent, 2 * start.position[i].norm());

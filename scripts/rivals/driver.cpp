@@ -20,9 +20,13 @@ double cpu_seconds() {
 
 Settings parse(int argc, char** argv) {
   Settings s;
-  const std::pair<const char*, int*> counts[] = {
-      {"--iterations", &s.iterations}, {"--substeps", &s.substeps}, {"--chain", &s.tied}, {"--direct", &s.direct}};
-  const std::pair<const char*, double*> numbers[] = {{"--step", &s.step}, {"--friction", &s.friction}, {"--gravity", &s.gravity}};
+  const std::pair<const char*, int*> counts[] = {{"--iterations", &s.iterations},
+                                                 {"--substeps", &s.substeps},
+                                                 {"--chain", &s.tied},
+                                                 {"--direct", &s.direct},
+                                                 {"--split", &s.split}};
+  const std::pair<const char*, double*> numbers[] = {
+      {"--step", &s.step}, {"--friction", &s.friction}, {"--gravity", &s.gravity}, {"--erp2", &s.erp2}};
   for (int i = 3; i < argc; i += 2) {
     const std::string key = argv[i];
     if (i + 1 >= argc) throw std::runtime_error("'" + key + "' needs a value");

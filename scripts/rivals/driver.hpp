@@ -1,8 +1,9 @@
 // What drivers of other engines have in common: options, the clock, and the loop over frames.
 //   ENGINE INPUT.h5 OUTPUT.h5 [--iterations 10] [--substeps 1] [--frames 400] [--step 0.016] [--friction 0.3] [--gravity 9.8]
-//          [--chain 0] [--direct 0]
+//          [--chain 0] [--direct 0] [--erp2 0.2] [--split 1]
 // --chain 1 ties the dynamic bodies to a chain (chain.hpp), which then touch nothing; --direct 1 takes an engine's direct solver
-// where it has one. Prints the median CPU time of a frame's steps alone; writing is not timed.
+// where it has one. Of Bullet alone: --erp2, the share of a penetration that a step takes out; --split 0 solves all islands as
+// one. Prints the median CPU time of a frame's steps alone; writing is not timed.
 #pragma once
 
 #include <functional>
@@ -15,9 +16,9 @@
 namespace rivals {
 
 struct Settings {
-  int iterations = 10, substeps = 1, direct = 0, tied = 0;
+  int iterations = 10, substeps = 1, direct = 0, tied = 0, split = 1;
   long frames = 400;
-  double step = 0.016, friction = 0.3, gravity = 9.8;
+  double step = 0.016, friction = 0.3, gravity = 9.8, erp2 = 0.2;
   std::vector<Anchor> chain;  // empty: not tied
 };
 

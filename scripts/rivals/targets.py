@@ -67,8 +67,8 @@ def exact_at_fifty(rows):
 
 
 def comes_to_rest(rows, level):
-    """Every setting in the table counts, and none may lose a body."""
-    ours = [r for r in rows if r['ours']]
+    """Every setting in the table counts but the controls, and none may lose a body."""
+    ours = [r for r in rows if r['ours'] and not r.get('control')]
     text = 'KE/body <= ' + ('3e-4 J (boxes), 1.7e-3 J (spheres), no body lost' if level == 'must' else '1e-5 J')
     if not ours:
         return (6, level, 'all', text, 'not measured', '')

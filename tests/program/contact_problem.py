@@ -2,13 +2,14 @@
 """-dump_fclib and -error_estimate: problems with known answers, FCLIB's own reader, the same bytes on any number of ranks."""
 import csv
 import ctypes
+import importlib.util
 import sys
 import unittest
 
 import h5py
 import numpy as np
 
-from unibody_runs import SOURCE, SCENES, ProgramTest, comparable, contents, unibody
+from unibody_runs import SOURCE, SCENES, ProgramTest, comparable, contents, execute, unibody
 
 sys.path.insert(0, str(SOURCE / "scripts" / "rivals"))
 from fclib import Problem  # noqa: E402
@@ -222,6 +223,32 @@ class ContactProblem(ProgramTest):
         for k in range(n):
             solution.contents.r[k] = 0
         self.assertLess(ours, 1e-2 * library.fclib_merit_local(local, 0, solution))
+
+    # Siconos reads back what --text writes, bit for bit, and solves it; 12 boxes on and above each other.
+    def test_siconos_reads_the_text_form(self):
+        path, text = self.dump(BLOCK, "block"), self.folder / "block.dat"
+        done = execute([sys.executable, str(SOURCE / "scripts" / "rivals" / "solve_siconos.py"), str(path), "--text", str(text)], 60)
+        self.assertEqual(done.code, 0, done.err)
+        problem, n = Problem(path), len(Problem(path).mu)
+        self.assertGreater(n, 20)
+        numbers = np.array(text.read_text().split(), float)
+        self.assertEqual(list(numbers[:7]), [3, n, 0, 3 * n, 3 * n, 3 * n, 3 * n])
+        W, q, mu = np.split(numbers[7:], [9 * n * n, 9 * n * n + 3 * n])
+        np.testing.assert_array_equal(W.reshape(3 * n, 3 * n).T, problem.dense())
+        np.testing.assert_array_equal(q, problem.q)
+        np.testing.assert_array_equal(mu, problem.mu)
+        if importlib.util.find_spec("siconos") is None:
+            self.skipTest("python3-siconos is not installed")
+        import siconos.numerics as sn
+        read = sn.frictionContact_new_from_filename(str(text))
+        np.testing.assert_array_equal(read.q, problem.q)
+        np.testing.assert_array_equal(read.mu, problem.mu)
+        options = sn.SolverOptions(sn.SICONOS_FRICTION_3D_NSGS)
+        options.dparam[sn.SICONOS_DPARAM_TOL], options.iparam[sn.SICONOS_IPARAM_MAX_ITER] = 1e-10, 10000
+        r, u = np.zeros(3 * n), np.zeros(3 * n)
+        self.assertEqual(sn.fc3d_nsgs(read, r, u, options), 0)
+        self.assertLess(problem.measures(r)["residual"], 1e-8)
+        np.testing.assert_allclose(u, problem.times_w(r) + problem.q, atol=1e-12)
 
     def test_what_it_cannot_do_is_said_at_once(self):
         pile, cloth, path = self.scene(PILE, "pile.yaml"), self.scene(CLOTH, "cloth.yaml"), self.folder / "x.h5"
