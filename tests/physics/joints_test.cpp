@@ -47,7 +47,7 @@ TEST(Joint, PendulumHasItsPeriod) {
       before = x;
       ASSERT_LT(k, 10000) << solver;
     }
-    EXPECT_NEAR((passages[2] - passages[0]) / exact, 1, 1e-3) << solver;
+    EXPECT_NEAR((passages[2] - passages[0]) / exact, 1, 1e-4) << solver;
   }
 }
 
@@ -135,28 +135,37 @@ TEST(Joint, AHingeKeepsItsAxis) {
 }
 
 // Two bodies that turn about each other, free: neither momentum changes in steps up to the default, however few the iterations;
-// in steps three times as long neither angular momentum nor energy comes from nowhere.
+// in steps three times as long neither angular momentum nor energy comes from nowhere. In steps in which they turn by more than
+// half a radian linear momentum stays all the same, the rest only as far as scenes/README.md says (What joints can't).
 TEST(Joint, MomentumStaysAndEnergyDoesNotGrow) {
+  struct Type {
+    const char* text;
+    double share, growth;  // of angular momentum and energy in steps of 0.1 s
+  };
+  constexpr double any = std::numeric_limits<double>::infinity();
   for (const char* solver : solver_list)
-    for (const char* type : {"ball", "fixed", "hinge, axis: [0, 0, 1]", "universal, axis: [0, 0, 1]"}) {
-      const auto check = [&](double h, int iterations, double share) {
+    for (const Type& type : {Type{"ball", 0.2, 1.25}, Type{"fixed", 0.1, 1.001}, Type{"hinge, axis: [0, 0, 1]", 0.2, 1.25},
+                             Type{"universal, axis: [0, 0, 1]", 0.6, 3}, Type{"slider, axis: [1, 0, 0]", 0.1, 1.001}}) {
+      const auto check = [&](double h, int iterations, double share, double growth) {
         Experiment run(scene_from_text(std::string(R"(
 gravity: [0, 0, 0]
 bodies:
   - {name: a, shape: {box: {size: [1, 0.2, 0.3]}}, mass: 2, position: [0, 0, 0], velocity: [0, 1, 0.5]}
   - {name: b, shape: {sphere: {radius: 0.2}}, mass: 1, position: [1, 0, 0], velocity: [0, -2, 1], angular_velocity: [0, 3, 0]}
-joints: [{type: )") + type + ", bodies: [a, b], anchor: [0.5, 0, 0]}]\n" +
+joints: [{type: )") + type.text + ", bodies: [a, b], anchor: [0.5, 0, 0]}]\n" +
                                        settings(solver, iterations, h)));
         const Vec3 p = run.momentum(), l = run.angular_momentum();
         const double energy = run.kinetic_energy();
         for (int k = 0; k < 60; ++k) {
           run.step();
-          EXPECT_LT((run.momentum() - p).norm(), 1e-12) << solver << ' ' << type;
-          EXPECT_LT((run.angular_momentum() - l).norm(), share * l.norm()) << solver << ' ' << type << ' ' << h << ' ' << k;
-          EXPECT_LT(run.kinetic_energy(), 1.001 * energy) << solver << ' ' << type << ' ' << h;
+          EXPECT_LT((run.momentum() - p).norm(), 1e-12) << solver << ' ' << type.text << ' ' << h << ' ' << k;
+          EXPECT_LT((run.angular_momentum() - l).norm(), share * l.norm()) << solver << ' ' << type.text << ' ' << h << ' ' << k;
+          EXPECT_LT(run.kinetic_energy(), growth * energy) << solver << ' ' << type.text << ' ' << h;
         }
       };
-      check(0.004, 5, 1e-12), check(0.016, 3, 1e-12), check(0.05, 3, 1e-3);
+      check(0.004, 5, 1e-12, 1.001), check(0.016, 3, 1e-12, 1.001), check(0.05, 3, 1e-3, 1.001);
+      check(0.1, 50, type.share, type.growth), check(0.5, 50, 1, 1.001);
+      if (type.growth < 3) check(0.2, 50, any, 1.001);  // a universal joint's energy grows without end here
     }
 }
 

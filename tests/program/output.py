@@ -259,5 +259,53 @@ class Switches(ProgramTest):
         self.assertEqual(os.listdir(self.folder), [])
 
 
+class Joints(ProgramTest):
+    """joints.csv and joints.h5, columns by name: what holds, drives, stops and rubs bodies at rest and a wheel that speeds up."""
+    SCENE = """
+        time: {step: 0.01, frames: 120}
+        output: {every: 40, joints: true}
+        solver: {iterations: 60, tolerance: 0}
+        bodies:
+          - {name: bar, shape: {box: {size: [0.5, 0.1, 0.1]}}, mass: 2, position: [0.25, 0, 0]}
+          - {name: wheel, shape: {box: {size: [1, 0.1, 1]}}, mass: 3, position: [3, 0, 0]}
+          - {name: stopped, shape: {sphere: {radius: 0.1}}, mass: 4, position: [6, 0, 0]}
+          - {name: rubbed, shape: {sphere: {radius: 0.1}}, mass: 5, position: [9, 0, 0]}
+          - {name: hung, shape: {sphere: {radius: 0.1}}, mass: 6, position: [12, 0, -0.3]}
+          - {name: lifted, shape: {sphere: {radius: 0.1}}, mass: 7, position: [15, 0, 0]}
+        joints:
+          - {type: fixed, bodies: [bar, world], anchor: [0, 0, 0]}
+          - {type: hinge, bodies: [wheel, world], anchor: [3, 0, 0], axis: [0, -1, 0], motor: {speed: -90, max_torque: 0.5}}
+          - {type: slider, bodies: [stopped, world], anchor: [6, 0, 0], axis: [0, 0, 1], limits: [-0.2, 1]}
+          - {type: slider, bodies: [rubbed, world], anchor: [9, 0, 0], axis: [0, 0, -1], friction: 60}
+          - {type: rope, bodies: [hung, world], points: [[12, 0, -0.3], [12, 0, 0]], length: 0.5}
+          - {type: slider, bodies: [lifted, world], anchor: [15, 0, 0], axis: [0, 0, 1], motor: {offset: 0.1, max_force: 140}}
+    """
+
+    def test_numbers_are_those_of_statics(self):
+        self.good(self.scene(self.SCENE), "results", ranks=1)
+        header, lines = report(self.folder / "results/joints.csv")
+        rows = [dict(zip((name.split(" ")[0] for name in header), line)) for line in lines]
+        self.assertEqual([(r["frame"], r["joint"]) for r in rows], [(str(f), str(j)) for f in (0, 40, 80, 120) for j in range(6)])
+        self.assertEqual([r["type"] for r in rows[-6:]], ["fixed", "hinge", "slider", "slider", "rope", "slider"])
+        self.assertAlmostEqual(float(rows[-1]["time"]), 1.2, delta=1e-12)
+        g, inertia = 9.81, 0.5  # kg m^2, of the wheel: 3 (1 + 1) / 12
+        turn = -0.5 / inertia * 0.01**2 * 120 * 121 / 2  # rad: implicit Euler's parabola
+        expected = [{"force_z": 2 * g, "torque_y": -2 * g * 0.25}, {"force_z": 3 * g, "motor": -0.5, "coordinate": turn},
+                    {"limit": 4 * g, "coordinate": -0.2}, {"friction": -5 * g}, {"force_z": 6 * g, "coordinate": 0.5},
+                    {"motor": 7 * g, "coordinate": 0.1}]
+        for row, known in zip(rows[-6:], expected):
+            for name in header[4:]:
+                name = name.split(" ")[0]
+                self.assertAlmostEqual(float(row[name]), known.get(name, 0), delta=1e-4, msg=f"{name} of joint {row['joint']}")
+
+        with h5py.File(self.folder / "results/joints.h5") as file:
+            self.assertEqual(file.attrs["columns"].decode().split(","), header[4:])
+            for frame in (0, 40, 80, 120):
+                table = file[f"frames/{frame:06d}"]
+                texts = [line for line in lines if line[0] == str(frame)]
+                self.assertEqual(table.attrs["time"], float(texts[0][1]))
+                self.assertTrue((table[:] == np.array([[float(x) for x in line[4:]] for line in texts])).all())
+
+
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -1,0 +1,188 @@
+// What joints do beside closing, against closed forms: springs and dampers, motors and friction of sliders and hinges, and the
+// motion that a universal joint passes on.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+constexpr double h = 0.01;
+const char* const solver_list[] = {"accelerated_jacobi", "jacobi", "gauss_seidel"};
+
+std::string settings(const std::string& solver, int iterations) {
+  return "solver: {name: " + solver + ", iterations: " + std::to_string(iterations) +
+         ", tolerance: 0}\ntime: {step: " + std::to_string(h) + "}\n";
+}
+
+JointState joint(const Experiment& run, std::size_t i = 0) { return run.simulation->joint_states()[i]; }
+
+// Implicit Euler of x'' = -k (x + rho x'), k = 1 / (compliance inertia): both sides at the step's end.
+struct Oscillator {
+  double k, rho, x, v;
+  void step() {
+    v = (v - h * k * x) / (1 + h * (h + rho) * k);
+    x += h * v;
+  }
+};
+
+}  // namespace
+
+// Each step divides x'^2 + k x^2, more or less, by 1 + h (h + rho) k: the damping shows beside the step's own from the first on.
+TEST(JointDrive, ADampedSpringOscillatesAsImplicitEulerSays) {
+  for (const char* solver : solver_list)
+    for (const double rho : {0.0, 0.03, 0.4}) {  // s; beyond 2 / sqrt(k) = 0.28 it creeps
+      Experiment run(
+          scene_from_text("gravity: [0, 0, 0]\nbodies: [{name: bob, shape: {sphere: {radius: 0.1}}, mass: 2}]\n"
+                          "joints: [{type: ball, bodies: [bob, world], anchor: [0, 0, 0], compliance: 0.01, damping: " +
+                          std::to_string(rho) + "}]\n" + settings(solver, 50)));
+      run.world().velocity[0] = Vec3(0.6, 0, 0.8);
+      Oscillator exact{1 / (0.01 * 2), rho, 0, 1};
+      for (int k = 0; k < 200; ++k) {
+        run.step(), exact.step();
+        ASSERT_LT((run.position(0) - exact.x * Vec3(0.6, 0, 0.8)).norm(), 1e-10) << solver << ' ' << rho << ' ' << k;
+        ASSERT_LT((run.velocity(0) - exact.v * Vec3(0.6, 0, 0.8)).norm(), 1e-9) << solver << ' ' << rho << ' ' << k;
+      }
+    }
+}
+
+// The same of a turn, about a principal axis and so small that it is its sine.
+TEST(JointDrive, ADampedTorsionSpringOscillatesAsImplicitEulerSays) {
+  const double inertia = 3 * (0.4 * 0.4 + 0.2 * 0.2) / 12, compliance = 0.2;
+  for (const char* solver : solver_list)
+    for (const double rho : {0.0, 0.03, 0.4}) {
+      Experiment run(
+          scene_from_text("gravity: [0, 0, 0]\nbodies: [{name: wheel, shape: {box: {size: [0.4, 0.1, 0.2]}}, mass: 3}]\n"
+                          "joints: [{type: fixed, bodies: [wheel, world], anchor: [0, 0, 0], turning_compliance: 0.2, "
+                          "damping: " +
+                          std::to_string(rho) + "}]\n" + settings(solver, 50)));
+      run.world().angular_velocity[0] = Vec3(0, 1e-4, 0);
+      Oscillator exact{1 / (compliance * inertia), rho, 0, 1e-4};
+      for (int k = 0; k < 200; ++k) {
+        run.step(), exact.step();
+        ASSERT_NEAR(run.state(0).angular_velocity.y(), exact.v, 1e-10) << solver << ' ' << rho << ' ' << k;
+        ASSERT_NEAR(2 * run.state(0).orientation.y(), exact.x, 1e-11) << solver << ' ' << rho << ' ' << k;
+      }
+    }
+}
+
+// A bar held at its end turns by torque times compliance: m g l cos(a) C, the row being the sine of a.
+TEST(JointDrive, ACantileverTurnsByItsTorqueTimesItsCompliance) {
+  const double weight = 2 * 9.81, arm = 0.25;
+  for (const char* solver : solver_list)
+    for (const double compliance : {1e-4, 0.1}) {
+      Experiment run(
+          scene_from_text("bodies: [{name: bar, shape: {box: {size: [0.5, 0.1, 0.1]}}, mass: 2, position: [0.25, 0, 0]}]\n"
+                          "joints: [{type: fixed, bodies: [bar, world], anchor: [0, 0, 0], damping: 0.2, "
+                          "turning_compliance: " +
+                          std::to_string(compliance) + "}]\n" + settings(solver, 50)));
+      run.steps(350);
+      const double angle = std::atan(weight * arm * compliance);
+      EXPECT_NEAR(joint(run).turn / angle, 1, angle * angle / 20 + 1e-6) << solver << ' ' << compliance;
+      EXPECT_NEAR(std::atan2(-run.position(0).z(), run.position(0).x()) / angle, 1, 1e-6) << solver << ' ' << compliance;
+      EXPECT_LT(joint(run).drift, 1e-9) << solver;
+      EXPECT_NEAR(joint(run).force.z() / weight, 1, 1e-6) << solver;
+      EXPECT_NEAR(joint(run).torque.y() / (-weight * arm * std::cos(angle)), 1, 1e-6) << solver << ' ' << compliance;
+    }
+}
+
+// v = F t / m up to the motor's speed, then nothing to do.
+TEST(JointDrive, ASlidersMotorReachesItsSpeedWithItsForce) {
+  for (const char* solver : solver_list) {
+    Experiment run(
+        scene_from_text("gravity: [0, 0, 0]\nbodies: [{name: cart, shape: {box: {size: [0.4, 0.2, 0.2]}}, mass: 2}]\n"
+                        "joints: [{type: slider, bodies: [cart, world], anchor: [0, 0, 0.1], axis: [0.6, 0.8, 0], "
+                        "motor: {speed: 1.5, max_force: 3}}]\n" +
+                        settings(solver, 100)));
+    for (int k = 1; k <= 150; ++k) {
+      run.step();
+      const double t = k * h, v = std::min(1.5, 3 * t / 2);
+      ASSERT_LT((run.velocity(0) - v * Vec3(0.6, 0.8, 0)).norm(), 1e-8) << solver << ' ' << k;
+      ASSERT_NEAR(joint(run).motor, t < 1 + h / 2 ? 3 : 0, 1e-5) << solver << ' ' << k;
+    }
+  }
+}
+
+// The way to its place: all of the force F up to where half of it can still brake, v^2 = F d / m at the distance d, which is
+// a third of the way; and never beyond its end. There it gives what holds it.
+TEST(JointDrive, ASlidersMotorReachesItsPlace) {
+  const double way = 0.6, most = std::sqrt(2 * 3 * way / (3 * 2.0));
+  for (const char* solver : solver_list)
+    for (const double weight : {0.0, 1.0}) {
+      Experiment run(scene_from_text("gravity: [" + std::to_string(-weight / 2) +
+                                     ", 0, 0]\n"
+                                     "bodies: [{name: cart, shape: {box: {size: [0.4, 0.2, 0.2]}}, mass: 2}]\n"
+                                     "joints: [{type: slider, bodies: [cart, world], anchor: [0, 0, 0], axis: [1, 0, 0], "
+                                     "motor: {offset: 0.6, max_force: 3}}]\n" +
+                                     settings(solver, 100)));
+      double fastest = 0, farthest = 0;
+      for (int k = 0; k < 400; ++k) {
+        run.step();
+        fastest = std::max(fastest, run.velocity(0).x()), farthest = std::max(farthest, run.position(0).x());
+      }
+      if (weight == 0) {
+        EXPECT_NEAR(fastest / most, 1, 0.03) << solver;
+      }
+      EXPECT_LT(farthest, way + 1e-6) << solver;
+      EXPECT_NEAR(run.position(0).x(), way, 1e-6) << solver;
+      EXPECT_NEAR(joint(run).coordinate, way, 1e-6) << solver;
+      EXPECT_NEAR(joint(run).motor, weight, 1e-5) << solver;
+    }
+}
+
+// A wheel slows by T / I until it stands, in a step that takes only what is left.
+TEST(JointDrive, AHingesFrictionSlowsAWheel) {
+  const double inertia = 3 * (0.4 * 0.4 + 0.2 * 0.2) / 12, torque = 0.2;
+  for (const char* solver : solver_list) {
+    Experiment run(
+        scene_from_text("gravity: [0, 0, 0]\nbodies: [{name: wheel, shape: {box: {size: [0.4, 0.1, 0.2]}}, mass: 3}]\n"
+                        "joints: [{type: hinge, bodies: [wheel, world], anchor: [0, 0, 0], axis: [0, 1, 0], "
+                        "friction: 0.2}]\n" +
+                        settings(solver, 100)));
+    run.world().angular_velocity[0] = Vec3(0, -2, 0);
+    for (int k = 1; k <= 60; ++k) {
+      run.step();
+      const double w = std::max(0.0, 2 - torque / inertia * k * h);  // stands after 0.5 s
+      ASSERT_NEAR(run.state(0).angular_velocity.y(), -w, 1e-9) << solver << ' ' << k;
+      ASSERT_NEAR(joint(run).friction, k <= 50 ? torque : 0, 1e-7) << solver << ' ' << k;
+    }
+  }
+}
+
+// Two shafts that meet at an angle b: tan(second's angle) = cos(b) tan(first's), turn after turn.
+TEST(JointDrive, AUniversalJointPassesOnTheMotionOfCardansShafts) {
+  const double bend = std::numbers::pi / 6, c = std::cos(bend), s = std::sin(bend);
+  const auto vector = [](double x, double y) { return "[" + std::to_string(x) + ", " + std::to_string(y) + ", 0]"; };
+  for (const char* solver : solver_list) {
+    Scene scene = scene_from_text(
+        "gravity: [0, 0, 0]\nbodies:\n  - {name: driving, shape: {box: {size: [0.8, 0.1, 0.1]}}, mass: 1, position: [-0.5, 0, "
+        "0]}\n"
+        "  - {name: driven, shape: {box: {size: [0.8, 0.1, 0.1]}}, mass: 1, position: " +
+        vector(0.5 * c, 0.5 * s) +
+        ", orientation: {axis: [0, 0, 1], angle: 30}}\njoints:\n"
+        "  - {type: hinge, bodies: [driving, world], anchor: [-0.9, 0, 0], axis: [1, 0, 0], motor: {speed: 4, max_torque: 1}}\n"
+        "  - {type: hinge, bodies: [driven, world], anchor: " +
+        vector(0.9 * c, 0.9 * s) + ", axis: " + vector(c, s) +
+        "}\n"
+        "  - {type: universal, bodies: [driving, driven], anchor: [0, 0, 0], axis: [0, 0, 1], second_axis: " +
+        vector(-s, c) + "}\n" + settings(solver, 100));
+    Experiment run(std::move(scene));
+    double total = 0, before = 0, lag = 0;
+    for (int k = 0; k < 350; ++k) {
+      run.step();
+      const double first = joint(run, 0).coordinate, second = joint(run, 1).coordinate;
+      total += std::remainder(first - before, 2 * std::numbers::pi), before = first;
+      const double expected = std::atan2(c * std::sin(first), std::cos(first));
+      ASSERT_NEAR(std::remainder(second - expected, 2 * std::numbers::pi), 0, 1e-5) << solver << ' ' << k;
+      lag = std::max(lag, std::abs(std::remainder(second - first, 2 * std::numbers::pi)));
+    }
+    EXPECT_GT(total, 4 * std::numbers::pi) << solver;
+    EXPECT_NEAR(lag, std::atan((1 - c) / (2 * std::sqrt(c))), 1e-3) << solver << ": such shafts do not turn alike";
+  }
+}
+
+}  // namespace unibody::small_worlds
