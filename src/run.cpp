@@ -278,7 +278,8 @@ void Run::dump(std::int64_t frame) {
 
 void Run::finish() {
   summary_.state_hash = state_hash(comm_, simulation_.world);
-  summary_.overrides = options_.overrides, summary_.restarted_from = options_.restart;
+  summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
+  summary_.restarted_from = options_.restart;
   summary_.last_frame = scene_.time.frames;
   summary_.wall_total = MPI_Wtime() - start_;
   summary_.phases = times_.phases;

@@ -82,8 +82,9 @@ class Simulation {
   std::span<const JointSlots> slots_of_joints() const { return joint_slots_; }
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
-  void set_tolerance_from_bodies();  // after the bodies are in: resolves "auto"
-  std::size_t bytes() const;         // all that this rank holds: of the arrays that last, and of the phases' scratch memory
+  SolverSettings settings_used() const;  // the scene's, with what "auto" comes to; after set_tolerance_from_bodies()
+  void set_tolerance_from_bodies();      // after the bodies are in: resolves "auto"
+  std::size_t bytes() const;             // all that this rank holds: of the arrays that last, and of the phases' scratch memory
 
  private:
   void predict();
@@ -112,6 +113,7 @@ class Simulation {
   bool is_alone() const;
   bool at_velocity_level() const { return scene_.solver.level == Level::velocity; }
   Stages stages() const;
+  double leak() const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
   std::vector<RollingContact> rolling_contacts() const;

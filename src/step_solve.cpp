@@ -167,6 +167,19 @@ Stages Simulation::stages() const {
   return has_constraints() && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
 }
 
+double Simulation::leak() const {
+  const SolverSettings& settings = scene_.solver;
+  return settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
+}
+
+SolverSettings Simulation::settings_used() const {
+  SolverSettings used = scene_.solver;
+  used.tolerance = tolerance_, used.stages = stages(), used.warm_start = contact_share(scene_.solver);
+  used.leak = stages() == Stages::position ? 0 : leak();
+  if (!at_velocity_level()) used.recovery_time = stage(Stage::Kind::position).recovery_time;
+  return used;
+}
+
 // Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
 // A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
 // old multipliers that must stay below 1/2: an unconverged position stage that starts from more gains energy.
@@ -193,7 +206,6 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   }
   report.iterations +=
       run_stage(Stage::Kind::position, solver_.solve, settings.iterations - report.iterations, tolerance_).iterations;
-  const double leak = settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
   measure_solution(report);
   if (wished) {
     solved.solved.assign(system_.bodies.begin(), system_.bodies.end());
@@ -203,7 +215,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
   if (settings.friction == FrictionModel::postprocess)
     report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
-  report.sliding += system_.contacts.leak_impulses(two_stages ? leak : 0, system_.counted, impulses);
+  report.sliding += system_.contacts.leak_impulses(two_stages ? leak() : 0, system_.counted, impulses);
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);

@@ -101,21 +101,22 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
 // Room for the blocks to come.
 void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                            std::span<const std::uint8_t> isotropic, bool gauss_seidel) {
-  std::size_t block_count = 0, point_count = 0, general_count = 0, begin = 0;
+  std::size_t block_count = 0, point_count = 0, tangent_count = 0, general_count = 0, begin = 0;
   for (const std::size_t end : groups)
     for (; begin < end; begin += std::min(lanes, end - begin)) {
       std::uint32_t longest = 0;
-      bool general = false;
+      bool general = false, rough = false;
       for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l) {
         const Manifold& next = contacts_->manifolds[order[std::min(begin + l + ahead, order.size() - 1)]];
         __builtin_prefetch(&next.slot_a), __builtin_prefetch(&next.count);
         const Manifold& m = contacts_->manifolds[order[begin + l]];
         longest = std::max(longest, m.count);
+        rough |= acts_in_solve(friction_) && m.friction > 0;
         general |= !isotropic[m.slot_a] || !isotropic[m.slot_b];
       }
       ++block_count, point_count += longest, general_count += general;
+      if (rough) tangent_count += longest;
     }
-  const std::size_t tangent_count = acts_in_solve(friction_) ? point_count : 0;
   blocks.reserve(block_count), sources.reserve(block_count), inertias.reserve(general_count);
   points.reserve(point_count), normals.reserve(point_count);
   tangents.reserve(tangent_count), tangent_impulses.reserve(tangent_count);

@@ -56,8 +56,7 @@ Json scene_json(const Scene& scene, const Summary& summary) {
       .set("gravity", vector(scene.gravity));
 }
 
-Json settings_json(const Scene& scene) {
-  const SolverSettings& s = scene.solver;
+Json settings_json(const Scene& scene, const SolverSettings& s) {
   const auto name = [](const auto& names, auto value) { return Json(names[static_cast<std::size_t>(value)]); };
   Json solver = Json::object();
   solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
@@ -67,9 +66,10 @@ Json settings_json(const Scene& scene) {
   solver.set("friction", name(friction_model_names, s.friction)).set("gap", name(gap_names, s.gap));
   solver.set("form", name(form_names, s.form))
       .set("order", name(order_names, s.order))
-      .set("scaling", s.scaling)
-      .set("recovery_time (s)", s.recovery_time);
-  solver.set("recovery_speed (m/s)", s.recovery_speed).set("margin (m)", s.margin);
+      .set("joints", name(joint_solve_names, s.joints))
+      .set("scaling", s.scaling);
+  if (s.level == Level::position) solver.set("recovery_time (s)", s.recovery_time).set("recovery_speed (m/s)", s.recovery_speed);
+  solver.set("margin (m)", s.margin);
   Json time = Json::object();
   time.set("step (s)", scene.time.step).set("frames", scene.time.frames).set("substeps", scene.time.substeps);
   Json output = Json::object();
@@ -121,7 +121,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   Json files = Json::array();
   for (const auto& file : summary.files) files.push(file);
   Json j = Json::object();
-  j.set("status", summary.status).set("scene", scene_json(scene, summary)).set("settings", settings_json(scene));
+  j.set("status", summary.status).set("scene", scene_json(scene, summary)).set("settings", settings_json(scene, summary.solver));
   j.set("versions", versions()).set("ranks", ranks);
   j.set("first_frame", summary.first_frame).set("last_frame", summary.last_frame);
   if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);

@@ -19,6 +19,7 @@ struct PhaseTimes {
 
 struct Summary {
   std::vector<Override> overrides;
+  SolverSettings solver;       // as used: with what "auto" came to
   std::string restarted_from;  // path of the checkpoint; empty: none
   std::int64_t first_frame = 0, last_frame = 0;
   double wall_total = 0;  // s, of the whole run

@@ -265,4 +265,45 @@ TEST(ContactKernels, GroupingChangesNoBit) {
   }
 }
 
+// One row a point, in memory too: nothing is kept for tangents of blocks without friction. Beside blocks with it: theirs alone.
+TEST(ContactRows, APointWithoutFrictionHasOne) {
+  constexpr std::uint32_t pairs = 8;  // two blocks
+  for (const std::uint32_t rough : {0u, 4u, 8u})
+    for (const auto model : {FrictionModel::disc, FrictionModel::none})
+      for (const bool gauss_seidel : {false, true}) {
+        Bench bench;
+        bench.settings.friction = model;
+        bench.world.homes = pairs;
+        bench.world.resize(pairs + 1);
+        Body floor = ground();
+        floor.id = pairs;
+        bench.world.set(pairs, floor);
+        for (std::uint32_t k = 0; k < pairs; ++k) {
+          Body box = block(1, Vec3::Ones(), Vec3(2 * k, 0, 0.5));
+          box.id = k;
+          bench.world.set(k, box);
+          const auto slot = static_cast<Slot>(k);
+          bench.contacts.manifolds.push_back({k, pairs, slot, pairs, Vec3::UnitZ(), k < rough ? 0.5 : 0, 4 * k, 4});
+          for (std::uint32_t p = 0; p < 4; ++p)
+            bench.contacts.points.push_back({Vec3(2 * k + (p & 1 ? 0.5 : -0.5), p & 2 ? 0.5 : -0.5, 0), 0, p});
+        }
+        bench.build_for_jacobi();
+        if (gauss_seidel) {
+          const std::vector<std::uint32_t> order{0, 1, 2, 3, 4, 5, 6, 7}, groups{4, 8};
+          bench.system.contacts = ContactBatch();
+          bench.system.contacts.build(bench.contacts, order, groups, bench.world.position, bench.system.bodies,
+                                      bench.system.inertia, bench.system.isotropic, {}, bench.settings, bench.step);
+        }
+        const ContactBatch& batch = bench.system.contacts;
+        const std::size_t tangents = model == FrictionModel::none ? 0 : rough;  // 4 points in 4 lanes for 4 pairs
+        EXPECT_EQ(batch.points.size(), pairs);
+        EXPECT_EQ(batch.points.capacity(), pairs);
+        EXPECT_EQ(batch.tangents.capacity(), tangents);
+        EXPECT_EQ(batch.tangents.size(), tangents);
+        EXPECT_EQ(batch.tangent_impulses.capacity(), tangents);
+        EXPECT_EQ(batch.couplings.capacity(), gauss_seidel ? tangents : 0);
+        EXPECT_EQ(batch.tangent_momenta.capacity(), gauss_seidel ? 0 : tangents);
+      }
+}
+
 }  // namespace unibody::small_worlds

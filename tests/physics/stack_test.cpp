@@ -13,13 +13,14 @@ namespace {
 constexpr double g = 9.81;
 
 // Ten discs from rest, touching; position stage, no recovery bound: the sum of all penetrations (mm), mean of frames 101 to 200.
-double sag(const std::string& solver, int iterations, double warm_start, Stages stages = Stages::position) {
+double sag(const std::string& solver, int iterations, double warm_start, Stages stages = Stages::position,
+           const Body& lowest = disc(1, 0.5, Vec3(0, 0, 0.5))) {
   Scene scene = scene_with(0.5);
   scene.planar = true, scene.gravity = Vec3(0, 0, -9.8);
   scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.warm_start = warm_start;
   scene.solver.stages = stages, scene.solver.leak = 0, scene.solver.order = Order::sequential;
   scene.solver.recovery_time = 0, scene.solver.recovery_speed = 0, scene.solver.tolerance = 0;
-  for (int k = 0; k < 10; ++k) add(scene, disc(1, 0.5, Vec3(0, 0, 0.5 + k)));
+  for (Body body = lowest; body.state.position.z() < 10; body.state.position.z() += 1) add(scene, body);
   add(scene, ground());
   Experiment run(scene);
   double sum = 0;
@@ -99,12 +100,37 @@ TEST(Stack, HalfAWarmStartHalvesTheSag) {
     EXPECT_NEAR(warm, cold / 2, 0.01 * cold) << solver;
   }
 }
-// The velocity stage has its multipliers in full, which leaves nothing to sag once it has settled.
+// The velocity stage has its multipliers in full, which leaves nothing to sag once it has settled: at few iterations, half of
+// them its own, still the independent code's figures.
 TEST(Stack, VelocityStageRemovesTheSag) {
+  EXPECT_NEAR(sag("jacobi", 10, 0, Stages::two), 5.3, 0.05 * 5.3);
+  EXPECT_NEAR(sag("jacobi", 20, 0, Stages::two), 0.32, 0.05 * 0.32);
+  EXPECT_NEAR(sag("accelerated_jacobi", 10, 0, Stages::two), 1.9, 0.05 * 1.9);
+  EXPECT_NEAR(sag("accelerated_jacobi", 20, 0, Stages::two), 0.003, 0.0005);
+  EXPECT_LT(sag("gauss_seidel", 10, 0, Stages::two), 0.02);
   EXPECT_LT(sag("jacobi", 100, 0, Stages::two), 0.005);
   EXPECT_LT(sag("accelerated_jacobi", 20, 0, Stages::two), 0.01);
   EXPECT_LT(sag("accelerated_jacobi", 50, 0, Stages::two), 0.005);
   EXPECT_LT(sag("gauss_seidel", 20, 0, Stages::two), 0.005);
+}
+
+// Boxes, two corners to each interface. The independent code counts points where this one counts pairs, so that its steps are
+// shorter: what it leaves at 10, 20, 50 and 100 iterations bounds ours from above.
+TEST(Stack, SagOfBoxes) {
+  const Body box = block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5));
+  const int iterations[] = {10, 20, 50, 100};
+  const double jacobi[] = {198, 97.5, 38.7, 18.7}, accelerated[] = {98.3, 28.96, 3.915, 0.037},
+               warm_accelerated[] = {50.2, 14.5, 1.96, 0.018}, two[] = {77, 5.5, 0.01, 0.01};
+  for (int k = 0; k < 4; ++k) {
+    const double cold = sag("jacobi", iterations[k], 0, Stages::position, box);
+    EXPECT_LT(cold, jacobi[k]) << iterations[k];
+    EXPECT_GT(cold, 0.3 * jacobi[k]) << iterations[k] << ": it sags";
+    EXPECT_LT(sag("accelerated_jacobi", iterations[k], 0, Stages::position, box), accelerated[k]) << iterations[k];
+    EXPECT_LT(sag("accelerated_jacobi", iterations[k], 0.5, Stages::position, box), warm_accelerated[k]) << iterations[k];
+    EXPECT_LT(sag("accelerated_jacobi", iterations[k], 0, Stages::two, box), two[k]) << iterations[k];
+  }
+  const double cold = sag("accelerated_jacobi", 20, 0, Stages::position, box);
+  EXPECT_NEAR(sag("accelerated_jacobi", 20, 0.5, Stages::position, box), cold / 2, 0.01 * cold);
 }
 
 TEST(Stack, TowersPressOnTheGroundWithTheirWeight) {
@@ -121,26 +147,62 @@ TEST(Stack, TowersPressOnTheGroundWithTheirWeight) {
   }
 }
 
-// A heavy box on a light one: no more than 1e-3 of overlap after 5 s, or the run says that it has not converged.
-TEST(Stack, HeavyOnLightIsSolvedOrOwnsUp) {
-  for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"})
-    for (const double ratio : {1.0, 10.0, 100.0, 1000.0, 1e6}) {
-      Scene scene = scene_with(0.5);
-      scene.solver.name = solver;
-      add(scene, block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
-      add(scene, block(ratio, Vec3(1, 1, 1), Vec3(0, 0, 1.5)));
-      add(scene, ground());
-      Experiment run(scene);
-      run.seconds(1);
-      bool unconverged = false;
-      for (int k = 0; k < 250; ++k) unconverged |= !run.step().converged;
-      ASSERT_TRUE(run.finite());
-      const bool holds = run.penetration() < 1e-3 && std::abs(run.position(1).z() - 1.5) < 2e-3;
-      EXPECT_TRUE(holds || unconverged) << solver << ", ratio " << ratio << ": overlap " << run.penetration();
-      if (ratio == 1 || (ratio == 10 && solver == "accelerated_jacobi")) {
-        EXPECT_TRUE(holds) << solver << ", ratio " << ratio;
-      }
+namespace {
+
+// Of the last second: that no step left 1e-3 of overlap, and that none said it had not converged.
+struct Outcome {
+  bool stays = true, converged = true;
+};
+
+// A heavy box on a light one, 5 s. Up to where the boxes are out of place, no step that says it has converged may add more
+// overlap than its tolerance and what the turning of the boxes makes of it.
+Outcome heavy_on_light(const std::string& solver, int iterations, Stages stages, double step, double ratio) {
+  Scene scene = scene_with(0.5);
+  scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.stages = stages, scene.time.step = step;
+  add(scene, block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
+  add(scene, block(ratio, Vec3(1, 1, 1), Vec3(0, 0, 1.5)));
+  add(scene, ground());
+  Experiment run(scene);
+  const int steps = static_cast<int>(5 / step);
+  double overlap = 0;
+  bool in_place = true;
+  Outcome last;
+  for (int k = 0; k < steps; ++k) {
+    const bool converged = run.step().converged;
+    EXPECT_TRUE(run.finite());
+    const double before = overlap;
+    overlap = run.penetration();
+    if (in_place && converged) {
+      EXPECT_LT(overlap, before + 3 * run.simulation->tolerance())
+          << solver << ' ' << iterations << ", h " << step << ", ratio " << ratio << ", step " << k;
     }
+    in_place = in_place && std::abs(run.position(1).z() - 1.5) < 0.01;
+    if (k < steps - 1 / step) continue;
+    last.stays = last.stays && in_place && overlap < 1e-3, last.converged = last.converged && converged;
+  }
+  return last;
+}
+
+}  // namespace
+
+// With iterations enough for the ratio (those that the accelerated solver needs grow with its root) the boxes stay where they
+// are; with too few, the run owns up.
+TEST(Stack, HeavyOnLightIsSolvedOrOwnsUp) {
+  const auto holds = [](const std::string& solver, int iterations, Stages stages, double step, double ratio) {
+    const Outcome last = heavy_on_light(solver, iterations, stages, step, ratio);
+    EXPECT_TRUE(last.stays) << solver << ' ' << iterations << ", h " << step << ", ratio " << ratio;
+    return last.converged;
+  };
+  const std::string fast = "accelerated_jacobi";
+  for (const double step : {0.001, 0.004, 0.016}) {
+    for (const double ratio : {1.0, 10.0, 100.0, 1000.0})
+      EXPECT_TRUE(holds(fast, 400, Stages::joint, step, ratio)) << "h " << step << ", ratio " << ratio;
+    for (const double ratio : {1.0, 10.0}) EXPECT_TRUE(holds(fast, 50, Stages::automatic, step, ratio)) << step;
+    EXPECT_TRUE(holds("jacobi", 50, Stages::automatic, step, 1)) << step;
+    holds("gauss_seidel", 50, Stages::automatic, step, 1);
+    for (const std::string& solver : {fast, std::string("gauss_seidel")})
+      for (const double ratio : {1e3, 1e6}) heavy_on_light(solver, 50, Stages::automatic, step, ratio);
+  }
 }
 
 // n bricks, the i-th from the top L / (2 i) beyond the one below: with 2 % less they stand, with 2 % more they fall.

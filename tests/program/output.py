@@ -168,6 +168,19 @@ class Results(ProgramTest):
         self.assertEqual((summary["scene"]["bodies"], summary["scene"]["dynamic_bodies"]), (45, 43))
         self.assertEqual((summary["first_frame"], summary["last_frame"]), (0, FRAMES))
         self.assertEqual(summary["state_hash"], self.run_done.state)
+        versions = summary["versions"]
+        self.assertEqual(set(versions), {"unibody", "petsc", "mpi", "hdf5", "metis"})
+        self.assertEqual(versions["hdf5"].split(".")[:2], h5py.version.hdf5_version.split(".")[:2])
+        for name in ("unibody", "petsc", "metis"):
+            self.assertRegex(versions[name], r"^\d+\.\d+\.\d+$")
+        self.assertRegex(versions["mpi"], r"\d+\.\d+")
+        # What the scene leaves to the program is told as it was used: a tolerance of 1e-4 of the smallest box, one frame, ...
+        self.assertEqual(summary["settings"], {
+            "time": {"step (s)": STEP, "frames": FRAMES, "substeps": 1},
+            "solver": {"name": "accelerated_jacobi", "iterations": 50, "tolerance (m)": 1e-4 * 0.11, "level": "position", "stages": "two",
+                       "warm_start": 1 / 3, "leak": 0, "friction": "disc", "gap": "frozen", "form": "incremental", "order": "coloured",
+                       "joints": "iterative", "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25, "margin (m)": 0.002},
+            "output": {"every": EVERY, "checkpoint_every": 10, "single_precision": False}})
         self.assertEqual(set(summary["files"]), set(os.listdir(self.results)))
         header, rows = report(self.results / "report.csv")
         for name in ("kinetic_energy (J)", "penetration_max (m)", "natural_residual (m)"):
