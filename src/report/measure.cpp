@@ -42,7 +42,8 @@ void add_body(const BodyProperties& p, const BodyState& s, const Vec3& gravity, 
 Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here) {
   std::array<ExactSum, sum_count> sums;
   std::array<std::int64_t, integer_count> counts{};
-  double deepest_of_all = 0;
+  std::array<double, 2> largest{0, bytes_here};  // depth, memory of a rank
+  double& deepest_of_all = largest[0];
 
   for (const Manifold& m : contacts.manifolds) {
     if (!counts_here(world, m)) continue;
@@ -66,7 +67,7 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
 
   const auto total = all_sums(comm, sums);
   MPI_Allreduce(MPI_IN_PLACE, counts.data(), integer_count, MPI_INT64_T, MPI_SUM, comm);
-  MPI_Allreduce(MPI_IN_PLACE, &deepest_of_all, 1, MPI_DOUBLE, MPI_MAX, comm);
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), largest.size(), MPI_DOUBLE, MPI_MAX, comm);
 
   Measures result;
   result.penetration_max = deepest_of_all;
@@ -77,6 +78,7 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
   result.kinetic_energy = total[kinetic], result.potential_energy = total[potential];
   result.linear_momentum = Vec3(total.data() + linear), result.angular_momentum = Vec3(total.data() + angular);
   if (counts[bodies] > 0) result.bytes_per_body = static_cast<double>(counts[bytes]) / static_cast<double>(counts[bodies]);
+  result.bytes_of_largest_rank = largest[1];
   return result;
 }
 

@@ -19,7 +19,8 @@ struct Measures {
   Vec3 linear_momentum = Vec3::Zero();   // kg m/s
   Vec3 angular_momentum = Vec3::Zero();  // kg m^2/s, about the origin
 
-  double bytes_per_body = 0;  // of all ranks' `bytes_here`
+  double bytes_per_body = 0;         // of all ranks' `bytes_here`
+  double bytes_of_largest_rank = 0;  // the most of them
 };
 
 // `bytes_here`: what this rank's arrays occupy (of bodies, contacts, solver, halo). Collective.

@@ -102,7 +102,8 @@ Json final_json(const FrameReport& r) {
   j.set("sliding_contacts", r.sliding_contacts);
   j.set("kinetic_energy (J)", m.kinetic_energy).set("potential_energy (J)", m.potential_energy);
   j.set("linear_momentum (kg m/s)", vector(m.linear_momentum)).set("angular_momentum (kg m^2/s)", vector(m.angular_momentum));
-  return j.set("bytes_per_body (B)", m.bytes_per_body).set("imbalance (max/mean)", r.imbalance);
+  j.set("bytes_per_body (B)", m.bytes_per_body).set("bytes_of_largest_rank (B)", m.bytes_of_largest_rank);
+  return j.set("imbalance (max/mean)", r.imbalance);
 }
 
 }  // namespace

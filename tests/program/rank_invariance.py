@@ -89,6 +89,13 @@ class RankInvariance(ProgramTest):
                 self.folder_for(solver)
                 self.check_all(SCENES / "boxes_500.yaml", solver, "-set", "time.frames=40", "-set", "output.every=10")
 
+    def test_the_memory_of_a_rank_falls_with_their_number(self):
+        largest = []
+        for n in (1, 4):
+            self.good(SCENES / "boxes_2000.yaml", f"memory_{n}", "-set", "time.frames=1", "-set", "output.every=0", ranks=n)
+            largest.append(json.loads((self.folder / f"memory_{n}" / "summary.json").read_text())["final"]["bytes_of_largest_rank (B)"])
+        self.assertLess(largest[1], 0.6 * largest[0])
+
     def test_boxes_and_spheres_between_walls(self):
         for solver in SOLVERS:
             with self.subTest(solver=solver):

@@ -65,6 +65,10 @@ TEST(RanksMeasure, HandComputed) {
   EXPECT_EQ(m.pairs, 7);
   EXPECT_EQ(m.contacts, 11);
   EXPECT_DOUBLE_EQ(m.penetration_max, 0.03);
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  EXPECT_EQ(m.bytes_per_body, 100);
+  EXPECT_EQ(m.bytes_of_largest_rank, 100 * ((4 + ranks - 1) / ranks));
   EXPECT_DOUBLE_EQ(m.penetration_l2, std::sqrt(1030e-6));
   EXPECT_DOUBLE_EQ(m.penetration_rms, std::sqrt(1030e-6 / 6));
   // Each: m v^2 / 2 = 9; spin 5 about its own x axis, of moment 1: 12.5.
