@@ -13,6 +13,9 @@ namespace unibody {
 // bit stay apart, and leave a crack that whoever needs a closed surface refuses. Normals, names and attributes are skipped: the
 // corners turn counterclockwise as seen from outside.
 //
+// It is no library's reader, which join corners by a distance of their own or not at all: here only equal ones are one node, in
+// the order of the file, and a fault ends with its line or triangle.
+//
 // Throws InputError "file:line: found v, expected e" (binary: "file: found v in triangle k, expected e", k from 1) on the first
 // fault: a missing file, one that is cut off, any other word, a bad number, a triangle with a corner twice, no triangles.
 TriangleMesh read_stl(const std::string& path);

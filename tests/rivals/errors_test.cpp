@@ -2,6 +2,8 @@
 #include "errors.hpp"
 
 #include <gtest/gtest.h>
+#include <hdf5.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -134,6 +136,45 @@ TEST(RivalErrors, OneBodyMovedChangesTheErrorByItsDepth) {
   EXPECT_NEAR(e.max, 0.01, 1e-12);
   s.frame.position[555] = {0, 0, std::nan("")};
   EXPECT_EQ(rivals::measure(s.bodies, s.frame).lost, 1);
+}
+
+// The same of a file, by another hand than the writer's and the reader's: of 103 frames the settled ones are the last 100.
+TEST(RivalErrors, OneBodyMovedInAFileChangesTheErrorByItsDepth) {
+  SceneOfBodies s;
+  for (int i = 0; i < 125; ++i) s.add(Shape::box, Vec3::Constant(0.5), Vec3(i % 5, i / 5 % 5, i / 25));  // just touching
+  const std::string path = testing::TempDir() + "one_body_moved_" + std::to_string(getpid()) + ".h5";
+  const auto errors_of_file = [&] {
+    const rivals::FrameReader reader(path);
+    std::vector<rivals::FrameErrors> frames;
+    rivals::Frame frame;
+    for (const long number : reader.frames()) reader.read(number, frame), frames.push_back(measure(reader.bodies(), frame));
+    return rivals::summarise(frames);
+  };
+  const auto move = [&](int frame, double by) {
+    char name[40];
+    std::snprintf(name, sizeof name, "/frames/%06d/position", frame);
+    const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), data = H5Dopen2(file, name, H5P_DEFAULT);
+    std::vector<double> all(3 * 125);
+    EXPECT_GE(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()), 0);
+    all[3 * 62] += by;  // the body in the middle
+    EXPECT_GE(H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()), 0);
+    H5Dclose(data), H5Fclose(file);
+  };
+  {
+    rivals::FrameWriter writer(path, s.bodies, false);
+    for (long k = 0; k < 103; ++k) writer.write(k, s.frame);
+  }
+  EXPECT_LT(errors_of_file().settled.l2 + errors_of_file().peak_l2, 1e-12);
+  move(1, 0.03);
+  EXPECT_LT(errors_of_file().settled.l2, 1e-12);
+  EXPECT_NEAR(errors_of_file().peak_l2, 0.03, 1e-12);
+  for (int k = 3; k < 103; ++k) move(k, 0.01);
+  const rivals::RunErrors e = errors_of_file();
+  EXPECT_EQ(e.frames, 103);
+  EXPECT_NEAR(e.settled.l2, 0.01, 1e-12);
+  EXPECT_NEAR(e.settled.max, 0.01, 1e-12);
+  EXPECT_NEAR(e.peak_max, 0.03, 1e-12);
+  std::filesystem::remove(path);
 }
 
 TEST(RivalErrors, GridFindsWhatAllPairsFind) {
