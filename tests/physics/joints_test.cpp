@@ -47,7 +47,7 @@ TEST(Joint, PendulumHasItsPeriod) {
       before = x;
       ASSERT_LT(k, 10000) << solver;
     }
-    EXPECT_NEAR((passages[2] - passages[0]) / exact, 1, 1e-3) << solver;
+    EXPECT_NEAR((passages[2] - passages[0]) / exact, 1, 1e-4) << solver;
   }
 }
 
