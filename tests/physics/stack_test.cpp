@@ -134,13 +134,17 @@ TEST(Stack, SagOfBoxes) {
 }
 
 TEST(Stack, TowersPressOnTheGroundWithTheirWeight) {
-  for (const int n : {10, 30}) {
+  struct Tower {
+    int boxes, iterations;  // news of the weight goes one box an iteration, and back
+    double seconds;
+  };
+  for (const auto& [n, iterations, seconds] : {Tower{10, 50, 8}, {30, 100, 8}, {100, 400, 3}}) {
     Scene scene = scene_with(0.5);
     for (int k = 0; k < n; ++k) add(scene, block(2, Vec3(1, 1, 1), Vec3(0, 0, 0.5 + k)));
     add(scene, ground());
-    scene.solver.iterations = n == 10 ? 50 : 100, scene.solver.tolerance = 0;
+    scene.solver.iterations = iterations, scene.solver.tolerance = 0;
     Experiment run(scene);
-    run.seconds(8);
+    run.seconds(seconds);
     EXPECT_NEAR(run.normal_force(0, n), 2 * n * g, 0.01 * 2 * n * g) << n << " boxes";
     for (int k = 1; k < n; ++k) EXPECT_NEAR(run.normal_force(k - 1, k), 2 * (n - k) * g, 0.01 * 2 * n * g);
     EXPECT_NEAR(run.position(n - 1).z(), n - 0.5, 0.01 * n);
@@ -200,6 +204,7 @@ TEST(Stack, HeavyOnLightIsSolvedOrOwnsUp) {
     for (const double ratio : {1.0, 10.0}) EXPECT_TRUE(holds(fast, 50, Stages::automatic, step, ratio)) << step;
     EXPECT_TRUE(holds("jacobi", 50, Stages::automatic, step, 1)) << step;
     holds("gauss_seidel", 50, Stages::automatic, step, 1);
+    if (step == 0.001) continue;  // five thousand steps each
     for (const std::string& solver : {fast, std::string("gauss_seidel")})
       for (const double ratio : {1e3, 1e6}) heavy_on_light(solver, 50, Stages::automatic, step, ratio);
   }

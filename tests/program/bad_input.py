@@ -18,6 +18,8 @@ bodies:
     position: [0, 0, 0.3]
 """
 
+MOST_SECONDS = 5  # of a run that is refused, mpirun's own start included; on an idle machine it takes less than one
+
 
 class RefusedTest(ProgramTest):
     def refused(self, scene, *options, ranks=2, says=(), output="results/deep"):
@@ -25,6 +27,7 @@ class RefusedTest(ProgramTest):
         before = tree(self.folder)
         run = unibody(scene, "-output", self.folder / output, *options, ranks=ranks, timeout=60, folder=self.folder)
         self.assertEqual(run.code, 2, run.err)
+        self.assertLess(run.seconds, MOST_SECONDS, "it is meant to be refused at once")
         self.assertEqual(len(run.message), 1, run.err)
         for text in says:
             self.assertIn(text, run.message[0])

@@ -102,6 +102,17 @@ class RankInvariance(ProgramTest):
                 self.folder_for(solver)
                 self.check_all(self.scene(MIXED), solver)
 
+    # Colours across many cuts; few frames, since it takes a message a colour.
+    def test_gauss_seidel_on_seven_ranks(self):
+        scene = self.scene(MIXED)
+        options = ["-set", "solver.name=gauss_seidel", "-set", "time.frames=16", "-set", "solver.iterations=6"]
+        one = self.good(scene, "on_1", *options, ranks=1)
+        header, *rows = comparable(self.folder / "on_1" / "report.csv")
+        self.assertGreater(int(rows[-1][header.index("contacts")]), 100, "nothing touches anything: such a run tells nothing")
+        self.assertEqual(self.good(scene, "on_7", *options, ranks=7).state, one.state)
+        self.assertEqual(self.ranks_told("on_7"), 7)
+        self.assert_same("on_1", "on_7")
+
     def report_of_equal_runs(self, scene, options):
         """The rows of report.csv of a scene's runs on 1 to 4 ranks and of a random partition, all the same."""
         runs = [self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]

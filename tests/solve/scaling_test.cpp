@@ -4,6 +4,8 @@
 
 #include "constraints/dense_system.hpp"
 #include "constraints/random_bench.hpp"
+#include "solve/elastic_bench.hpp"
+#include "solve/reference_bench.hpp"
 
 namespace unibody::small_worlds {
 
@@ -99,6 +101,58 @@ TEST(Scaling, SettingScalesTheCounts) {
   full->build_for_jacobi();
   EXPECT_LE(rho_scaled(*full), 2 * before + 1e-12);  // no count falls below 1: not quite twice
   EXPECT_GT(rho_scaled(*full), 1.5 * before);
+}
+
+namespace {
+
+// Of tetrahedra, as Jacobi sweeps show it: from multipliers l at rest a sweep goes to (1 - P^-1 N) l, column after column. Their
+// P holds the nodes' weights times the number of constraints that share them; `share`: of that number.
+double rho_of_solid(double youngs_modulus, double share) {
+  const double poissons_ratio = 0.3, unit = 1e-6;  // N s: so little that strains stay linear
+  Scene scene = scene_from_text(
+      block_text("[0.3, 0.1, 0.1]", "[3, 1, 1]", "density: 1000\n    youngs_modulus: 1.0e+5\n    poissons_ratio: 0.3"));
+  Experiment run(scene);
+  run.simulation->detect();
+  const ElasticMesh mesh = mesh_of(run.simulation->constraints, run.world().position, lame(youngs_modulus, poissons_ratio));
+  EXPECT_EQ(mesh.cells.size(), 18u);
+  const ConstraintSet set = constraints_of(mesh, youngs_modulus, poissons_ratio);
+  IterativeStep step(run.world(), set, Vec3::Zero(), 0.016, "jacobi");
+  const std::size_t n = 6 * mesh.cells.size();
+  Eigen::MatrixXd map = Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  const auto tetrahedra = [](ConstraintMultipliers& all, const ConstraintSet& of, auto&& f) {
+    for_each_type(of, [&](auto type, const auto& list) {
+      for (std::size_t c = 0; c < list.size(); ++c)
+        for (std::size_t k = 0; k < std::get<type.value>(all)[c].size(); ++k) f(6 * c + k, std::get<type.value>(all)[c][k]);
+    });
+  };
+  for (Vec4d& place : step.bench.system.places) place[3] *= share;
+  for (std::size_t j = 0; j < n; ++j) {
+    ConstraintMultipliers lambda = step.multipliers();
+    tetrahedra(lambda, set, [&](std::size_t row, double& value) { value = row == j ? unit : 0; });
+    step.batches.set_multipliers(lambda, 1);
+    step.reapply();
+    step.iterate(1);
+    lambda = step.multipliers();
+    tetrahedra(lambda, set, [&](std::size_t row, double& value) {
+      map(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(j)) -= value / unit;
+    });
+  }
+  return map.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+}  // namespace
+
+// Nodes counted half are beyond what is guaranteed; of stiff solids, without compliance to speak of, just twice as far.
+TEST(Scaling, SolidsSoftAndStiff) {
+  for (const double youngs_modulus : {1e5, 5e8}) {
+    const double rho = rho_of_solid(youngs_modulus, 1), half = rho_of_solid(youngs_modulus, 0.5);
+    EXPECT_LE(rho, 1 + 1e-5) << youngs_modulus;
+    EXPECT_GT(rho, 0.3) << youngs_modulus;
+    EXPECT_GT(half, 1.5) << youngs_modulus;
+    if (youngs_modulus > 1e8) {
+      EXPECT_NEAR(half, 2 * rho, 1e-3);
+    }
+  }
 }
 
 }  // namespace unibody::small_worlds
