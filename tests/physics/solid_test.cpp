@@ -149,7 +149,8 @@ TEST(Solid, TheGuardTurnsAnInvertedBlockBack) {
   }
 }
 
-// Nodes at random, or all in a plane: finite, and with the guard every tetrahedron ends with a volume.
+// Nodes at random, or all in a plane: finite, and with the guard every tetrahedron ends with a volume. Without it half of those
+// at random stay inside out.
 TEST(Solid, RandomAndFlattenedStartsAreFinite) {
   for (const bool flat : {false, true}) {
     Scene scene = scene_from_text("gravity: [0, 0, 0]\n" + block("    damping: 0.05\n    least_volume: 0.1\n"));
@@ -163,15 +164,16 @@ TEST(Solid, RandomAndFlattenedStartsAreFinite) {
     run.steps(500);
     EXPECT_TRUE(run.finite());
     const Strain strain = strain_of(run);
+    EXPECT_EQ(strain.inverted, 0) << flat;
+    EXPECT_GT(strain.volume_min, 0) << flat;
     if (flat) {
-      EXPECT_EQ(strain.inverted, 0);
       EXPECT_LT(strain.max, 0.1);
     }
   }
 }
 
-// A soft half beside one a million times as stiff, and a material that is nearly incompressible: the solver gets to the step's
-// solution, or says that it did not.
+// A soft half beside one a million times as stiff, a material that is nearly incompressible, and both at once: the solvers, one
+// of them by default, get to the step's solution, or say that they did not.
 TEST(Solid, HardMaterialsConvergeOrSayThatTheyDidNot) {
   const std::string contrast = "    regions: [{within: {min: [0, -1, -1], max: [1, 1, 1]}, youngs_modulus: 1.0e9}]\n";
   const std::string pins = "    pins: [{within: {min: [-0.2, -1, -1], max: [-0.2, 1, 1]}}]\n";
@@ -179,11 +181,13 @@ TEST(Solid, HardMaterialsConvergeOrSayThatTheyDidNot) {
       "solids:\n  - block: {size: [0.4, 0.3, 0.2], cells: [4, 3, 2]}\n    density: 1000\n    thickness: 0.01\n";
   const std::string soft = "    youngs_modulus: 1.0e3\n    poissons_ratio: 0.3\n",
                     jelly = "    youngs_modulus: 1.0e5\n    poissons_ratio: 0.4999\n";
+  const std::string soft_jelly = "    youngs_modulus: 1.0e3\n    poissons_ratio: 0.4999\n";
   int yes = 0, no = 0;
-  for (const std::string& law : {soft + contrast, jelly}) {
-    const auto places = [&](const char* solver, int iterations, bool& converged, double& tolerance) {
+  for (const std::string& law : {soft + contrast, jelly, soft_jelly + contrast}) {
+    const auto places = [&](const std::string& solver, int iterations, bool& converged, double& tolerance) {
       Scene scene = scene_from_text(head + law + pins);
-      scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.form = Form::total;
+      scene.solver.name = solver, scene.solver.iterations = iterations;
+      if (solver == "gauss_seidel") scene.solver.form = Form::total;  // the other by defaults
       Experiment run(std::move(scene));
       run.step();
       converged = run.last.converged, tolerance = run.simulation->tolerance();
@@ -193,13 +197,14 @@ TEST(Solid, HardMaterialsConvergeOrSayThatTheyDidNot) {
     double tolerance = 0;
     const auto exact = places("newton", 50, converged, tolerance);
     EXPECT_TRUE(converged);
-    for (const int iterations : {2, 20, 5000}) {
-      const auto found = places("gauss_seidel", iterations, converged, tolerance);
-      double worst = 0;
-      for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (found[i] - exact[i]).norm());
-      EXPECT_TRUE(!converged || worst < 100 * tolerance) << iterations << ' ' << worst;
-      ++(converged ? yes : no);
-    }
+    for (const std::string solver : {"gauss_seidel", "accelerated_jacobi"})
+      for (const int iterations : {2, 20, 50, 5000}) {
+        const auto found = places(solver, iterations, converged, tolerance);
+        double worst = 0;
+        for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (found[i] - exact[i]).norm());
+        EXPECT_TRUE(!converged || worst < 100 * tolerance) << solver << ' ' << iterations << ' ' << worst;
+        ++(converged ? yes : no);
+      }
   }
   EXPECT_GT(yes, 0);
   EXPECT_GT(no, 0);

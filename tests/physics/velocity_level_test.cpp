@@ -245,8 +245,8 @@ TEST(VelocityLevel, SpringsAreAsStiffAsTheySay) {
       ASSERT_EQ(scene.body(1).properties.mass, m);
       Experiment run(std::move(scene));
       run.steps(100);
-      EXPECT_NEAR(run.position(1).x() - 5, x, 1e-11) << solver << ' ' << iterations;
-      EXPECT_NEAR(run.velocity(1).x(), v, 1e-10) << solver << ' ' << iterations;
+      EXPECT_NEAR(run.position(1).x() - 5, x, 2e-12) << solver << ' ' << iterations;
+      EXPECT_NEAR(run.velocity(1).x(), v, 2e-12) << solver << ' ' << iterations;
 
       for (const double length : {0.004, 0.016}) {
         Scene hung = scene_from_text(

@@ -233,6 +233,78 @@ class Solids(ProgramTest):
                     self.assertAlmostEqual(volumes.sum(), volume, delta=1e-12)
 
 
+# All nodes are held, half of them by bodies that move: a cloth of links is stretched along x, one of a membrane is sheared, a block
+# is stretched along x, and another one is pressed along y and then turned inside out.
+MATERIALS = """
+    time: {step: 0.125, frames: 2}
+    gravity: [0, 0, 0]
+    materials: {rag: {friction: 0.1}, silk: {friction: 0.2}, jelly: {friction: 0.3}, cork: {friction: 0.4}}
+    bodies:
+      - {name: slow, shape: {sphere: {radius: 0.01}}, motion: kinematic, position: [0, 0, 90], velocity: [0.2, 0, 0]}
+      - {name: fast, shape: {sphere: {radius: 0.01}}, motion: kinematic, position: [0, 5, 90], velocity: [0, -4.8, 0]}
+    cloths:
+      - {grid: {size: [1, 0.75], nodes: [2, 2]}, mass: 1, thickness: 0.01, material: silk, links: {stiffness: 1000},
+         pins: [{node: [0, 0]}, {node: [0, 1]}, {node: [1, 0], to: slow}, {node: [1, 1], to: slow}]}
+      - {grid: {size: [1, 1], nodes: [2, 2]}, mass: 1, thickness: 0.01, material: rag, position: [0, 0, 10],
+         membrane: {youngs_modulus: 1.0e+5, poissons_ratio: 0.3},
+         pins: [{node: [0, 0]}, {node: [1, 0]}, {node: [0, 1], to: slow}, {node: [1, 1], to: slow}]}
+    solids:
+      - {block: {size: [0.5, 1, 1], cells: [1, 1, 1]}, density: 1000, youngs_modulus: 1.0e+5, poissons_ratio: 0.3, thickness: 0.01,
+         material: cork, position: [0, 0, 20],
+         pins: [{within: {min: [-0.25, -1, 0], max: [-0.25, 1, 30]}}, {within: {min: [0.25, -1, 0], max: [0.25, 1, 30]}, to: slow}]}
+      - {block: {size: [1, 1, 1], cells: [1, 1, 1]}, density: 1000, youngs_modulus: 2.0e+5, poissons_ratio: 0.25, thickness: 0.01,
+         material: jelly, position: [0, 0, 30],
+         pins: [{within: {min: [-1, -0.5, 0], max: [1, -0.5, 40]}}, {within: {min: [-1, 0.5, 0], max: [1, 0.5, 40]}, to: fast}]}
+"""
+
+# One iteration of Jacobi's from rest, m = 2 kg at the middle node and 1 kg at the free end.
+HANGING = """
+    time: {step: 0.01, frames: 1}
+    gravity: [0, 0, -10]
+    solver: {name: jacobi, iterations: 1, stages: position, tolerance: 0}
+    materials: {air: {friction: 0}, string: {friction: 0.5}}
+    threads:
+      - {points: [[0, 0, 0], [0, 0, -2]], segments: 2, radius: 0.01, mass: 4, pins: [{node: 0}], bending: {stiffness: 5000}, material: string}
+"""
+
+
+class Columns(ProgramTest):
+    def rows(self, name, text):
+        self.good(self.scene(text), name)
+        header, rows = report(self.folder / name / "report.csv")
+        return [dict(zip(header, map(float, row))) for row in rows]
+
+    def check(self, row, expected):
+        found = {name: value for name, value in row.items() if re.match("stretch|strain|volume|inverted|elastic|residual", name)}
+        self.assertEqual(set(found), set(expected))
+        for name, value in expected.items():
+            self.assertAlmostEqual(found[name], value, delta=1e-12 * max(1, abs(value)), msg=name)
+
+    def test_stretch_and_strain_are_of_the_material_that_is_named(self):
+        for k, row in enumerate(self.rows("held", MATERIALS), 1):
+            moved = 0.2 * 0.125 * k
+            links = [moved, moved, 0, 0] + 2 * [math.hypot(1 + moved, 0.75) / 1.25 - 1]  # along x, along y, across
+            shear = [math.sqrt(1 + moved**2 / 4) + sign * moved / 2 - 1 for sign in (-1, 1)]
+            expected = {"residual_distance (m)": 0, "residual_membrane (m)": 0, "residual_tetrahedron (m)": 0}
+            for name, stretches in ("silk", links), ("rag", shear):
+                expected[f"stretch_max[{name}] (1)"] = max(map(abs, stretches))
+                expected[f"stretch_rms[{name}] (1)"] = math.sqrt(sum(s * s for s in stretches) / len(stretches))
+            for name, size, stretch, young, poisson in ("cork", 0.5, 1 + moved / 0.5, 1e5, 0.3), ("jelly", 1, 1 - 0.6 * k, 2e5, 0.25):
+                strain = (stretch**2 - 1) / 2
+                modulus = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
+                expected.update({f"strain_max[{name}] (1)": abs(strain), f"volume_min[{name}] (1)": stretch, f"volume_max[{name}] (1)": stretch,
+                                 f"inverted[{name}] (1)": 6 * (stretch < 0), f"elastic_energy[{name}] (J)": size * modulus * strain**2 / 2})
+            self.check(row, expected)
+
+    def test_residuals_are_those_of_each_type(self):
+        """The upper segment bears half of what it must, the other one nothing, and the bending link, whose compliance is four times
+        the inverse mass of its end, a quarter: the nodes have fallen by 1/2 and 3/4 of h^2 g."""
+        fall = 0.01**2 * 10
+        (row,) = self.rows("hanging", HANGING)
+        self.check(row, {"residual_distance (m)": fall / 2, "residual_bending_link (m)": fall * (3 / 4 - 1 / 2),
+                         "stretch_max[string] (1)": fall / 2, "stretch_rms[string] (1)": fall * math.sqrt((1 / 4 + 1 / 16) / 2)})
+
+
 class Switches(ProgramTest):
     def test_nothing_is_written_that_was_not_asked_for(self):
         scene = self.scene(SCENE)

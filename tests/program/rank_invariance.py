@@ -135,6 +135,17 @@ class RankInvariance(ProgramTest):
             held = sum(int(row["held_pairs (1)"]) for row in report)
             self.assertGreater(held, 0)
 
+    # A soft mesh that slides on a box, with substeps; grains poured on a cloth.
+    def test_soft_and_granular(self):
+        slide = ("time.frames=4", "time.substeps=2", "solver.iterations=10", "solids[0].velocity=[1, 0, -3]")
+        pour = ("time.frames=10", "solver.iterations=10", "bodies[1].lattice.count=300", "bodies[1].lattice.columns=[10, 10]",
+                "bodies[1].velocity=[0, 0, -6]", "cloths[0].grid.nodes=[21, 21]", "cloths[0].pins=[{node: [0, 0]}, {node: [20, 20]}]")
+        for scene, contacts, more in (("torus_on_box", 10, slide), ("grains_on_cloth", 100, pour)):
+            options = [word for text in ("output.every=5", *more) for word in ("-set", text)]
+            report = self.report_of_equal_runs(scene, options)
+            self.assertGreater(int(report[-1]["contacts"]), contacts, "nothing touches anything: such a run tells nothing")
+            self.assertGreater(max(int(row["sliding_contacts"]) for row in report), 0)
+
     # Contacts, joints, links and a soft solid, all at velocity level.
     def test_velocity_level(self):
         cases = [(self.scene(MIXED, "mixed.yaml"), "time.frames=30"), (SCENES / "hierarchy.yaml", "time.frames=30"),

@@ -177,5 +177,24 @@ TEST(BlockSolid, RegionsHaveTheirOwnModulus) {
   }
 }
 
+// A mesh may have several parts: one is held, and the other one, which has nothing to do with it, falls freely.
+TEST(MeshSolid, TwoPartsAreTwoBodies) {
+  const TextFile file(
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 5 0 0\n6 6 0 0\n7 5 1 0\n"
+      "8 5 0 1\n$EndNodes\n$Elements\n2\n1 4 2 1 1 1 2 3 4\n2 4 2 1 1 5 6 7 8\n$EndElements\n",
+      ".msh");
+  small_worlds::Experiment run(
+      scene_from("solids:\n  - mesh: " + file.path().substr(file.path().rfind('/') + 1) +
+                 "\n    density: 1000\n    youngs_modulus: 1.0e+5\n    poissons_ratio: 0.3\n    thickness: 0.01\n"
+                 "    pins: [{within: {min: [-1, -1, -1], max: [2, 2, 2]}}]\n"));
+  ASSERT_EQ(run.world().homes, 8u);
+  const std::vector<Vec3> start = run.world().position;
+  run.steps(20);
+  for (Id id = 0; id < 8; ++id) {
+    const double fallen = id < 4 ? 0 : 9.81 * run.h() * run.h() * 20 * 21 / 2;
+    EXPECT_LT((run.position(id) - start[run.slot(id)] + Vec3(0, 0, fallen)).norm(), 1e-12) << id;
+  }
+}
+
 }  // namespace
 }  // namespace unibody

@@ -17,9 +17,9 @@ namespace unibody {
 // A file that lives as long as the object.
 class TextFile {
  public:
-  explicit TextFile(const std::string& text) {
+  explicit TextFile(const std::string& text, const std::string& ending = ".yaml") {
     static int number = 0;
-    path_ = ::testing::TempDir() + "scene_" + std::to_string(getpid()) + "_" + std::to_string(number++) + ".yaml";
+    path_ = ::testing::TempDir() + "scene_" + std::to_string(getpid()) + "_" + std::to_string(number++) + ending;
     std::ofstream(path_) << text;
   }
   ~TextFile() { std::remove(path_.c_str()); }
