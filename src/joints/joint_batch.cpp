@@ -133,7 +133,7 @@ void JointBatch::get_impulses(std::span<JointImpulses> impulses) const {
     });
 }
 
-// After the step at these velocities: the same turn as finish_motion() makes.
+// After the step at these velocities: the same turn as finish_motion() makes, but where it holds the energy.
 JointEnd JointBatch::end_of(const Side& side, const SolverBody& body, double step) {
   const Vec3 half = 0.5 * step * spin_of(body);
   const Mat3 axes = (Quat(1, half.x(), half.y(), half.z()) * side.axes).normalized().toRotationMatrix();

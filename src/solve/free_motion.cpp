@@ -1,8 +1,13 @@
 #include "solve/free_motion.hpp"
 
+#include <algorithm>
+
 namespace unibody {
 
 namespace {
+
+constexpr double most_turn = 1;        // rad in a step, up to which the solver works with the mean spin
+constexpr double least_growth = 1e-4;  // of a body's energy of turning, which is not round-off
 
 bool has_isotropic_inertia(const BodyProperties& body, bool planar) {
   if (body.shape.kind == ShapeKind::particle) return true;
@@ -34,6 +39,12 @@ Vec3 midpoint_spin(const Vec3& inertia, const Vec3& spin, double step) {
   return w;
 }
 
+// Twice the energy of turning (J) with this momentum at this attitude.
+double energy_of_turning(const Vec3& momentum, const Mat3& attitude, const Vec3& inertia) {
+  const Vec3 own = attitude.transpose() * momentum;
+  return own.dot(own.cwiseQuotient(inertia));
+}
+
 InverseInertia six_of(const Mat3& W) { return {W(0, 0), W(1, 1), W(2, 2), W(1, 2), W(0, 2), W(0, 1)}; }
 
 }  // namespace
@@ -62,7 +73,7 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
       Mat3 W = R * inverse.asDiagonal() * R.transpose();
       if (planar) W = Vec3(0, inverse.y(), 0).asDiagonal();  // turned about y, it is the same to the last bit
       motion.inverse_inertia = six_of(W);
-      if (!planar && w != Vec3::Zero()) {
+      if (!planar && w != Vec3::Zero() && step * w.norm() <= most_turn) {
         const Vec3 spin = R.transpose() * w, mean = midpoint_spin(body.inertia, spin, step);
         motion.gyroscopic = R * body.inertia.cwiseProduct(spin - mean);
         w = R * mean;
@@ -87,13 +98,21 @@ BodyState finish_motion(const BodyProperties& body, const BodyState& state, cons
   next.angular_velocity = Eigen::Map<const Vec3>(solved.w);
   next.position += step * Eigen::Map<const Vec3>(moving.v);
   if (body.shape.kind == ShapeKind::particle) return next;  // it does not turn
-  next.orientation = turned_by(state.orientation, Eigen::Map<const Vec3>(moving.w), step);
-  if (body.is_dynamic() && !planar &&
-      !has_isotropic_inertia(body, planar)) {  // spin follows from the momentum in the new attitude
-    const Mat3 before = state.orientation.toRotationMatrix(), after = next.orientation.toRotationMatrix();
-    const Vec3 momentum = before * body.inertia.cwiseProduct(before.transpose() * next.angular_velocity) + gyroscopic;
-    next.angular_velocity = after * (after.transpose() * momentum).cwiseQuotient(body.inertia);
+  const Vec3 spin = Eigen::Map<const Vec3>(moving.w);
+  next.orientation = turned_by(state.orientation, spin, step);
+  if (!body.is_dynamic() || planar || has_isotropic_inertia(body, planar)) return next;
+  // The spin follows from the momentum in the new attitude.
+  const Mat3 before = state.orientation.toRotationMatrix();
+  const Vec3 momentum = before * body.inertia.cwiseProduct(before.transpose() * next.angular_velocity) + gyroscopic;
+  Mat3 after = next.orientation.toRotationMatrix();
+  const bool fast = step * std::max(spin.norm(), state.angular_velocity.norm()) > most_turn;
+  if (fast ||
+      energy_of_turning(momentum, after, body.inertia) > (1 + least_growth) * energy_of_turning(momentum, before, body.inertia)) {
+    const Vec3 own = (before.transpose() * momentum).cwiseQuotient(body.inertia);
+    next.orientation = turned_by(state.orientation, before * midpoint_spin(body.inertia, own, step), step);
+    after = next.orientation.toRotationMatrix();
   }
+  next.angular_velocity = after * (after.transpose() * momentum).cwiseQuotient(body.inertia);
   return next;
 }
 

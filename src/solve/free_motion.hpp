@@ -3,6 +3,10 @@
 // Spin (Simo & Wong 1991): the torque-free part is the implicit midpoint rule in the body frame, which keeps the
 // energy and the magnitude of the angular momentum exactly; with the normalised quaternion update (a Cayley map) it keeps the
 // momentum's direction in space as well. The solver then works at the inertia of the start of the step.
+//
+// Impulses add to the mean spin, by which the body turns; its new momentum in the attitude that it so gets may be worth more
+// energy than before: a thin rod, whose inertia about its length is small, would spin up without end. Where a step would gain
+// energy by turning, or turns a body by more than a radian, the body turns as with its new momentum it would freely.
 #pragma once
 
 #include "constraints/system.hpp"
