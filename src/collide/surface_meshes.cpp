@@ -54,8 +54,8 @@ class SurfaceCollider::MeshFace {
     }
     is_fast_ = travel > radius_;
     const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
-    reach_ = radius_ + settings_.margin + settings_.step * fastest + body.spin_reach + fall;
-    reach_ = std::max(reach_, deepest * radius_);
+    still_ = radius_ + settings_.margin + body.spin_reach + fall;
+    reach_ = std::max(still_ + settings_.step * fastest, deepest * radius_);
   }
 
   void run() {
@@ -68,13 +68,18 @@ class SurfaceCollider::MeshFace {
     low.array() -= reach_, high.array() += reach_;
     std::vector<std::int32_t> found;
     mesh_.find(low, high, found);
-    std::vector<Corner> corners;  // of a node in the box all triangles are found
-    for (const std::int32_t t : found)
+    set_sides();
+    std::vector<std::array<unsigned, 3>> beyond;  // of each triangle's nodes
+    std::vector<Corner> corners;                  // of a node in the box all triangles are found
+    for (const std::int32_t t : found) {
+      beyond.emplace_back();
       for (std::size_t k = 0; k < 3; ++k) {
         const std::int32_t node = triangle(t).nodes[k];
         const Vec3& x = mesh_.nodes[static_cast<std::size_t>(node)];
-        if ((x.array() >= low.array()).all() && (x.array() <= high.array()).all()) corners.push_back({node, t, k});
+        const unsigned where = beyond.back()[k] = sides_beyond(x);
+        if (where == 0 && (x.array() >= low.array()).all() && (x.array() <= high.array()).all()) corners.push_back({node, t, k});
       }
+    }
     std::sort(corners.begin(), corners.end(),
               [](const Corner& a, const Corner& b) { return std::pair(a.node, a.triangle) < std::pair(b.node, b.triangle); });
     for (auto from = corners.begin(); from != corners.end();) {
@@ -82,9 +87,9 @@ class SurfaceCollider::MeshFace {
       add_node({from, to});
       from = to;
     }
-    for (const std::int32_t t : found)
+    for (std::size_t i = 0; i < found.size(); ++i)
       for (std::size_t k = 0; k < 3; ++k)
-        if (triangle(t).speaks_for_edge[k]) add_edge(t, k);
+        if (triangle(found[i]).speaks_for_edge[k] && (beyond[i][k] & beyond[i][(k + 1) % 3]) == 0) add_edge(found[i], k);
   }
 
  private:
@@ -92,6 +97,35 @@ class SurfaceCollider::MeshFace {
     std::int32_t node, triangle;
     std::size_t place;  // of the node in the triangle
   };
+
+  // Planes of the mesh's frame around all that the face may touch in the step: beside its edges, over and under it.
+  void set_sides() {
+    const Vec3 up = (local_[1] - local_[0]).cross(local_[2] - local_[0]).normalized();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 aside = (local_[(k + 1) % 3] - local_[k]).cross(up).normalized();
+      sides_[k] = {aside, aside.dot(local_[k]) + still_ + farthest_towards(aside)};
+    }
+    for (std::size_t k = 3; k < 5; ++k) {
+      const Vec3 away = k == 3 ? up : Vec3(-up);
+      const double travel = std::max(farthest_towards(up), farthest_towards(-up));
+      sides_[k] = {away, away.dot(local_[0]) + std::max(still_ + travel, deepest * radius_)};
+    }
+  }
+  // m, in the step, by itself or against the mesh.
+  double farthest_towards(const Vec3& direction) const {
+    const Vec3 turned = body_.rotation * direction;
+    double most = std::max(0.0, -settings_.step * turned.dot(body_.velocity));
+    for (const Slot s : face_.nodes) {
+      const Vec3& own = collider_.velocity(s);
+      most = std::max({most, settings_.step * turned.dot(own), settings_.step * turned.dot(own - body_.velocity)});
+    }
+    return most;
+  }
+  unsigned sides_beyond(const Vec3& x) const {
+    unsigned result = 0;
+    for (std::size_t k = 0; k < 5; ++k) result |= static_cast<unsigned>(sides_[k].first.dot(x) > sides_[k].second) << k;
+    return result;
+  }
 
   const MeshSurface::Triangle& triangle(std::int32_t t) const { return mesh_.triangles[static_cast<std::size_t>(t)]; }
   Vec3 arm(std::int32_t node) const { return body_.rotation * mesh_.nodes[static_cast<std::size_t>(node)]; }
@@ -285,9 +319,10 @@ class SurfaceCollider::MeshFace {
   const Proxy& body_;
   const MeshSurface& mesh_;
   const SurfaceFace& face_;
-  Vec3 spin_;                  // 1/s
-  TriangleNodes now_, local_;  // of the face; in the mesh's frame
-  double radius_, reach_;      // m
+  Vec3 spin_;                                     // 1/s
+  TriangleNodes now_, local_;                     // of the face; in the mesh's frame
+  double radius_, still_, reach_;                 // m; within the reach there may be contacts, within the other if nothing moves
+  std::array<std::pair<Vec3, double>, 5> sides_;  // normals away from the face, m
   bool is_closed_, is_fast_;
   Pair pair_;
 };
