@@ -97,15 +97,15 @@ cloths:
 bodies:
   - shape: {mesh: {height_field: {size: [2, 2], cells: [4, 4], heights: [0, 0.1, 0, 0, 0, 0, 0.6, 0, 0.5, 0, 0, 0, 0.1, 0, 0, 0, 0.5, 0, 0.4, 0, 0, 0, 0, 0, 0]}}}
 cloths:
-  - grid: {size: [1.8, 1.8], nodes: [8, 7]}
+  - grid: {size: [1.8, 1.8], nodes: [6, 5]}
     mass: 0.4
     thickness: 0.02
     position: [0.03, 0.02, 0.66]
     velocity: [0, 0, -1]
 threads:
-  - {points: [[-0.9, 0.1, 0.75], [0.9, 0.2, 0.75]], segments: 8, radius: 0.01, mass: 0.1, velocity: [0, 0, -6]}
+  - {points: [[-0.9, 0.1, 0.75], [0.9, 0.2, 0.75]], segments: 6, radius: 0.01, mass: 0.1, velocity: [0, 0, -6]}
 solids:
-  - block: {size: [0.6, 0.6, 0.3], cells: [2, 2, 1]}
+  - block: {size: [0.6, 0.6, 0.3], cells: [1, 1, 1]}
     position: [-0.3, 0.4, 1.1]
     velocity: [0, 0, -5]
     density: 200
@@ -113,7 +113,7 @@ solids:
     poissons_ratio: 0.3
     thickness: 0.02
 )",
-                               30},
+                               12},
                               {"two_cloths", R"(
 bodies:
   - {shape: {sphere: {radius: 0.2}}, mass: 5, position: [0, 0, -0.3]}
