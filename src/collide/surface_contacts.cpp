@@ -11,12 +11,7 @@ namespace unibody {
 
 namespace {
 
-constexpr double lean_of_points = 1e-9;  // as lean_of_boxes
-
 constexpr std::uint32_t edges_feature = 1000, convex_feature = 2000;
-
-// Hits may be reported so much before the two touch.
-ContinuousSettings continuous(double radii) { return {radii, 1e-6 + 1e-3 * radii, 200}; }
 
 // The sine at which `towards`, less its part along an edge, rises along a unit direction.
 double rise(const Vec3& towards, const Vec3& edge, const Vec3& direction) {
@@ -272,11 +267,10 @@ void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
 
 void SurfaceCollider::body_face(const Proxy& body, std::int32_t number) {
   const SurfaceFace& face = surfaces_.faces[static_cast<std::size_t>(number)];
-  if (is_composite(body.kind)) {  // of a mesh only the nodes feel the triangles
+  if (body.kind == ShapeKind::mesh) return mesh_face(body, face);
+  if (body.kind == ShapeKind::compound) {
     std::uint32_t parts = 0;
-    if (body.kind == ShapeKind::compound)
-      for_each_part(body, [&](const Proxy& part) { convex_face(part, face, convex_feature + (parts++ << 18)); });
-    return;
+    return for_each_part(body, [&](const Proxy& part) { convex_face(part, face, convex_feature + (parts++ << 18)); });
   }
   if (body.kind == ShapeKind::box) return box_face(body, face);
   if (!is_round(body.shape())) return convex_face(body, face, convex_feature);

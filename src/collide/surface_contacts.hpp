@@ -25,7 +25,10 @@ namespace unibody {
 
 // How far a direction may lean towards a neighbour, as a sine, and still count as least: without it a box that lies flat would
 // lose contacts by a turn in the last bit.
-constexpr double lean_of_boxes = 0.05;
+constexpr double lean_of_boxes = 0.05, lean_of_points = 1e-9;
+
+// Hits may be reported so much before the two touch.
+inline ContinuousSettings continuous(double radii) { return {radii, 1e-6 + 1e-3 * radii, 200}; }
 
 // Of the weights of a face's nodes. A segment has its second node twice: all of the weight goes to the first of the two.
 bool is_one_node(const Vec3& weights);
@@ -98,6 +101,8 @@ class SurfaceCollider {
   void convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature);
   double first_touch(const Proxy& box, const SurfaceFace& face, double radius) const;
   double first_touch_of_solid(const Proxy& solid, const SurfaceFace& face, double radius) const;
+  class MeshFace;  // surface_meshes.cpp
+  void mesh_face(const Proxy& mesh, const SurfaceFace& face);
   void add_if_through(Pair pair, const Proxy& solid, const SurfaceFace& face, std::uint32_t feature);
 
   const World& world_;

@@ -93,6 +93,27 @@ cloths:
     velocity: [0, 0.1, -3]
 )",
                                40},
+                              {"on_a_mesh_of_spikes", R"(
+bodies:
+  - shape: {mesh: {height_field: {size: [2, 2], cells: [4, 4], heights: [0, 0.1, 0, 0, 0, 0, 0.6, 0, 0.5, 0, 0, 0, 0.1, 0, 0, 0, 0.5, 0, 0.4, 0, 0, 0, 0, 0, 0]}}}
+cloths:
+  - grid: {size: [1.8, 1.8], nodes: [6, 5]}
+    mass: 0.4
+    thickness: 0.02
+    position: [0.03, 0.02, 0.66]
+    velocity: [0, 0, -1]
+threads:
+  - {points: [[-0.9, 0.1, 0.75], [0.9, 0.2, 0.75]], segments: 6, radius: 0.01, mass: 0.1, velocity: [0, 0, -6]}
+solids:
+  - block: {size: [0.6, 0.6, 0.3], cells: [1, 1, 1]}
+    position: [-0.3, 0.4, 1.1]
+    velocity: [0, 0, -5]
+    density: 200
+    youngs_modulus: 5.0e+4
+    poissons_ratio: 0.3
+    thickness: 0.02
+)",
+                               12},
                               {"two_cloths", R"(
 bodies:
   - {shape: {sphere: {radius: 0.2}}, mass: 5, position: [0, 0, -0.3]}
