@@ -291,8 +291,9 @@ void Output::start_xdmf() {
 // The bodies of the frame at this path in the file, as points.
 std::string Output::xdmf_bodies(const std::string& at) const {
   const int real = single_ ? 4 : 8;
-  std::string grid =
-      "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + std::to_string(count_) + "\" NodesPerElement=\"1\"/>\n";
+  // The points' numbers are the ids. Without them readers of version 3 make no cells, and nothing is drawn.
+  std::string grid = "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + std::to_string(count_) +
+                     "\" NodesPerElement=\"1\">" + data_item("/bodies/id", count_, 1, "Int", 8) + "</Topology>\n";
   grid += "      <Geometry GeometryType=\"XYZ\">" + data_item(at + "position", count_, 3, "Float", real) + "</Geometry>\n";
   grid += attribute("orientation", "Matrix", data_item(at + "orientation", count_, 4, "Float", real));
   grid += attribute("velocity", "Vector", data_item(at + "velocity", count_, 3, "Float", real));

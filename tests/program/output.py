@@ -148,6 +148,8 @@ class Results(ProgramTest):
                 self.assertTrue((self.results / name).exists())
                 self.assertEqual(self.file[place].shape, tuple(int(n) for n in item.get("Dimensions").split()), place)
             self.assertIn(f"/frames/{frame}/position", "".join(grid.find("Geometry").itertext()))
+            points = "".join(grid.find("Topology").itertext()).strip().split(":")[1]
+            np.testing.assert_array_equal(self.file[points][:], np.arange(len(self.file["bodies/id"])))
 
     def test_xdmf_in_vtk(self):
         try:  # Debian's VTK brings no reader of it; ParaView's does (5.11: put its dist-packages first in PYTHONPATH)
@@ -160,6 +162,7 @@ class Results(ProgramTest):
         data = reader.GetOutputDataObject(0)
         points = np.array([data.GetPoint(k) for k in range(data.GetNumberOfPoints())])
         np.testing.assert_allclose(points, self.file["frames/000020/position"][:], atol=1e-6)
+        self.assertEqual(data.GetNumberOfCells(), len(points))
 
     def test_summary(self):
         summary = json.loads((self.results / "summary.json").read_text())
