@@ -291,8 +291,8 @@ TEST(ContactRows, APointWithoutFrictionHasOne) {
         if (gauss_seidel) {
           const std::vector<std::uint32_t> order{0, 1, 2, 3, 4, 5, 6, 7}, groups{4, 8};
           bench.system.contacts = ContactBatch();
-          bench.system.contacts.build(bench.contacts, order, groups, bench.world.position, bench.system.bodies,
-                                      bench.system.inertia, bench.system.isotropic, {}, bench.settings, bench.step);
+          bench.system.contacts.build(bench.contacts, order, groups, bench.world, bench.system.bodies, bench.system.inertia,
+                                      bench.system.isotropic, {}, bench.settings, bench.step);
         }
         const ContactBatch& batch = bench.system.contacts;
         const std::size_t tangents = model == FrictionModel::none ? 0 : rough;  // 4 points in 4 lanes for 4 pairs
