@@ -19,6 +19,7 @@ std::string settings_of(const Scene& scene) {
        << static_cast<int>(s.stages) << ' ' << s.warm_start << ' ' << s.leak << ' ' << static_cast<int>(s.friction) << ' '
        << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling
        << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
+  if (s.velocity_share != 0.5) text << "velocity share " << s.velocity_share << '\n';
   if (s.joints == JointSolve::direct) text << "trees\n";
   if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
   return text.str();

@@ -199,7 +199,8 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   warm_start(stages() != Stages::position ? 1 : contact_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
   if (two_stages) {
-    report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, settings.iterations / 2, tolerance_).iterations;
+    const int first = std::clamp(static_cast<int>(settings.velocity_share * settings.iterations), 1, settings.iterations - 1);
+    report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, first, tolerance_).iterations;
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
     system_.rolling.keep_impulses(stages() == Stages::joint);
     system_.surface.keep_impulses(stages() == Stages::joint);

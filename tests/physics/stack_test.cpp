@@ -270,4 +270,25 @@ TEST(Stack, ConvergedTowerStaysAtRest) {
   }
 }
 
+// Three towers of five boxes, dropped a millimetre, turned by up to 1.4 degrees and a centimetre out of line, with 100 iterations
+// a step. Most of them in the velocity stage: they come to rest. (Half of them there: the towers rock for ever, at .1 m/s.)
+TEST(Stack, TowersOutOfLineComeToRest) {
+  Scene scene = scene_with(0.3);
+  scene.solver.iterations = 100, scene.solver.velocity_share = 0.9, scene.solver.tolerance = 0;
+  testing::Random random(1);
+  for (int k = 0; k < 15; ++k) {
+    Body box = block(1, Vec3(0.12, 0.12, 0.15), Vec3(k / 5, 0, 0.076 + 0.151 * (k % 5)));
+    box.state.position.head<2>() += random.vector(-0.01, 0.01).head<2>();
+    box.state.orientation = Quat(Eigen::AngleAxisd(0.025 * random.vector(-1, 1).x(), random.vector(-1, 1).normalized()));
+    add(scene, box);
+  }
+  add(scene, ground());
+  Experiment run(scene);
+  for (int frame = 1; frame <= 400; ++frame) run.step();
+  for (Id k = 0; k < 15; ++k) {
+    EXPECT_NEAR(run.position(k).z(), 0.075 + 0.15 * static_cast<double>(k % 5), 1e-4) << k;
+    EXPECT_LT(run.velocity(k).norm(), 1e-3) << k;
+  }
+}
+
 }  // namespace unibody::small_worlds

@@ -51,7 +51,7 @@ TEST(ReadScene, TimeOutputAndTopLevelKeys) {
 TEST(ReadScene, EverySolverKey) {
   const Scene scene = scene_from(
       "solver: {name: gauss_seidel, iterations: 12, tolerance: 1e-6, stages: position, warm_start: 0.25,\n"
-      "  leak: 0.3, friction: saxce, gap: reevaluated, order: sequential, scaling: 0.8,\n"
+      "  velocity_share: 0.75, leak: 0.3, friction: saxce, gap: reevaluated, order: sequential, scaling: 0.8,\n"
       "  recovery_time: 0.032, recovery_speed: 0, margin: 0.004}\n" +
       ball);
   const SolverSettings& s = scene.solver;
@@ -60,6 +60,7 @@ TEST(ReadScene, EverySolverKey) {
   EXPECT_EQ(s.tolerance, 1e-6);
   EXPECT_EQ(s.stages, Stages::position);
   EXPECT_EQ(s.warm_start, 0.25);
+  EXPECT_EQ(s.velocity_share, 0.75);
   EXPECT_EQ(s.leak, 0.3);
   EXPECT_EQ(s.friction, FrictionModel::saxce);
   EXPECT_EQ(s.gap, Gap::reevaluated);
