@@ -25,6 +25,7 @@ def other(name, text, *options):
 
 PILE = [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 40), ('unibody', DEFAULT), ours('gauss_seidel', 5, 4),
         ours('gauss_seidel', 20, 1, 2), ours('accelerated_jacobi', 50, 1, 2)]
+STACK = PILE[:4] + [ours(solver, k, 1, 1, 'velocity share .9') for solver, k in (('gauss_seidel', 40), ('accelerated_jacobi', 50))]
 BULLET = [other('Bullet', '10 iterations', '--iterations', 10), other('Bullet', '50 iterations', '--iterations', 50)]
 ODE = [other('ODE', 'quickstep, 20 iterations', '--iterations', 20),
        other('ODE', 'quickstep, 4 substeps of 10', '--iterations', 10, '--substeps', 4)]
@@ -63,7 +64,7 @@ def scenes(maker):
         'boxes': (maker.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + engines, False),
         '100 boxes': (
             'boxes_500', ['bodies[1].lattice.count=' + str(maker.pick(10, 100, 100))], maker.pick(10, 200, 400),
-            PILE[:4] + some + DART, False),
+            STACK + some + DART, False),
         'spheres': ('spheres_5000', spheres, frames, PILE + some + soft_spheres(maker), False),
         'chain': (
             'chain_heavy_ball', ['output.joints=false'] + maker.pick(['bodies[0].chain.count=5'], [], []), maker.pick(5, 60, 150),

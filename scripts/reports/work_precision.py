@@ -14,7 +14,7 @@ WINDOW = 2                   # frames to the comparison with the fine reference;
 VARIANTS = {
     'position stage alone': ['solver.stages=position'], 'cold': ['solver.stages=position', 'solver.warm_start=0'],
     'warm .5': ['solver.stages=position', 'solver.warm_start=0.5'],
-    'joint': ['solver.stages=joint'], 'direct': ['solver.joints=direct'], '': []}
+    'joint': ['solver.stages=joint'], 'velocity share .9': ['solver.velocity_share=0.9'], 'direct': ['solver.joints=direct'], '': []}
 
 
 @dataclass
@@ -140,6 +140,7 @@ def settings_of(maker, case):
             for s in maker.pick((), (1,), (1, 4))
         ]
         found += [Setting(solver, k, s, 1, 'joint') for k, s in ((640, 1), (2560, 1), (640, 4)) if case.rows == 'contacts']
+        found += [Setting(solver, k, 1, 1, 'velocity share .9') for k in (40, 160) if case.rows == 'contacts']
         found += [Setting(solver, 2560)] if case.rows in ('links', 'solid') and maker.size == 'quick' else []
     if case.rows == 'joints' and maker.size != 'tiny':
         found += [Setting('accelerated_jacobi', k, s, 1, 'direct') for k, s in ((2, 1), (4, 1), (2, 4), (2, 16), (2, 64), (2, 256))]
