@@ -241,7 +241,7 @@ TEST(PublishedFigures, TorsionOfARoundBar) {
       return Vec3(grow * a, grow * b, length * s.z());
     });
     const double torque = young / (2 * (1 + poisson)) * std::numbers::pi / 2 * std::pow(radius, 3) * strain;
-    const auto rim = [](const Vec3& x) { return std::abs(x.z() - length) < 1e-9 && x.head<2>().norm() > radius - 1e-9; };
+    const auto rim = [&](const Vec3& x) { return std::abs(x.z() - length) < 1e-9 && x.head<2>().norm() > radius - 1e-9; };
     const auto moved = equilibrium(mesh, young, poisson, across(2, 0), couple(mesh, 2, rim, torque));
     const double low = length / 4, high = 3 * length / 4;
     return Found{(turned(mesh, moved, 2, high) - turned(mesh, moved, 2, low)) / (high - low) * radius / strain,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/random_bench.hpp"
 #include "small_worlds.hpp"
 
 namespace unibody::small_worlds {
@@ -275,7 +276,7 @@ TEST(Stack, ConvergedTowerStaysAtRest) {
 TEST(Stack, TowersOutOfLineComeToRest) {
   Scene scene = scene_with(0.3);
   scene.solver.iterations = 100, scene.solver.velocity_share = 0.9, scene.solver.tolerance = 0;
-  testing::Random random(1);
+  unibody::testing::Random random(1);
   for (int k = 0; k < 15; ++k) {
     Body box = block(1, Vec3(0.12, 0.12, 0.15), Vec3(k / 5, 0, 0.076 + 0.151 * (k % 5)));
     box.state.position.head<2>() += random.vector(-0.01, 0.01).head<2>();
