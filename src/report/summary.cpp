@@ -62,7 +62,10 @@ Json settings_json(const Scene& scene, const SolverSettings& s) {
   solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
   solver.set("level", name(level_names, s.level));
   if (s.level == Level::velocity) solver.set("stabilisation", s.stabilisation);
-  solver.set("stages", name(stages_names, s.stages)).set("warm_start", s.warm_start).set("velocity_share", s.velocity_share).set("leak", s.leak);
+  solver.set("stages", name(stages_names, s.stages))
+      .set("warm_start", s.warm_start)
+      .set("velocity_share", s.velocity_share)
+      .set("leak", s.leak);
   solver.set("friction", name(friction_model_names, s.friction)).set("gap", name(gap_names, s.gap));
   solver.set("form", name(form_names, s.form))
       .set("order", name(order_names, s.order))
