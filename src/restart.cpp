@@ -16,10 +16,10 @@ std::string settings_of(const Scene& scene) {
   text.precision(17);
   const SolverSettings& s = scene.solver;
   text << scene.time.step << ' ' << scene.time.substeps << ' ' << s.name << ' ' << s.iterations << ' ' << s.tolerance << ' '
-       << static_cast<int>(s.stages) << ' ' << s.warm_start << ' ' << s.leak << ' ' << static_cast<int>(s.friction) << ' '
-       << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling
-       << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin << '\n';
-  if (s.velocity_share != 0.5) text << "velocity share " << s.velocity_share << '\n';
+       << static_cast<int>(s.stages) << ' ' << s.warm_start << ' ' << s.velocity_share << ' ' << s.leak << ' '
+       << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' '
+       << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin
+       << '\n';
   if (s.joints == JointSolve::direct) text << "trees\n";
   if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
   return text.str();

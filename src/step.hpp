@@ -113,7 +113,7 @@ class Simulation {
   bool is_alone() const;
   bool at_velocity_level() const { return scene_.solver.level == Level::velocity; }
   Stages stages() const;
-  double leak() const;
+  Split split() const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
   std::vector<RollingContact> rolling_contacts() const;

@@ -167,21 +167,25 @@ Stages Simulation::stages() const {
   return has_constraints() && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
 }
 
-double Simulation::leak() const {
+Split Simulation::split() const {
   const SolverSettings& settings = scene_.solver;
-  return settings.leak >= 0 ? settings.leak : solver_.leak(settings.iterations);
+  const Split split = solver_.split(settings.iterations);
+  return {settings.velocity_share >= 0 ? settings.velocity_share : split.velocity_share,
+          settings.leak >= 0 ? settings.leak : split.leak};
 }
 
 SolverSettings Simulation::settings_used() const {
   SolverSettings used = scene_.solver;
   used.tolerance = tolerance_, used.stages = stages(), used.warm_start = contact_share(scene_.solver);
-  used.leak = stages() == Stages::position ? 0 : leak();
+  used.velocity_share = split().velocity_share, used.leak = split().leak;
+  if (stages() == Stages::position) used.velocity_share = used.leak = 0;
   if (!at_velocity_level()) used.recovery_time = stage(Stage::Kind::position).recovery_time;
   return used;
 }
 
 // Two stages: velocities first, from the full multipliers of the last step, with existing penetration left alone; then positions.
-// A share of what the second had to add leaks into what the first starts from next time. Or positions alone, from a share of the
+// A share of what the second had to add leaks into what the first starts from next time, unless the first has converged: a leak
+// then feeds on what the tolerance leaves, and what lies still trembles within it. Or positions alone, from a share of the
 // old multipliers that must stay below 1/2: an unconverged position stage that starts from more gains energy.
 // Constraints other than contacts, attachments too, belong to the position stage; where there are no contacts, it is the only
 // one. At velocity level there is one stage too, of all constraints; what it leaves of the old multipliers does no harm there
@@ -198,9 +202,12 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   StepReport report;
   warm_start(stages() != Stages::position ? 1 : contact_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
+  double leak = 0;
   if (two_stages) {
-    const int first = std::clamp(static_cast<int>(settings.velocity_share * settings.iterations), 1, settings.iterations - 1);
-    report.iterations = run_stage(Stage::Kind::velocity, solver_.solve, first, tolerance_).iterations;
+    const int first = std::clamp(static_cast<int>(split().velocity_share * settings.iterations), 1, settings.iterations - 1);
+    const SolveReport velocity = run_stage(Stage::Kind::velocity, solver_.solve, first, tolerance_);
+    report.iterations = velocity.iterations;
+    if (!velocity.converged) leak = split().leak;
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
     system_.rolling.keep_impulses(stages() == Stages::joint);
     system_.surface.keep_impulses(stages() == Stages::joint);
@@ -216,7 +223,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
   if (settings.friction == FrictionModel::postprocess)
     report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
-  report.sliding += system_.contacts.leak_impulses(two_stages ? leak() : 0, system_.counted, impulses);
+  report.sliding += system_.contacts.leak_impulses(leak, system_.counted, impulses);
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);

@@ -56,9 +56,9 @@ struct SolverSettings {
   // position: the position stage alone. auto: two, but position for Jacobi solvers in scenes with constraints beside contacts,
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
-  // Of two stages (also joint) the share of the iterations that the velocity stage does, (0, 1). What stands rests the sooner the
-  // more they are; what is left of penetration is the work of the others.
-  double velocity_share = 0.5;
+  // Of two stages (also joint) the share of the iterations that the velocity stage does, (0, 1); -1: by solver and iterations.
+  // What stands rests the sooner the more they are; what is left of penetration is the work of the others.
+  double velocity_share = -1;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
   // contacts where it is the only stage. -1: automatic_share, but nothing of tetrahedra and of
   // what touches them. Velocity level: [0, 1], of its one stage.

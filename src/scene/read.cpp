@@ -78,7 +78,7 @@ const Field<SolverSettings> solver_fields[] = {
     {"warm_start", [](const Value& v, SolverSettings& s) { s.warm_start = read_warm_start(v); }},
     {"velocity_share",
      [](const Value& v, SolverSettings& s) {
-       s.velocity_share = v.number({0, 1, true, true}, "");
+       s.velocity_share = number_or_auto(v, {0, 1, true, true}, "");
      }},
     {"leak",
      [](const Value& v, SolverSettings& s) {
@@ -113,7 +113,7 @@ void check_level(const Value& value, const SolverSettings& solver) {
   refuse("warm_start", solver.warm_start > 1, "auto or a number in [0, 1]");
   refuse("name", solver.name == "newton", "an iterative solver at level: velocity");
   refuse("stages", solver.stages != Stages::automatic, "auto at level: velocity, which has one stage");
-  refuse("velocity_share", true, "no such key at level: velocity, which has one stage");
+  refuse("velocity_share", solver.velocity_share >= 0, "auto at level: velocity, which has one stage");
   refuse("leak", solver.leak >= 0, "auto at level: velocity, which has one stage");
   refuse("gap", solver.gap == Gap::reevaluated, "frozen at level: velocity, whose constraints are linear in a step");
   refuse("form", solver.form == Form::total, "incremental at level: velocity, whose constraints are linear in a step");

@@ -93,11 +93,17 @@ SolveReport accelerated_jacobi(System&, const Cut&, int iterations, double toler
 SolveReport jacobi(System&, const Cut&, int iterations, double tolerance);
 SolveReport gauss_seidel(System&, const Cut&, int iterations, double tolerance);
 
+// How two stages divide a step: SolverSettings says more of both.
+struct Split {
+  double velocity_share;  // of the iterations, the velocity stage's
+  double leak;            // of the position stage's multipliers, kept by the velocity stage
+};
+
 struct Solver {
   std::string_view name;
   SolveFunction solve;             // null: `newton`, of which each step is a reference_step
   bool sweeps_by_colour;           // the batch is laid out by colour rather than in key order
-  double (*leak)(int iterations);  // default share of the position stage's multipliers kept by the velocity stage
+  Split (*split)(int iterations);  // where the settings leave it to the solver
 };
 
 // The solver of that name; the scene reader has checked that there is one.

@@ -69,8 +69,10 @@ TEST(ReadScene, EverySolverKey) {
   EXPECT_EQ(s.recovery_time, 0.032);
   EXPECT_EQ(s.recovery_speed, 0);
   EXPECT_EQ(s.margin, 0.004);
-  const SolverSettings a = scene_from("solver: {tolerance: auto, leak: auto, recovery_time: auto}\n" + ball).solver;
+  const SolverSettings a =
+      scene_from("solver: {tolerance: auto, velocity_share: auto, leak: auto, recovery_time: auto}\n" + ball).solver;
   EXPECT_EQ(a.tolerance, -1);
+  EXPECT_EQ(a.velocity_share, -1);
   EXPECT_EQ(a.leak, -1);
   EXPECT_EQ(a.recovery_time, -1);
   EXPECT_EQ(a.level, Level::position);

@@ -166,7 +166,7 @@ TEST(StepError, OfAChainIsTheDistanceToItsConvergedStep) {
 
 // Of the velocity level: the distance to its own converged step, which is another one.
 TEST(StepError, IsOfTheLevelThatTheStepHas) {
-  Experiment start(scene_from_text(with_solver(cubes, "iterations: 30")));
+  Experiment start(scene_from_text(with_solver(cubes, "iterations: 30, velocity_share: 0.5, leak: 0")));
   start.steps(15);
   const std::string exactly = "name: accelerated_jacobi, tolerance: 0, iterations: 40000, ";
   Experiment converged = from(start, with_solver(cubes, exactly + "level: velocity"));
