@@ -87,7 +87,7 @@ def cases(maker):
     newton = Setting('newton', 0, 2)
     if maker.size == 'tiny':
         return {
-            'boxes': pile('boxes_500', 0.12, ['bodies[1].lattice.count=20'], 20),
+            'boxes': pile('boxes_500', 0.12, ['bodies[1].lattice.count=20'], 10),  # they have just landed
             'cloth': soft(
                 'cloth_50',
                 0.2,
