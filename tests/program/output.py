@@ -151,8 +151,21 @@ class Results(ProgramTest):
             points = "".join(grid.find("Topology").itertext()).strip().split(":")[1]
             np.testing.assert_array_equal(self.file[points][:], np.arange(len(self.file["bodies/id"])))
 
+    def test_xdmf_in_its_own_library(self):
+        """ParaView's XDMF 3 reader is this library; Debian's VTK brings no reader of XDMF."""
+        if not os.environ.get("UNIBODY_XDMF_POINTS"):
+            self.skipTest("built without the XDMF library")
+        done = subprocess.run([os.environ["UNIBODY_XDMF_POINTS"], self.results / "frames.xdmf"], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        grids = [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
+        self.assertEqual([grid[0] for grid in grids], [k * STEP for k in range(0, FRAMES + 1, EVERY)])
+        for grid, frame in zip(grids, self.file["frames"].values()):
+            places = frame["position"][:]
+            self.assertEqual(grid[1], len(places))
+            np.testing.assert_array_equal(np.reshape(grid[2:], (-1, 3)), places)
+
     def test_xdmf_in_vtk(self):
-        try:  # Debian's VTK brings no reader of it; ParaView's does (5.11: put its dist-packages first in PYTHONPATH)
+        try:  # ParaView's VTK has it (5.11: put its dist-packages first in PYTHONPATH)
             from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
         except ImportError:
             self.skipTest("this VTK has no XDMF reader; ParaView's has")
