@@ -12,7 +12,7 @@ def settings(quick):
     """(solver, iterations, stages, velocity share)"""
     for solver in ('accelerated_jacobi', 'gauss_seidel'):
         for iterations in (50, 200) if quick else (50, 100, 200, 400):
-            for stages, share in (('two', .5), ('two', .9), ('position', .5)):
+            for stages, share in (('two', 'auto'), ('two', .9), ('position', 'auto')):
                 yield solver, iterations, stages, share
 
 
