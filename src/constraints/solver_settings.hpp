@@ -65,7 +65,9 @@ struct SolverSettings {
   double warm_start = -1;
   Form form = Form::incremental;
   JointSolve joints = JointSolve::iterative;
-  double leak = -1;  // share of the position stage's multipliers fed to the velocity stage's; -1: by solver and iterations
+  // Share of the position stage's multipliers fed to the velocity stage of the next step, where that of this one has not
+  // converged; [0, 1], -1: by solver and iterations.
+  double leak = -1;
   FrictionModel friction = FrictionModel::disc;
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration
   Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only
