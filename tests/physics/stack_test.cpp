@@ -213,7 +213,7 @@ TEST(Stack, HeavyOnLightIsSolvedOrOwnsUp) {
 }
 
 // What stands lies still however early its steps stop: nothing leaks into a velocity stage that has converged. (It would feed on
-// what the tolerance leaves: at .006 to .03 m/s.)
+// what the tolerance leaves: at .001 to .05 m/s.)
 TEST(Stack, BoxesLieStillWithinTheTolerance) {
   for (const double step : {0.001, 0.004, 0.016}) {
     Scene scene = scene_with(0.5);
@@ -307,7 +307,7 @@ void expect_rest(int boxes, Scene scene) {
   }
 }
 
-// With half of the iterations in the velocity stage they rock for ever, at .05 m/s.
+// With half of the iterations in the velocity stage they rock for ever, at .02 to .09 m/s.
 TEST(Stack, TowersOfThreeOutOfLineRest) {
   Scene scene = scene_with(0.3);
   scene.solver.tolerance = 0;

@@ -18,13 +18,16 @@ bodies:
     position: [0, 0, 0.3]
 """
 
+MOST_SECONDS = 5  # of processor time, in a run that is refused, mpirun's own included; it takes less than one
+
 
 class RefusedTest(ProgramTest):
     def refused(self, scene, *options, ranks=2, says=(), output="results/deep"):
         """The program must end with code 2 and one message that holds all of `says`; it must have written nothing."""
         before = tree(self.folder)
-        run = unibody(scene, "-output", self.folder / output, *options, ranks=ranks, folder=self.folder)
+        run = unibody(scene, "-output", self.folder / output, *options, ranks=ranks, timeout=60, folder=self.folder)
         self.assertEqual(run.code, 2, run.err)
+        self.assertLess(run.seconds, MOST_SECONDS, "it is meant to be refused at once")
         self.assertEqual(len(run.message), 1, run.err)
         for text in says:
             self.assertIn(text, run.message[0])
@@ -163,7 +166,7 @@ class BadOptions(RefusedTest):
                 self.refused(scene, *words, says=says)
 
     def test_no_scene(self):
-        run = unibody(ranks=2, folder=self.folder)
+        run = unibody(ranks=2, timeout=60, folder=self.folder)
         self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
         self.assertIn("no scene", run.message[0])
         self.assertEqual(tree(self.folder), {})
@@ -180,11 +183,11 @@ class BadOptions(RefusedTest):
         for n, words in enumerate((["-log_view", scene], [scene, "-log_view"], ["-info", info, scene], [scene, "-info", info],
                                    ["-options_file", options, scene], ["-log_view", "-options_file", options, scene])):
             with self.subTest(words=words):
-                run = unibody(*words, "-output", self.folder / f"results_{n}", folder=self.folder)
+                run = unibody(*words, "-output", self.folder / f"results_{n}", timeout=60, folder=self.folder)
                 self.assertEqual((run.code, run.message), (0, []), run.err)
         for words, says in ((["-log_view", "nowhere.yaml"], "nowhere.yaml"), (["-options_file"], "a value is missing")):
             with self.subTest(words=words):
-                run = unibody(*words, ranks=2, folder=self.folder)
+                run = unibody(*words, ranks=2, timeout=60, folder=self.folder)
                 self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
                 self.assertIn(says, run.message[0])
 
@@ -192,7 +195,7 @@ class BadOptions(RefusedTest):
         codes = self.folder / "codes"
         scene = self.scene(GOOD.replace("mass: 1", "mass: -1"))
         script = f"'{PROGRAM}' '{scene}' -output '{self.folder}/results'; code=$?; echo $code >> '{codes}'"
-        run = execute([MPIEXEC, "-n", "3", "sh", "-c", script])
+        run = execute([MPIEXEC, "-n", "3", "sh", "-c", script], timeout=60)
         self.assertEqual(run.code, 0, run.err)  # the shells' own
         self.assertEqual(codes.read_text().split(), ["2", "2", "2"])
         self.assertEqual(len(run.message), 1, run.err)
@@ -262,7 +265,7 @@ class ImpossibleStates(ProgramTest):
         scene = self.scene(text)
         for n in (1, ranks):
             output = self.folder / f"results_{n}"
-            run = unibody(scene, "-output", output, *options, ranks=n)
+            run = unibody(scene, "-output", output, *options, ranks=n, timeout=60)
             self.assertEqual(run.code, 3, run.err + run.out)
             self.assertEqual(len(run.message), 1, run.err)
             for words in says:

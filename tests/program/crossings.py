@@ -61,7 +61,7 @@ def brute_force(position, cells):
 
 class CrossingsTest(ProgramTest):
     def check(self, *arguments):
-        return execute([TOOL, *map(str, arguments)])
+        return execute([TOOL, *map(str, arguments)], timeout=60)
 
     def table(self, run):
         """Frame, time and the three counts of each line, and the total's three."""

@@ -349,7 +349,7 @@ class Switches(ProgramTest):
 
     def test_help(self):
         for word in ("-help", "--help", "-h"):
-            run = unibody(word, ranks=2, folder=self.folder)
+            run = unibody(word, ranks=2, timeout=60, folder=self.folder)
             self.assertEqual(run.code, 0, run.err)
             self.assertEqual(run.out.count("usage:"), 1, "each rank speaks")
         source = (SOURCE / "src/options.cpp").read_text()

@@ -181,7 +181,7 @@ class Restart(ProgramTest):
         checkpoint = self.first_half(scene)
         for setting in settings:
             with self.subTest(setting=setting):
-                run = unibody(scene, "-output", self.folder / "rest", "-restart", checkpoint, "-set", setting)
+                run = unibody(scene, "-output", self.folder / "rest", "-restart", checkpoint, "-set", setting, timeout=60)
                 self.assertEqual(run.code, 2, run.err)
                 self.assertIn(str(checkpoint), run.message[0])
 
@@ -196,7 +196,7 @@ class Restart(ProgramTest):
                               (scene, ["solver.leak=0.25"]), (scene, ["solver.velocity_share=0.6"])):
             with self.subTest(path=path.name, setting=setting):
                 options = [word for text in setting for word in ("-set", text)]
-                run = unibody(path, "-output", self.folder / "rest", "-restart", checkpoint, *options)
+                run = unibody(path, "-output", self.folder / "rest", "-restart", checkpoint, *options, timeout=60)
                 self.assertEqual(run.code, 2, run.err)
                 self.assertEqual(len(run.message), 1, run.err)
                 self.assertIn(str(checkpoint), run.message[0])
@@ -213,7 +213,7 @@ class Restart(ProgramTest):
         self.assertNotEqual(other.state, same.state)
         for setting in ("gravity=[0, 0, -1.62]", "materials.stone.friction=0.41"):
             with self.subTest(setting=setting):
-                run = unibody(scene, "-output", self.folder / "bad", "-start_from", checkpoint, "-set", setting)
+                run = unibody(scene, "-output", self.folder / "bad", "-start_from", checkpoint, "-set", setting, timeout=60)
                 self.assertEqual(run.code, 2, run.err)
                 self.assertIn(str(checkpoint), run.message[0])
 
@@ -226,7 +226,7 @@ class Restart(ProgramTest):
                 cut = self.folder / "cut.h5"
                 cut.write_bytes(whole[:int(share * len(whole))])
                 before = tree(self.folder)
-                run = unibody(scene, "-output", self.folder / "rest", "-restart", cut)
+                run = unibody(scene, "-output", self.folder / "rest", "-restart", cut, timeout=60)
                 self.assertEqual(run.code, 2, run.err)
                 self.assertEqual(len(run.message), 1, run.err)
                 self.assertIn(str(cut), run.message[0])
@@ -244,7 +244,7 @@ class Restart(ProgramTest):
                 changed = self.folder / "changed.h5"
                 changed.write_bytes(good[:middle] + bytes([good[middle] ^ 1]) + good[middle + 1:])
                 before = tree(self.folder)
-                run = unibody(scene, "-output", self.folder / "rest", "-restart", changed, ranks=3)
+                run = unibody(scene, "-output", self.folder / "rest", "-restart", changed, ranks=3, timeout=60)
                 self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
                 self.assertIn(f"'{changed}' is damaged", run.message[0])
                 self.assertIn("bits have changed", run.message[0])
@@ -283,7 +283,7 @@ class Restart(ProgramTest):
         whole = self.good(scene, "whole")
         checkpoint = self.first_half(scene)
         kept = shutil.copy(checkpoint, self.folder / "kept.h5")
-        refused = unibody(scene, "-output", self.folder / "half", "-restart", checkpoint)
+        refused = unibody(scene, "-output", self.folder / "half", "-restart", checkpoint, timeout=60)
         self.assertEqual(refused.code, 2, "the first half's results would be lost")
         self.assertEqual(contents(checkpoint), contents(kept))
         self.assertEqual(self.good(scene, "half", "-overwrite", "-restart", checkpoint).state, whole.state)
@@ -296,7 +296,7 @@ class Restart(ProgramTest):
         for frames, code in ((30, 0), (20, 2)):
             with self.subTest(frames=frames):
                 run = unibody(scene, "-output", self.folder / f"rest_{frames}", "-restart", self.folder / "half/checkpoint.h5",
-                              "-set", f"time.frames={frames}")
+                              "-set", f"time.frames={frames}", timeout=60)
                 self.assertEqual(run.code, code, run.err)
                 if code == 0:
                     self.assertEqual(run.state, unibody(scene, "-output", self.folder / "again", "-set", "time.frames=30").state)

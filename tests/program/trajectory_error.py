@@ -30,14 +30,14 @@ FLIGHT = f"""
 
 class TrajectoryErrorTest(ProgramTest):
     def compare(self, a, b, *options):
-        run = execute([str(TOOL), str(self.folder / a), str(self.folder / b), *options])
+        run = execute([str(TOOL), str(self.folder / a), str(self.folder / b), *options], timeout=60)
         self.assertEqual(run.code, 0, run.err)
         lines = list(csv.reader(io.StringIO(run.out)))
         self.assertEqual(lines[0], ["frame", "time (s)", "rms (m)", "max (m)", "worst", "turn_rms (rad)", "turn_max (rad)", "distance (m)"])
         return [list(map(float, line)) for line in lines[1:]]
 
     def refused(self, a, b, *options, says):
-        run = execute([str(TOOL), str(self.folder / a), str(self.folder / b), *options])
+        run = execute([str(TOOL), str(self.folder / a), str(self.folder / b), *options], timeout=60)
         self.assertEqual((run.code, run.out), (2, ""))
         self.assertEqual(len(run.err.splitlines()), 1, run.err)
         self.assertIn(says, run.err)
