@@ -32,6 +32,7 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
   collide_settings_.margin = scene.solver.margin;
   collide_settings_.gravity = scene.gravity;
   collide_settings_.planar = scene.planar;
+  collide_settings_.merge_supports = !solver_.sweeps_by_colour;
   collide_settings_.friction = scene.friction;
   if (has_any(scene.restitution)) collide_settings_.restitution = scene.restitution;
   collide_settings_.material_count = scene.materials.size();

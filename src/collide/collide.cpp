@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/merge_supports.hpp"
 #include "collide/restitution.hpp"
 #include "core/room.hpp"
 
@@ -74,14 +75,19 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
 
 void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts) {
   const double friction = settings.friction[a.material * settings.material_count + b.material];
-  collide_parts(a, b, settings, [&](const PairManifold& found) {
+  const auto add = [&](const PairManifold& found) {
     make_room(contacts.manifolds, contacts.manifolds.size() + 1);
     make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
     contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
                                   static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count),
                                   found.time});
     contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
-  });
+  };
+  if (!settings.merge_supports || (!is_composite(a.kind) && !is_composite(b.kind))) return collide_parts(a, b, settings, add);
+  std::vector<PairManifold> manifolds;
+  collide_parts(a, b, settings, [&](const PairManifold& found) { manifolds.push_back(found); });
+  merge_supports(manifolds, settings.margin);
+  for (const PairManifold& m : manifolds) add(m);
 }
 
 // Nodes meet the faces of others, and those of their own surface if it collides with itself.

@@ -200,7 +200,7 @@ std::string table() {
 }  // namespace
 
 // A solid of convex pieces drops on one foot, rocks and stands on four: Gauss-Seidel is at rest then; the accelerated Jacobi
-// solver creeps into place, within every 100 steps to less than a tenth.
+// solver comes to rest within 100 steps more, since its contacts with the floor are one manifold.
 TEST(Shapes, ATableOfConvexPiecesComesToRestOnItsFeet) {
   const TextFile file(table());
   const double top = 0.8 * 0.6 * 0.05, legs = 4 * 0.06 * 0.06 * 0.4, height = (0.425 * top + 0.2 * legs) / (top + legs);
@@ -212,14 +212,15 @@ TEST(Shapes, ATableOfConvexPiecesComesToRestOnItsFeet) {
                                      solver + ", iterations: " + std::to_string(iterations) + "}\n"));
       EXPECT_NEAR(run.world().properties[run.slot(1)].mass, 600 * (top + legs), 1e-9);
       run.steps(100);
-      double bound = solver == "gauss_seidel" ? 1e-11 : 2e-3;  // m/s
-      for (int k = 0; k < 4; ++k) {
+      double bound = 1e-4;  // m/s
+      for (int k = 0; k < 3; ++k) {
+        if (solver == "gauss_seidel") bound = 1e-11;
         EXPECT_LT(run.velocity(1).norm(), bound) << solver << ' ' << iterations << ' ' << k;
         EXPECT_LT(run.penetration(), 0.1 * bound) << solver << ' ' << iterations << ' ' << k;  // m
         const Vec3 at = run.position(1);
         run.steps(100);
         EXPECT_LT((run.position(1) - at).norm(), 0.2 * bound) << solver << ' ' << iterations << ' ' << k;
-        bound = std::max(0.1 * bound, 1e-11);
+        bound = std::max(1e-4 * bound, 1e-11);
       }
       EXPECT_NEAR(run.position(1).z(), height, 1e-6) << solver << ' ' << iterations;
       const Mat3 axes = run.state(1).orientation.toRotationMatrix();  // principal: some one is upright

@@ -1,0 +1,86 @@
+#include "collide/merge_supports.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace unibody {
+
+namespace {
+
+constexpr double same_direction = 1 - 1e-8;  // cosine
+constexpr int directions = 8;
+
+bool share_normal(const PairManifold& a, const PairManifold& b) {
+  return a.time == 0 && b.time == 0 && a.normal.dot(b.normal) > same_direction;
+}
+
+class Supports {
+ public:
+  Supports(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) : points_(points), margin_(margin) {
+    s_ = normal.unitOrthogonal(), t_ = normal.cross(s_);
+    middle_ = Vec3::Zero();
+    for (const ContactPoint& p : points) middle_ += p.position / static_cast<double>(points.size());
+    for (const ContactPoint& p : points) reach_ = std::max(reach_, (p.position - middle_).norm());
+  }
+
+  std::vector<std::size_t> find() {
+    for (const double tilt : {1.0, 0.125})
+      for (int d = 0; d < directions; ++d) {
+        const double angle = 2 * M_PI * d / directions;
+        add(tilt * (std::cos(angle) * s_ + std::sin(angle) * t_));
+      }
+    add(Vec3::Zero());
+    return chosen_;
+  }
+
+ private:
+  // The lowest when the body is tilted so that it sinks by the margin, times |tilt|, at its reach: of several the furthest out.
+  void add(const Vec3& tilt) {
+    const Vec3 slope = reach_ > 0 ? Vec3(margin_ / reach_ * tilt) : Vec3::Zero();
+    const auto height = [&](std::size_t k) { return points_[k].gap + slope.dot(points_[k].position - middle_); };
+    const auto distance2 = [&](std::size_t k) { return (points_[k].position - middle_).squaredNorm(); };
+    double lowest = HUGE_VAL;
+    for (std::size_t k = 0; k < points_.size(); ++k) lowest = std::min(lowest, height(k));
+    const auto is_low = [&](std::size_t k) { return height(k) <= lowest + 1e-3 * margin_; };
+    if (std::any_of(chosen_.begin(), chosen_.end(), is_low)) return;
+    std::size_t best = points_.size();
+    for (std::size_t k = 0; k < points_.size(); ++k)
+      if (is_low(k) && (best == points_.size() || distance2(k) > distance2(best))) best = k;
+    chosen_.push_back(best);
+  }
+
+  const std::vector<ContactPoint>& points_;
+  double margin_, reach_ = 0;
+  Vec3 s_, t_, middle_;
+  std::vector<std::size_t> chosen_;
+};
+
+PairManifold merged(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) {
+  PairManifold result;
+  result.normal = normal;
+  std::vector<std::size_t> chosen = Supports(points, normal, margin).find();
+  std::sort(chosen.begin(), chosen.end());
+  for (const std::size_t k : chosen) result.add(points[k].position, points[k].gap, static_cast<std::uint32_t>(k));
+  tidy(result, HUGE_VAL);
+  return result;
+}
+
+}  // namespace
+
+void merge_supports(std::vector<PairManifold>& manifolds, double margin) {
+  std::vector<ContactPoint> points;
+  for (std::size_t i = 0; i < manifolds.size(); ++i) {
+    PairManifold& first = manifolds[i];
+    const auto joins = [&](const PairManifold& m) { return share_normal(first, m); };
+    const auto rest = manifolds.begin() + static_cast<std::ptrdiff_t>(i) + 1;
+    if (std::none_of(rest, manifolds.end(), joins)) continue;
+    points.assign(first.points, first.points + first.count);
+    for (auto m = rest; m != manifolds.end(); ++m)
+      if (joins(*m)) points.insert(points.end(), m->points, m->points + m->count);
+    const Vec3 normal = first.normal;
+    manifolds.erase(std::remove_if(rest, manifolds.end(), joins), manifolds.end());
+    manifolds[i] = merged(points, normal, margin);
+  }
+}
+
+}  // namespace unibody
