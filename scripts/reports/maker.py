@@ -153,14 +153,18 @@ class Maker:
         short = ' '.join(s for s in settings if s.startswith(('solver', 'time')))
         return Run(self.keep(self.key(scene, settings, ranks, options, start, look or ()), f'{name_of(scene)} {short} on {ranks}', make))
 
-    def together(self, wishes):
-        """Runs whose times do not matter, as many at once as there are cores; wishes: keyword arguments of run()."""
+    def at_once(self, make, wishes):
+        """[make(**wish)] of runs whose times do not matter, as many at once as there are cores."""
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             core, self.core = self.core, None
             try:
-                return list(pool.map(lambda wish: self.run(**wish), wishes))
+                return list(pool.map(lambda wish: make(**wish), wishes))
             finally:
                 self.core = core
+
+    def together(self, wishes):
+        """Runs whose times do not matter; wishes: keyword arguments of run()."""
+        return self.at_once(self.run, wishes)
 
     def folder_of(self, scene, settings, frames=None, start=None, options=()):
         """The folder of a run with its frames and the checkpoint at its end, kept as a whole: for states and references."""

@@ -11,6 +11,8 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
+
 from unibody_runs import PROGRAM, SOURCE, execute
 
 sys.path[:0] = [str(SOURCE / "scripts" / folder) for folder in ("reports", "benchmarks", "rivals")]
@@ -73,6 +75,16 @@ class KnownCases(unittest.TestCase):
     def test_measure_of_figure_9(self):
         # Two frames and three counts, the second frame without penetration at all: it says nothing.
         self.assertEqual(discs.paper_measure({1: ([4., 0.], None), 2: ([2., 0.], None), 9: ([1., 0.], None)}), {1: 1., 2: .5, 9: .25})
+        # Two discs 5 mm deep in each other, one of them 12 mm deep in the floor, the other free.
+        self.assertAlmostEqual(discs.penetration(np.array([[1., 0., .088], [1., 0., .283]])), .013, 12)
+        self.assertAlmostEqual(discs.penetration(np.array([[.097, 0., 1.], [2.904, 0., 1.]])), .005, 12)  # both walls
+        self.assertEqual(discs.penetration(np.array([[1., 0., .1], [1., 0., .3]])), 0)
+
+    def test_where_one_solver_passes_another_is_read_off_the_data(self):
+        ahead = {1: 3., 5: 1., 10: 2., 20: .5, 50: .1}
+        self.assertEqual(discs.passing(list(ahead), ahead, {1: 2., 5: 2., 10: 1., 20: 1., 50: 1.}), 20)
+        self.assertEqual(discs.passing(list(ahead), ahead, ahead), 1)
+        self.assertIsNone(discs.passing(list(ahead), ahead, {1: 9., 5: 9., 10: 9., 20: 9., 50: 0.}))
 
     def curve(self, known=0.0):
         def setting(solver, iterations, substeps=1, ranks=1):
