@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -65,6 +66,7 @@ class Maker:
         self.fresh = set()  # made just now: not again even with --again
         self.marks = {}
         self.load = busy_cores()
+        self.broken = []  # runs of other programs that ended in an error
         self.when = set()  # of all runs looked at: (when they were made, the cores at work when that making began or None)
         for name in ('runs', 'states', 'scratch'):
             os.makedirs(os.path.join(folder, name), exist_ok=True)
@@ -181,8 +183,8 @@ class Maker:
         return path
 
     def rival(self, name, start, options=(), look=('measure',), gravity=9.8):
-        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees}, or None
-        where the program is not there."""
+        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees}, None
+        where the program is not there, or {'failed': why} where it ended in an error, which is not kept and told in `broken`."""
         words, needs = RIVALS[name](self)
         if not all(os.path.exists(p) or shutil.which(p) for p in needs):
             return None
@@ -195,13 +197,17 @@ class Maker:
             output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
             try:
                 said = command([*words, start, os.path.join(output, 'frames.h5'), *options], 0, None if '--ranks' in options else self.core)
-                return {'ms': float(said.split('median_ms')[1]), 'seen': poses.LOOKS[look[0]](self, output, *look[1:])}
-            except SystemExit as fault:
-                return {'ms': None, 'seen': None, 'failed': str(fault)[-300:]}
+                return {'ms': float(said.split('_ms')[1]), 'seen': poses.LOOKS[look[0]](self, output, *look[1:])}
             finally:
                 shutil.rmtree(output, ignore_errors=True)
 
-        return self.keep(key, f'{name} {" ".join(options)}', make)
+        what = f'{name} {" ".join(options)}'
+        try:
+            return self.keep(key, what, make)
+        except (SystemExit, subprocess.CalledProcessError, IndexError, ValueError) as fault:  # it, what it said, or what it left
+            self.broken.append(what)
+            self.say(f'{what} ended in an error: {str(fault)[-300:]}')
+            return {'failed': str(fault)[-300:]}
 
     def state(self, scene, settings, frames):
         """The checkpoint at the end of a run."""
