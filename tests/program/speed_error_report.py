@@ -39,7 +39,13 @@ class KnownCases(unittest.TestCase):
         for mu, along, bisector in ((.1, 12.715115520, 8.979263430), (.5, 2.511129600, 1.763920875), (1., 1.235635200, .862361317)):
             self.assertAlmostEqual(sliding.expected("disc", mu, 30), along, 8)
             self.assertAlmostEqual(sliding.expected("box", mu, 45), bisector, 8)
-        self.assertIsNone(sliding.expected("cone", .1, 0))
+        for mu, box_30, cone, lift in ((.1, 10.044634274, 12.715113293, .016531), (.3, 3.322118661, 4.211752649, .105984),
+                                       (.5, 1.977712493, 2.510840000, .213791), (1., .969527483, 1.226067200, .318874)):
+            self.assertAlmostEqual(sliding.expected("box", mu, 30), box_30, 8)
+            self.assertAlmostEqual(sliding.expected("cone", mu, 30), cone, 8)
+            self.assertAlmostEqual(sliding.lift_of("cone", mu), lift, 6)
+        self.assertEqual(sliding.lift_of("disc", .1), 0)
+        self.assertAlmostEqual(sliding.expected("postprocess", .1, 0), 12.715115520 + .016 * 5, 8)
 
     # Tables 1 and 2 print their speed-ups, too, to two or three digits: as the ratios of their times, one of them cut off rather than rounded.
     def test_published_times_have_the_published_ratios(self):
@@ -270,6 +276,8 @@ class Report(unittest.TestCase):
         for model, degrees, distance in (("disc", "0", 1.2356352), ("disc", "45", 1.2356352), ("saxce", "45", 1.2356352), ("box", "45", .8623613)):
             self.assertAlmostEqual(float(rows[model, degrees]["ours (m)"]) / distance, 1, 2)
             self.assertLess(float(rows[model, degrees]["lift (m)"]), 1e-3)
+        for row in rows.values():
+            self.assertAlmostEqual(float(row["ours (m)"]) / float(row["closed form (m)"]), 1, 2, row)
         self.assertAlmostEqual(float(rows["cone", "0"]["lift (m)"]) / .318874, 1, 2)  # the cone's own, published
 
     def test_the_first_iteration_of_both_jacobi_solvers_is_the_same(self):
