@@ -134,7 +134,9 @@ class FailingDriver(ProgramTest):
         os.symlink(PROGRAM, self.folder / "build" / "unibody")
         (rivals / "bullet").write_text("#!/bin/sh\nexit 1\n")
         (rivals / "bullet").chmod(0o755)
-        words = [sys.executable, str(SOURCE / "scripts" / "report"), "--tiny", "--build", str(self.folder / "build"), "--output", str(self.folder / "out")]
+        words = [
+            sys.executable, str(SOURCE / "scripts" / "report"), "--tiny", "--build", str(self.folder / "build"),
+            "--output", str(self.folder / "out")]
         for _ in range(2):  # a failure is not taken for a result the next time
             run = execute([*words, "rivals"], 300)
             self.assertEqual(run.code, 1, run.err)

@@ -226,6 +226,7 @@ class KnownCases(unittest.TestCase):
         lines = (root / "README.md").read_text().splitlines()
         self.assertEqual((lines[0], lines[-1]), ("before", "after"))
         self.assertNotIn("old", lines)
+        self.assertIn("solver.tolerance=0 and solver.recovery_speed=1", lines[2])
         self.assertIn("| cloth | - |", lines)
         self.assertIn("<td>0.75</td>", text)
         self.assertIn("| boxes | 3 |", lines)
@@ -327,6 +328,8 @@ class Report(unittest.TestCase):
         self.assertEqual((found["name"], found["iterations"]), (default.solver, default.iterations))
         self.assertEqual(solver_of("taken_back", COMMON + DEFAULTS), found)
         self.assertNotEqual(solver_of("common", COMMON), found)
+        self.assertEqual(solver_of("shipped", COMMON + work_precision.SHIPPED.values()), found)
+        self.assertIn(("unibody", work_precision.SHIPPED), rivals.PILE)
 
     def test_siconos_and_this_program_agree(self):
         rows = self.table("contact_problems")
