@@ -67,6 +67,7 @@ class Maker:
         self.marks = {}
         self.load = busy_cores()
         self.broken = []  # runs of other programs that ended in an error
+        self.version, self.versions = 'unknown', set()  # of the program now, and when the runs looked at were made
         self.when = set()  # of all runs looked at: (when they were made, the cores at work when that making began or None)
         for name in ('runs', 'states', 'scratch'):
             os.makedirs(os.path.join(folder, name), exist_ok=True)
@@ -95,17 +96,21 @@ class Maker:
             self.marks[path] = digest_of_file(path)
         return self.marks[path]
 
-    def keep(self, key, what, make):
-        """The JSON kept under `key`, or what make() gives, which is then kept."""
+    def keep(self, key, what, make, ours=True):
+        """The JSON kept under `key`, or what make() gives, which is then kept. `ours`: this program makes it."""
         path = os.path.join(self.folder, 'runs', key + '.json')
         if os.path.exists(path) and (not self.again or key in self.fresh):
             self.found += 1
             with open(path, encoding='utf-8') as file:
                 result = json.load(file)
             self.when.add((result.get('made', now(os.path.getmtime(path))), result.get('load')))
+            if ours:
+                self.versions.add(result.get('version', 'not kept'))
             return result
         self.say(what)
-        result = dict(make(), made=now(), load=self.load)
+        result = dict(make(), made=now(), load=self.load, version=self.version)
+        if ours:
+            self.versions.add(self.version)
         self.when.add((result['made'], result['load']))
         self.made += 1
         self.fresh.add(key)
@@ -115,7 +120,11 @@ class Maker:
         return result
 
     def conditions(self):
-        """When the runs were made that the page shows, and how busy the machine was: facts of the measuring, not of the reading."""
+        """When and by which program the runs were made that the page shows, and how busy the machine was: facts of the measuring, not of the
+        reading."""
+        return [*self.moments(), ('program', ', '.join(sorted(self.versions)) or 'no run yet')]
+
+    def moments(self):
         if not self.when:
             return [('made', 'no run yet'), ('cores busy at the start', '-')]
         times, loads = [t for t, _ in self.when], [load for _, load in self.when]
@@ -203,7 +212,7 @@ class Maker:
 
         what = f'{name} {" ".join(options)}'
         try:
-            return self.keep(key, what, make)
+            return self.keep(key, what, make, ours=False)
         except (SystemExit, subprocess.CalledProcessError, IndexError, ValueError) as fault:  # it, what it said, or what it left
             self.broken.append(what)
             self.say(f'{what} ended in an error: {str(fault)[-300:]}')

@@ -49,10 +49,10 @@ DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30),
 SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '1e6': '2e-4', '2e6': '1.333e-4'}
 
 
-def soft_spheres(maker):
+def soft_spheres(maker, most=2):
     stiffnesses = maker.pick(['3.7e4'], ['3.7e4', '2e6'], list(SPRINGS))
     return [other(name, f'kn = {kn} N/m, dt = {SPRINGS[kn]} s', '--kn', kn, '--dt', SPRINGS[kn], '--ranks', ranks)
-            for name in ('LIGGGHTS', 'LAMMPS') for kn in stiffnesses for ranks in (1, 2)]
+            for name in ('LIGGGHTS', 'LAMMPS') for kn in stiffnesses for ranks in range(1, most + 1)]
 
 
 def chain_settings(maker):
@@ -83,7 +83,7 @@ def scenes(maker):
         'boxes': (maker.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + engines, False),
         f'{few} boxes': ('boxes_500', [f'bodies[1].lattice.count={few}'], frames, STACK + some + dart, False),
         f'{few} spheres': (
-            'spheres_5000', heap(few, 5, .6), frames, PILE[:4] + [ours('gauss_seidel', 5, 4)] + some + dart + soft_spheres(maker), False),
+            'spheres_5000', heap(few, 5, .6), frames, PILE[:4] + [ours('gauss_seidel', 5, 4)] + some + dart + soft_spheres(maker, 1), False),
         'spheres': ('spheres_5000', spheres, frames, PILE + some + soft_spheres(maker), False),
         'chain': (
             'chain_heavy_ball', ['output.joints=false'] + maker.pick(['bodies[0].chain.count=5'], [], []), maker.pick(5, 60, 150),

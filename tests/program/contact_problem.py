@@ -272,6 +272,16 @@ class ContactProblem(ProgramTest):
                 self.assertIn(text, run.err)
                 self.assertFalse((self.folder / "out").exists() or path.exists())
 
+    def test_files_that_hold_no_problem_are_named_in_one_line(self):
+        wrong = self.scene("not HDF5", "wrong.h5")
+        with h5py.File(self.folder / "empty.h5", "w"):
+            pass
+        for script in ("fclib.py", "solve_siconos.py"):
+            for path, why in ((self.folder / "none.h5", "no such file"), (wrong, "not a frictional"), (self.folder / "empty.h5", "not a frictional")):
+                done = execute([sys.executable, str(SOURCE / "scripts" / "rivals" / script), str(path)], 60)
+                self.assertEqual(done.code, 1)
+                self.assertRegex(done.err, rf"^{script}: {path}: {why}[^\n]*\n$")
+
     def test_a_run_without_a_step_has_none_to_write(self):
         pile = self.scene(PILE, "pile.yaml")
         self.good(pile, "whole", "-set", "time.frames=2", ranks=1)

@@ -25,7 +25,8 @@ import rivals  # noqa: E402
 import sliding  # noqa: E402
 import work_precision  # noqa: E402
 from page import Section, Table, cell, draw, page  # noqa: E402
-from parts import MINUTES, PARTS  # noqa: E402
+from names import MINUTES  # noqa: E402
+from parts import PARTS  # noqa: E402
 from runs import COMMON, DEFAULTS  # noqa: E402
 
 
@@ -338,6 +339,7 @@ class Report(unittest.TestCase):
             self.assertIn("not installed", theirs["solver"])
             self.skipTest("python3-siconos is not installed")
         self.assertLess(float(theirs["natural map"]), 1e-9)
+        self.assertEqual(theirs["within the tolerance"], str(float(theirs["natural map"]) <= 1e-10))
         for row in rows[:5]:
             self.assertGreater(int(row["contacts"]), 10)
             self.assertLess(float(row["natural map"]), 1e-12, row)
@@ -360,11 +362,12 @@ class Report(unittest.TestCase):
         self.assertEqual(run.code, 0, run.err)
         for path in (self.folder / "report" / "runs").glob("*.json"):
             kept = json.loads(path.read_text())
-            path.write_text(json.dumps(dict(kept, made="2001-02-03 04:05", load=7.0)))
+            path.write_text(json.dumps(dict(kept, made="2001-02-03 04:05", load=7.0, version="of-then")))
         self.assertIn(" 0 runs made", self.report("sliding").err)
         text = (self.folder / "report.html").read_text()
         self.assertIn("2001-02-03 04:05", text)
         self.assertIn("7.0 - too busy", text)
+        self.assertIn("<tr><th>program</th><td>of-then</td></tr>", text)
 
     def test_time_left_is_told(self):
         self.assertRegex(self.first.err, r"work_precision \(\d+ of \d+ runs left, about \d+ min\): ")
@@ -373,9 +376,18 @@ class Report(unittest.TestCase):
         self.assertLess(sum(MINUTES["quick"].values()), 15)
 
     def test_an_unknown_part_is_refused(self):
-        run = self.report("sliding", "slidding")
-        self.assertEqual(run.code, 2)
-        self.assertIn("slidding", run.err)
+        words = [sys.executable, str(SOURCE / "scripts" / "report"), "sliding", "slidding", "--output", str(self.folder / "none")]
+        run = execute(words, 60)  # before anything is built
+        self.assertEqual((run.code, run.out), (2, ""))
+        self.assertIn("error: unknown: slidding; there are published_tables, ", run.err)
+
+    def test_the_readme_is_not_cut_down_to_a_part(self):
+        before = (SOURCE / "README.md").read_bytes()
+        for words in (("sliding",), ()):  # tiny, as all runs here
+            run = self.report("--readme", *words)
+            self.assertEqual(run.code, 2)
+            self.assertIn("--readme rewrites the whole section", run.err)
+        self.assertEqual((SOURCE / "README.md").read_bytes(), before)
 
 
 if __name__ == "__main__":
