@@ -279,7 +279,8 @@ class Report(unittest.TestCase):
             self.assertAlmostEqual(float(rows[model, degrees]["ours (m)"]) / distance, 1, 2)
             self.assertLess(float(rows[model, degrees]["lift (m)"]), 1e-3)
         for row in rows.values():
-            self.assertAlmostEqual(float(row["ours (m)"]) / float(row["closed form (m)"]), 1, 2, row)
+            if row["friction"] != "postprocess":  # whose closed form is a point's, not a box's
+                self.assertAlmostEqual(float(row["ours (m)"]) / float(row["closed form (m)"]), 1, 2, row)
         self.assertAlmostEqual(float(rows["cone", "0"]["lift (m)"]) / .318874, 1, 2)  # the cone's own, published
 
     def test_the_first_iteration_of_both_jacobi_solvers_is_the_same(self):
