@@ -128,9 +128,10 @@ Simulates the scene file SCENE and writes its results into a folder.
   -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
                          No result depends on it
   -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it
-  -error_estimate [N]    how wrong the run is: in every N-th frame (default: 10th) the last step is solved on from where its
-                         iterations ended, until it converges, and then taken back. Three columns of report.csv tell its distance
-                         to the converged step, and how well that one is known. The reference: more of the run's own iterations,
+  -error_estimate [N]    how wrong the run is: in every N-th frame (default: 10th) and in the last one the last step is solved on
+                         from where its iterations ended, until it converges, and then taken back. Three columns of report.csv
+                         tell its distance to the converged step, and how well that one is known; summary.json and the run's last
+                         lines the worst and the last of them. The reference: more of the run's own iterations,
                          or accelerated Jacobi with trees of joints solved directly, whichever ends with less natural residual;
                          with cloths, threads or solids in the incremental form, which converge to what their way leads to, the
                          former alone. The run itself stays the same, bit for bit; a sample takes as long as some 60 to 1000

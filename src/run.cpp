@@ -95,6 +95,9 @@ void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std
   if (has_any(scene.rolling) || has_any(scene.spinning))
     throw InputError("option -dump_fclib: found rolling or spinning friction in " + scene.path + ", expected none");
   if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
+  if (first_frame >= scene.time.frames)
+    throw InputError("option -dump_fclib: the run starts with its last frame, " + std::to_string(first_frame) +
+                     ": there is no step to write, expected more time.frames");
   if (options.dump_step > scene.time.frames || (options.dump_step >= 0 && options.dump_step <= first_frame))
     throw InputError("option -dump_step: found " + std::to_string(options.dump_step) + ", expected a frame of the run, " +
                      std::to_string(first_frame + 1) + " to " + std::to_string(scene.time.frames));
@@ -163,6 +166,11 @@ class Run {
   void dump(std::int64_t frame);
   void finish();
 
+  bool wants_error(std::int64_t frame) const {
+    const int every = options_.error_estimate;
+    return every > 0 && (frame % every == 0 || frame == scene_.time.frames);
+  }
+
   // Of the frame whose last step is to be written as a problem; -1: none.
   std::int64_t dumped_frame() const {
     if (options_.dump_fclib.empty()) return -1;
@@ -216,8 +224,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   std::int64_t held = 0;
   for (int s = 0; s < scene_.time.substeps; ++s) {
     const bool last_step = s + 1 == scene_.time.substeps;
-    const StepWishes wishes{last_step && options_.error_estimate > 0 && frame % options_.error_estimate == 0,
-                            last_step && frame == dumped_frame() ? &problem_ : nullptr};
+    const StepWishes wishes{last_step && wants_error(frame), last_step && frame == dumped_frame() ? &problem_ : nullptr};
     const StepReport step = last = simulation_.step(wishes);
     stop_if_not_finite(comm_, scene_, simulation_, frame, s);  // before anything looks for contacts among such bodies
     held += step.held;
@@ -226,6 +233,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     report.converged &= step.converged;
   }
   simulation_.detect();
+  report.error = last.error;
   report.constraint_columns = further_columns(last, held);
   report.measures =
       measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));
@@ -295,6 +303,10 @@ void Run::finish() {
     std::printf("not converged: %lld of %lld frames, the worst by %.2e m (frame %lld)\n",
                 static_cast<long long>(summary_.unconverged), static_cast<long long>(summary_.frames()), summary_.worst_residual,
                 static_cast<long long>(summary_.worst_frame));
+  if (const ErrorSamples& e = summary_.errors; e.count > 0)
+    std::printf("error of a step, estimated in %lld frames: at worst %.2e m (frame %lld), in the last %.2e m (frame %lld)\n",
+                static_cast<long long>(e.count), e.worst.distance, static_cast<long long>(e.worst_frame), e.last.distance,
+                static_cast<long long>(e.last_frame));
   std::printf("wrote in %s:", options_.output.c_str());
   for (const std::string& file : summary_.files) std::printf(" %s", file.c_str());
   std::printf("\n");

@@ -69,10 +69,10 @@ def run_once(scene, setting, ranks, core, write, frames):
     count = ['--frames', str(frames)] if frames else []
     if setting.family == 'Bullet':
         ms = command([os.path.join(BUILD, 'scripts', 'rivals', 'bullet'), start, file] + setting.options + count, 0, core)
-        return float(ms.split('median_ms')[1]), file
+        return float(ms.split('_ms')[1]), file
     if setting.family == 'LIGGGHTS':
         ms = command([os.path.join(ROOT, 'scripts', 'rivals', 'liggghts.py'), start, file] + setting.options + count, 0, core)
-        return float(ms.split('median_ms')[1]), file
+        return float(ms.split('_ms')[1]), file
     folder = os.path.join(output, 'unibody')
     rows = unibody(SCENES[scene], setting.options + ([] if write else ['output.every=0']), folder, ranks, core, frames)
     return frame_ms(rows), os.path.join(folder, 'frames.h5')

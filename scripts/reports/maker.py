@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -65,6 +66,8 @@ class Maker:
         self.fresh = set()  # made just now: not again even with --again
         self.marks = {}
         self.load = busy_cores()
+        self.broken = []  # runs of other programs that ended in an error
+        self.version, self.versions = 'unknown', set()  # of the program now, and when the runs looked at were made
         self.when = set()  # of all runs looked at: (when they were made, the cores at work when that making began or None)
         for name in ('runs', 'states', 'scratch'):
             os.makedirs(os.path.join(folder, name), exist_ok=True)
@@ -93,17 +96,21 @@ class Maker:
             self.marks[path] = digest_of_file(path)
         return self.marks[path]
 
-    def keep(self, key, what, make):
-        """The JSON kept under `key`, or what make() gives, which is then kept."""
+    def keep(self, key, what, make, ours=True):
+        """The JSON kept under `key`, or what make() gives, which is then kept. `ours`: this program makes it."""
         path = os.path.join(self.folder, 'runs', key + '.json')
         if os.path.exists(path) and (not self.again or key in self.fresh):
             self.found += 1
             with open(path, encoding='utf-8') as file:
                 result = json.load(file)
             self.when.add((result.get('made', now(os.path.getmtime(path))), result.get('load')))
+            if ours:
+                self.versions.add(result.get('version', 'not kept'))
             return result
         self.say(what)
-        result = dict(make(), made=now(), load=self.load)
+        result = dict(make(), made=now(), load=self.load, version=self.version)
+        if ours:
+            self.versions.add(self.version)
         self.when.add((result['made'], result['load']))
         self.made += 1
         self.fresh.add(key)
@@ -113,7 +120,11 @@ class Maker:
         return result
 
     def conditions(self):
-        """When the runs were made that the page shows, and how busy the machine was: facts of the measuring, not of the reading."""
+        """When and by which program the runs were made that the page shows, and how busy the machine was: facts of the measuring, not of the
+        reading."""
+        return [*self.moments(), ('program', ', '.join(sorted(self.versions)) or 'no run yet')]
+
+    def moments(self):
         if not self.when:
             return [('made', 'no run yet'), ('cores busy at the start', '-')]
         times, loads = [t for t, _ in self.when], [load for _, load in self.when]
@@ -153,14 +164,18 @@ class Maker:
         short = ' '.join(s for s in settings if s.startswith(('solver', 'time')))
         return Run(self.keep(self.key(scene, settings, ranks, options, start, look or ()), f'{name_of(scene)} {short} on {ranks}', make))
 
-    def together(self, wishes):
-        """Runs whose times do not matter, as many at once as there are cores; wishes: keyword arguments of run()."""
+    def at_once(self, make, wishes):
+        """[make(**wish)] of runs whose times do not matter, as many at once as there are cores."""
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
             core, self.core = self.core, None
             try:
-                return list(pool.map(lambda wish: self.run(**wish), wishes))
+                return list(pool.map(lambda wish: make(**wish), wishes))
             finally:
                 self.core = core
+
+    def together(self, wishes):
+        """Runs whose times do not matter; wishes: keyword arguments of run()."""
+        return self.at_once(self.run, wishes)
 
     def folder_of(self, scene, settings, frames=None, start=None, options=()):
         """The folder of a run with its frames and the checkpoint at its end, kept as a whole: for states and references."""
@@ -177,8 +192,8 @@ class Maker:
         return path
 
     def rival(self, name, start, options=(), look=('measure',), gravity=9.8):
-        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees}, or None
-        where the program is not there."""
+        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees}, None
+        where the program is not there, or {'failed': why} where it ended in an error, which is not kept and told in `broken`."""
         words, needs = RIVALS[name](self)
         if not all(os.path.exists(p) or shutil.which(p) for p in needs):
             return None
@@ -191,13 +206,17 @@ class Maker:
             output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
             try:
                 said = command([*words, start, os.path.join(output, 'frames.h5'), *options], 0, None if '--ranks' in options else self.core)
-                return {'ms': float(said.split('median_ms')[1]), 'seen': poses.LOOKS[look[0]](self, output, *look[1:])}
-            except SystemExit as fault:
-                return {'ms': None, 'seen': None, 'failed': str(fault)[-300:]}
+                return {'ms': float(said.split('_ms')[1]), 'seen': poses.LOOKS[look[0]](self, output, *look[1:])}
             finally:
                 shutil.rmtree(output, ignore_errors=True)
 
-        return self.keep(key, f'{name} {" ".join(options)}', make)
+        what = f'{name} {" ".join(options)}'
+        try:
+            return self.keep(key, what, make, ours=False)
+        except (SystemExit, subprocess.CalledProcessError, IndexError, ValueError) as fault:  # it, what it said, or what it left
+            self.broken.append(what)
+            self.say(f'{what} ended in an error: {str(fault)[-300:]}')
+            return {'failed': str(fault)[-300:]}
 
     def state(self, scene, settings, frames):
         """The checkpoint at the end of a run."""

@@ -3,7 +3,7 @@ import os
 from dataclasses import replace
 
 from page import markdown
-from runs import ROOT
+from runs import COMMON, ROOT
 
 BEGIN, END = '<!-- scripts/report --readme writes from here -->', '<!-- to here -->'
 PLOTS, TABLES = ('work_precision', 'rivals_boxes', 'velocity_level'), ('settings', 'defaults', 'one_setting', 'rivals_best')
@@ -22,7 +22,8 @@ def result_lines(sections, facts, size):
     option = '' if size == 'full' else f' --{size}'
     lines = [
         f'Made by `scripts/report{option} --readme` on {facts["made"]}: {facts["machine"]}, {facts["compiler"]}; cores busy at'
-        f' the start {facts["cores busy at the start"]}.'
+        f' the start {facts["cores busy at the start"]}. All runs of unibody have {" and ".join(COMMON[:2])} beside what a row says, but for'
+        ' those "as shipped": every setting then does all of its iterations, as other programs do theirs.'
     ]
     for kind, names in (('plots', PLOTS), ('tables', TABLES)):
         for name in names:

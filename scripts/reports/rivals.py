@@ -2,12 +2,17 @@
 import os
 
 from page import Section, Table, draw
-from work_precision import DEFAULT, SOLVERS, Setting
+from runs import COMMON
+from work_precision import DEFAULT, SHIPPED, SOLVERS, Setting
 
 TITLE = 'Other programs on the same bodies'
 COLUMNS = [
     'scene', 'program', 'settings', 'ranks', 'ms a frame', 'error (mm)', 'max (mm)', 'KE/body (J)', 'mean height (m)',
-    'ours with no more error', 'its ms / these ms']
+    'ours with no more error', 'its ms / these ms', 'at rest']
+# J a body, up to which a pile counts as at rest, by shape.
+REST = {'boxes': 3e-4, 'spheres': 1.7e-3}
+RESTING = ('At rest: kinetic energy a body of at most ' + ', '.join(f'{limit:g} J ({shape})' for shape, limit in REST.items()) +
+           '; what moves still is not compared')
 
 
 def ours(*how):
@@ -23,8 +28,8 @@ def other(name, text, *options):
     return (name, text, options)
 
 
-PILE = [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 40), ('unibody', DEFAULT), ours('gauss_seidel', 5, 4),
-        ours('gauss_seidel', 20, 1, 2), ours('accelerated_jacobi', 50, 1, 2)]
+PILE = [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ('unibody', DEFAULT), ('unibody', SHIPPED), ours('gauss_seidel', 5, 4),
+        ours('gauss_seidel', 20, 1, 2), ours('accelerated_jacobi', 50, 1, 2), ours('gauss_seidel', 40)]
 STACK = PILE[:4] + [ours(solver, k, 1, 1, 'velocity share .9') for solver, k in (('gauss_seidel', 40), ('accelerated_jacobi', 50))]
 BULLET = [other('Bullet', '10 iterations', '--iterations', 10), other('Bullet', '50 iterations', '--iterations', 50)]
 ODE = [other('ODE', 'quickstep, 20 iterations', '--iterations', 20),
@@ -33,14 +38,21 @@ FINER = [other('Bullet', '4 substeps of 5', '--iterations', 5, '--substeps', 4),
 # Bullet's best known ways from its defaults: twice as much of the depth taken out a step, and one list of contacts for all islands.
 TUNED = [other('Bullet', '10 iterations, erp2 .4', '--iterations', 10, '--erp2', .4),
          other('Bullet', '10 iterations, islands together', '--iterations', 10, '--split', 0)]
-DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30), other('DART', 'PGS, 100 iterations', '--iterations', 100)]
+# DART's own step is 1 ms, and at that it takes a hundredth of a depth out, at 1 mm/s at most: with frames of 16 ms, more of both.
+BRISK = ('--erp', .2, '--erv', 1)
+DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30),
+        *(other('DART', f'PGS, 30 iterations, erp .2 at up to 1 m/s{more}', '--iterations', 30, *BRISK, *options)
+          for more, *options in (('',), (', 4 substeps', '--substeps', 4), (', 16 substeps', '--substeps', 16))),
+        other('DART', 'PGS, 30 iterations, 16 substeps', '--iterations', 30, '--substeps', 16),
+        other('DART', "Dantzig's, 16 substeps", '--direct', 1, '--substeps', 16),
+        other('DART', "Dantzig's, erp .2 at up to 1 m/s, 4 substeps", '--direct', 1, *BRISK, '--substeps', 4)]
 SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '1e6': '2e-4', '2e6': '1.333e-4'}
 
 
-def soft_spheres(maker):
+def soft_spheres(maker, most=2):
     stiffnesses = maker.pick(['3.7e4'], ['3.7e4', '2e6'], list(SPRINGS))
     return [other(name, f'kn = {kn} N/m, dt = {SPRINGS[kn]} s', '--kn', kn, '--dt', SPRINGS[kn], '--ranks', ranks)
-            for name in ('LIGGGHTS', 'LAMMPS') for kn in stiffnesses for ranks in (1, 2)]
+            for name in ('LIGGGHTS', 'LAMMPS') for kn in stiffnesses for ranks in range(1, most + 1)]
 
 
 def chain_settings(maker):
@@ -53,18 +65,25 @@ def chain_settings(maker):
     return found
 
 
+def heap(count, columns, width):
+    """Settings of spheres_5000 for so many spheres, in a container of `width` (m)."""
+    return [f'bodies[1].lattice.count={count}', f'bodies[1].lattice.columns=[{columns}, {columns}]', f'bodies[0].container.size=[{width}, {width}]']
+
+
 def scenes(maker):
     """name -> (scene, settings, frames, what is run, chain?)"""
     boxes = ['bodies[1].lattice.count=' + str(maker.pick(20, 500, 2000))]
-    spheres = ['bodies[1].lattice.count=' + str(maker.pick(20, 1000, 5000))]
-    frames = maker.pick(10, 300, 400)
+    spheres = maker.pick(heap(20, 5, .6), heap(500, 8, .93), ['bodies[1].lattice.count=5000'])
+    few = maker.pick(10, 50, 100)  # what DART's assembled matrix allows
+    dart = maker.pick(DART, DART[:3] + DART[-1:], DART)
+    frames = maker.pick(10, 450, 400)
     tuned = maker.pick([], [], TUNED)
     engines, some = BULLET + ODE + FINER + tuned, BULLET + ODE + maker.pick([], [], FINER) + tuned
     found = {
         'boxes': (maker.pick('boxes_500', 'boxes_500', 'boxes_2000'), boxes, frames, PILE + engines, False),
-        '100 boxes': (
-            'boxes_500', ['bodies[1].lattice.count=' + str(maker.pick(10, 100, 100))], maker.pick(10, 200, 400),
-            STACK + some + DART, False),
+        f'{few} boxes': ('boxes_500', [f'bodies[1].lattice.count={few}'], frames, STACK + some + dart, False),
+        f'{few} spheres': (
+            'spheres_5000', heap(few, 5, .6), frames, PILE[:4] + [ours('gauss_seidel', 5, 4)] + some + dart + soft_spheres(maker, 1), False),
         'spheres': ('spheres_5000', spheres, frames, PILE + some + soft_spheres(maker), False),
         'chain': (
             'chain_heavy_ball', ['output.joints=false'] + maker.pick(['bodies[0].chain.count=5'], [], []), maker.pick(5, 60, 150),
@@ -78,7 +97,7 @@ def scenes(maker):
     if maker.size == 'full':
         found['50,000 spheres'] = (
             'spheres_5000',
-            ['bodies[1].lattice.count=50000', 'bodies[1].lattice.columns=[41, 41]', 'bodies[0].container.size=[4.74, 4.74]'], frames,
+            heap(50000, 41, 4.74), frames,
             [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(maker), False)
     return found
 
@@ -105,43 +124,53 @@ def rows_of(maker, name, scene, settings, frames, entries, chain):
             _, text, options = entry
             ranks = options[options.index('--ranks') + 1] if '--ranks' in options else 1
             done = maker.rival(entry[0], start, [*options, '--frames', frames] + (['--chain', 1] if chain else []), look)
-            if done is None or done['ms'] is None:
+            if done is None or 'failed' in done:
                 why = 'not installed' if done is None else 'ended in an error'
-                rows.append([name, entry[0], f'{text}: {why}', ranks] + [None] * (len(COLUMNS) - 4))
+                rows.append([name, entry[0], f'{text}: {why}', ranks] + [None] * (len(COLUMNS) - (5 if chain else 4)))
                 continue
             ms, seen = done['ms'], done['seen']
         if chain:
             values = [seen['drift_rms_mm'], seen['drift_peak_mm'], seen['kinetic_j'], None if seen['away'] is None else 1e3 * seen['away']]
         else:
             values = [seen['rms_mm'], seen['max_mm'], seen['kinetic_j'], seen['height_m']]
-        rows.append([name, entry[0], text, ranks, ms, *values, None, None])
+        rows.append([name, entry[0], text, ranks, ms, *values, None, None] + ([] if chain else [at_rest(name, seen['kinetic_j'])]))
     compare(rows)
     return rows
 
 
+def at_rest(name, kinetic):
+    """Whether the bodies of the pile `name` have come to rest: their penetration then tells of the solver."""
+    return kinetic <= next(limit for shape, limit in REST.items() if name.endswith(shape))
+
+
+def restless(row):
+    return len(row) == len(COLUMNS) and row[-1] is False
+
+
 def compare(rows):
-    """Fills the last two columns of other programs' rows: our fastest setting on as many ranks or fewer whose error is no larger,
-    and how its time compares."""
+    """Fills the columns 9 and 10 of other programs' rows: our fastest setting on as many ranks or fewer whose error is no larger, and how its
+    time compares. Piles that move still are not compared."""
     for row in rows:
-        if row[1] == 'unibody' or row[4] is None:
+        if row[1] == 'unibody' or row[4] is None or restless(row):
             continue
-        best = min(((r[4], r[2]) for r in rows if r[1] == 'unibody' and r[3] <= row[3] and r[5] <= row[5]), default=None)
+        best = min(((r[4], r[2]) for r in rows if r[1] == 'unibody' and r[3] <= row[3] and r[5] <= row[5] and not restless(r)), default=None)
         if best:
             row[9], row[10] = best[1], best[0] / row[4]
 
 
 def telling(rows):
     """Of each scene and program the fastest setting and the one of least error, of ours also the fastest with no more error than any of the
-    others' on as many ranks."""
+    others' on as many ranks; of those at rest, or, where none is, of all."""
     kept = []
     for scene, program in dict.fromkeys((r[0], r[1]) for r in rows):
         of = [r for r in rows if (r[0], r[1]) == (scene, program) and r[4] is not None]
+        of = [r for r in of if not restless(r)] or of
         if not of:
             kept += [r for r in rows if (r[0], r[1]) == (scene, program)][:1]
             continue
         wanted = [min(of, key=lambda r: r[4]), min(of, key=lambda r: (r[5], r[4]))]
         if program == 'unibody':
-            others = [r[5] for r in rows if r[0] == scene and r[1] != program and r[4] is not None]
+            others = [r[5] for r in rows if r[0] == scene and r[1] != program and r[4] is not None and not restless(r)]
             wanted += sorted((r for r in of if r[5] <= min(others, default=0)), key=lambda r: r[4])[:1]
         kept += sorted(({id(r): r for r in wanted}).values(), key=lambda r: r[4])
     return kept
@@ -156,8 +185,8 @@ def make(maker):
     piles = Table(
         'rivals',
         (
-            'Piles at rest: RMS and largest penetration of all pairs, medians of the last 100 frames, from the poses; one thread'
-            ' against one rank; h = 16 ms, mu = .3'
+            'Piles: RMS and largest penetration of all pairs, medians of the last 100 frames, from the poses; one thread against'
+            ' one rank; h = 16 ms, mu = .3. ' + RESTING
         ),
         COLUMNS,
         rows,
@@ -168,13 +197,13 @@ def make(maker):
         (
             'Piles at rest, of each program its fastest setting and that of least error, of ours also the fastest with no more'
             ' error than any other program has; RMS and largest penetration of all pairs, medians of the last 100 frames, from'
-            ' the poses; h = 16 ms, mu = .3'
+            ' the poses; h = 16 ms, mu = .3. ' + RESTING
         ),
         COLUMNS,
         telling(rows),
         'scripts/report rivals',
     )
-    heading = COLUMNS[:5] + ['drift RMS (mm)', 'largest drift of all (mm)', COLUMNS[7], 'from the fine reference (mm)'] + COLUMNS[9:]
+    heading = COLUMNS[:5] + ['drift RMS (mm)', 'largest drift of all (mm)', COLUMNS[7], 'from the fine reference (mm)'] + COLUMNS[9:11]
     joints = Table(
         'rivals_chain',
         (
@@ -213,11 +242,15 @@ def make(maker):
             (
                 'All start from the same file; scripts/rivals/measure judges the poses that each recorded. Bullet, ODE and DART'
                 ' as the distribution builds them, no sleeping, no damping, otherwise their defaults but for what a row says; LIGGGHTS'
-                ' and LAMMPS with linear springs. Times: ODE, Bullet, DART CPU time of their step; LIGGGHTS, LAMMPS wall time without output;'
-                ' unibody contacts, solve and exchange.'
+                ' and LAMMPS with linear springs. Times: ODE, Bullet, DART CPU time of their step, unibody contacts, solve and'
+                ' exchange, both medians of the frames; LIGGGHTS, LAMMPS wall time without output, the mean of all frames.'
+                f' Rows of unibody without "as shipped" have {" and ".join(COMMON[:2])}: all iterations are done, as the others do'
+                ' theirs, and depths come out faster than is safe for bodies that start in each other, which these do not.'
             ),
             (
-                'DART (projected Gauss-Seidel on an assembled matrix) is not made for piles: it has its own, small one. In a'
+                'DART (projected Gauss-Seidel or pivoting on an assembled matrix) is not made for large piles: it has small ones of'
+                ' its own, of boxes and of spheres. It takes a hundredth of a depth out in a step, at 1 mm/s at most, which its'
+                ' usual steps of 1 ms may do with: rows say where it has more of both, or more steps. In a'
                 ' chain it has reduced coordinates, and its joints cannot open: what is wrong there is the step, as the last'
                 ' column but two tells.'
             ),

@@ -5,7 +5,7 @@ from fronts import Curve, choice, costs, least, one_for_all, standing
 from page import Section, Table, draw
 from maker import Failed
 from poses import distance_of_last
-from runs import report_rows
+from runs import COMMON, DEFAULTS, report_rows
 
 TITLE = 'Work against precision'
 SOLVERS = {'accelerated_jacobi': 'AJ', 'gauss_seidel': 'GS', 'newton': 'Newton'}
@@ -14,7 +14,8 @@ WINDOW = 2                   # frames to the comparison with the fine reference;
 VARIANTS = {
     'position stage alone': ['solver.stages=position'], 'cold': ['solver.stages=position', 'solver.warm_start=0'],
     'warm .5': ['solver.stages=position', 'solver.warm_start=0.5'],
-    'joint': ['solver.stages=joint'], 'velocity share .9': ['solver.velocity_share=0.9'], 'direct': ['solver.joints=direct'], '': []}
+    'joint': ['solver.stages=joint'], 'velocity share .9': ['solver.velocity_share=0.9'], 'direct': ['solver.joints=direct'], 'as shipped': DEFAULTS,
+    '': []}
 
 
 @dataclass
@@ -40,6 +41,7 @@ class Setting:
 
 
 DEFAULT = Setting('accelerated_jacobi', 50)  # the program's, which the tests hold against it
+SHIPPED = replace(DEFAULT, variant='as shipped')         # with what the report sets for all runs taken back
 ERROR_BARS = (DEFAULT, Setting('gauss_seidel', 50))  # whose own word on their error is held against the distance found
 
 

@@ -2,12 +2,12 @@
 //
 // Bullet is left at its defaults (erp2 .2 unless --erp2 says otherwise, split impulse, warm start .85, contacts kept to 2 cm) but
 // for: no sleeping, no damping, restitution 0. It multiplies the friction of two bodies, so each has the root of the pair's. Half
-// spaces are static boxes, thick ones. Margins are the defaults: a box keeps its size, the margin of min(4 cm, a tenth of the
-// smallest half edge) lies inside; a sphere is all margin. Joints of a chain are point-to-point constraints.
+// spaces are static boxes, thick and wide ones: its own plane finds one point of a box in a step. Margins are the defaults: a box
+// keeps its size, the margin of min(4 cm, a tenth of the smallest half edge) lies inside; a sphere is all margin. Joints of a
+// chain are point-to-point constraints.
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <btBulletDynamicsCommon.h>
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -47,16 +47,13 @@ struct World : rivals::Engine {
     world.getSolverInfo().m_numIterations = settings.iterations;
     world.getSolverInfo().m_erp2 = static_cast<btScalar>(settings.erp2);
     world.getSimulationIslandManager()->setSplitIslands(settings.split != 0);
-    double extent = 10;  // m, half width of the boxes that stand for half spaces
-    for (std::size_t i = 0; i < scene.count(); ++i)
-      if (scene.shape[i] != Shape::plane) extent = std::max(extent, 2 * start.position[i].norm());
     std::map<std::vector<double>, btCollisionShape*> known;  // equal bodies share their shape
     for (std::size_t i = 0; i < scene.count(); ++i) {
       if (scene.motion[i] == rivals::Motion::kinematic) throw std::runtime_error("kinematic bodies are not carried over");
       btTransform at = pose(start, i);
       rivals::Vec3 size = scene.size[i];
       if (scene.shape[i] == Shape::plane) {
-        size = {extent, extent, 1};
+        size = {rivals::wide, rivals::wide, 1};
         at.setOrigin(at * btVector3(0, 0, -1));
       }
       auto& shape = known[{static_cast<double>(scene.shape[i]), size.x(), size.y(), size.z()}];

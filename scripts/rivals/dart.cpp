@@ -1,9 +1,8 @@
 // Runs DART from the first frame of a frames.h5 and records its frames in the same format: options in driver.hpp.
 //
 // Contacts by its Bullet detector; the boxed complementarity problem by projected Gauss-Seidel with N iterations (--direct 1:
-// Dantzig's pivoting, its default, with that as fallback). Half spaces are thick static boxes. A chain is one articulated body in
-// reduced coordinates, whose ball joints cannot open. No damping, restitution 0.
-#include <algorithm>
+// Dantzig's pivoting, its default, with that as fallback). Half spaces are thick and wide static boxes. A chain is one
+// articulated body in reduced coordinates, whose ball joints cannot open. No damping, restitution 0.
 #include <dart/collision/bullet/bullet.hpp>
 #include <dart/dart.hpp>
 #include <stdexcept>
@@ -20,7 +19,6 @@ using namespace dart::dynamics;
 struct World : rivals::Engine {
   dart::simulation::WorldPtr world = dart::simulation::World::create();
   std::vector<BodyNode*> bodies;
-  double extent = 10;  // m, half width of the boxes that stand for half spaces
 
   World(const Bodies& scene, const Frame& start, const rivals::Settings& settings) {
     world->setGravity({0, 0, -settings.gravity});
@@ -33,6 +31,9 @@ struct World : rivals::Engine {
     else
       solver = std::make_unique<dart::constraint::BoxedLcpConstraintSolver>(pgs, nullptr);
     world->setConstraintSolver(std::move(solver));
+    using dart::constraint::ContactConstraint;
+    if (settings.erp >= 0) ContactConstraint::setErrorReductionParameter(settings.erp);
+    if (settings.erv >= 0) ContactConstraint::setMaxErrorReductionVelocity(settings.erv);
     world->getConstraintSolver()->setCollisionDetector(dart::collision::BulletCollisionDetector::create());
     bodies.assign(scene.count(), nullptr);
     if (settings.chain.empty())
@@ -52,13 +53,11 @@ struct World : rivals::Engine {
   }
 
   void free_bodies(const Bodies& scene, const Frame& start, double friction) {
-    for (std::size_t i = 0; i < scene.count(); ++i)
-      if (scene.shape[i] != Shape::plane) extent = std::max(extent, 2 * start.position[i].norm());
     for (std::size_t i = 0; i < scene.count(); ++i) {
       const auto skeleton = Skeleton::create("body" + std::to_string(i));
       Eigen::Isometry3d at = pose(start, i);
       rivals::Vec3 size = 2 * scene.size[i];
-      if (scene.shape[i] == Shape::plane) size = {2 * extent, 2 * extent, 2}, at.translation() -= at.linear().col(2);
+      if (scene.shape[i] == Shape::plane) size = {2 * rivals::wide, 2 * rivals::wide, 2}, at.translation() -= at.linear().col(2);
       ShapePtr shape;
       if (scene.shape[i] == Shape::disc) throw std::runtime_error("discs are not carried over");
       if (scene.shape[i] == Shape::sphere)

@@ -25,8 +25,8 @@ Settings parse(int argc, char** argv) {
                                                  {"--chain", &s.tied},
                                                  {"--direct", &s.direct},
                                                  {"--split", &s.split}};
-  const std::pair<const char*, double*> numbers[] = {
-      {"--step", &s.step}, {"--friction", &s.friction}, {"--gravity", &s.gravity}, {"--erp2", &s.erp2}};
+  const std::pair<const char*, double*> numbers[] = {{"--step", &s.step}, {"--friction", &s.friction}, {"--gravity", &s.gravity},
+                                                     {"--erp2", &s.erp2}, {"--erp", &s.erp},           {"--erv", &s.erv}};
   for (int i = 3; i < argc; i += 2) {
     const std::string key = argv[i];
     if (i + 1 >= argc) throw std::runtime_error("'" + key + "' needs a value");

@@ -8,10 +8,22 @@ Prints for each the number of contacts and of the stored solution (/solution) or
   primal, dual      how far r is outside of the cone, over |r|, and u^ outside of the dual cone (m/s)
   complementarity   the largest |r . u^| of a contact (J)
 """
+import os
 import sys
 
 import h5py
 import numpy as np
+
+
+def read(path):
+    """The problem of a file, for programs: ends them with one line where there is none."""
+    if not os.path.exists(path):
+        sys.exit(f'{os.path.basename(sys.argv[0])}: {path}: no such file')
+    try:
+        return Problem(path)
+    except (OSError, KeyError, ValueError) as fault:
+        why = ' '.join(str(fault.args[0] if isinstance(fault, KeyError) else fault).split())
+        sys.exit(f'{os.path.basename(sys.argv[0])}: {path}: not a frictional contact problem of FCLIB that can be read ({why})')
 
 
 class Problem:
@@ -71,7 +83,7 @@ def main():
         print(__doc__.strip())
         return 0 if sys.argv[1:] in (['-h'], ['--help']) else 2
     for path in sys.argv[1:]:
-        problem = Problem(path)
+        problem = read(path)
         if problem.r is None:
             print(f'{path}: {len(problem.mu)} contacts, no solution')
         else:

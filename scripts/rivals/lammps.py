@@ -14,6 +14,8 @@ def deck(arguments, scene, steps, dump):
     spheres, planes = scene['shape'] == 0, scene['shape'] == 2
     if not np.all(spheres | planes):
         raise SystemExit('lammps.py: only spheres and planes')
+    if np.any(scene['velocity'][spheres]) or np.any(scene['angular_velocity'][spheres]):
+        raise SystemExit('lammps.py: the spheres move at the start')
     radius, mass = scene['size'][spheres, 0], scene['mass'][spheres]
     if np.ptp(radius) > 0 or np.ptp(mass) > 0:
         raise SystemExit('lammps.py: the spheres differ')

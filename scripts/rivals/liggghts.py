@@ -4,7 +4,7 @@
    liggghts.py INPUT.h5 OUTPUT.h5 [--kn 3.7e4] [--dt 1e-3] [--ranks 1] [--frames 400] [--friction 0.3]
 
 Linear springs: kt = 2/7 kn; damping for a restitution of about .05: gamman = 2 * .69 * sqrt(kn / .5) 1/s for bodies of 1 kg,
-gammat = 2/7 gamman. All spheres must be equal and planes axis-aligned. Prints the wall time of a frame, writing not included.
+gammat = 2/7 gamman. All spheres must be equal and at rest at the start, planes axis-aligned. Prints the wall time of a frame, the mean of all, writing not included.
 """
 import argparse
 import itertools
@@ -46,6 +46,8 @@ def deck(arguments, scene, steps, dump):
     spheres, planes = scene['shape'] == 0, scene['shape'] == 2
     if not np.all(spheres | planes):
         sys.exit('liggghts.py: only spheres and planes')
+    if np.any(scene['velocity'][spheres]) or np.any(scene['angular_velocity'][spheres]):
+        sys.exit('liggghts.py: the spheres move at the start')
     radius, mass = scene['size'][spheres, 0], scene['mass'][spheres]
     if np.ptp(radius) > 0 or np.ptp(mass) > 0:
         sys.exit('liggghts.py: the spheres differ')
@@ -123,7 +125,7 @@ def main(words=('liggghts',), write_deck=deck):
                     array[spheres] = values[:, columns]
                     group[key] = array
                 group['orientation'] = scene['orientation']
-    print(f'median_ms {1e3 * (times["Loop"] - times.get("Outpt", 0)) / arguments.frames:.4f}')
+    print(f'mean_ms {1e3 * (times["Loop"] - times.get("Outpt", 0)) / arguments.frames:.4f}')
 
 
 if __name__ == '__main__':

@@ -13,7 +13,7 @@ import time
 
 import numpy as np
 
-from fclib import Problem, told
+from fclib import read, told
 
 
 def solve(problem, tolerance, iterations):
@@ -56,7 +56,7 @@ def main():
     if len(words) not in (1, 2, 3) or any(w.startswith('-') for w in words):
         print(__doc__.strip())
         return 0 if words in (['-h'], ['--help']) else 2
-    problem = Problem(words[0])
+    problem = read(words[0])
     if to is not None:
         with open(to, 'w', encoding='ascii') as file:
             file.write(text_of(problem))

@@ -4,10 +4,12 @@
 #include <mpi.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "report/measure.hpp"
 #include "report/stretch.hpp"
+#include "solve/step_error.hpp"
 
 namespace unibody {
 
@@ -22,6 +24,7 @@ struct FrameReport {
   // Wall times (s) of the step, the largest of all ranks; imbalance: largest over mean busy time.
   double wall_collide = 0, wall_solve = 0, wall_halo = 0, wall_output = 0;
   double imbalance = 1;
+  std::optional<StepError> error;              // where it was asked for
   std::vector<NamedValue> constraint_columns;  // of scenes with cloths or threads; the same names in every frame
 };
 

@@ -109,10 +109,24 @@ Json final_json(const FrameReport& r) {
   return j.set("imbalance (max/mean)", r.imbalance);
 }
 
+Json error_json(std::int64_t frame, const StepError& error) {
+  return Json::object()
+      .set("frame", frame)
+      .set("error_estimate (m)", error.distance)
+      .set("error_relative (1)", error.relative)
+      .set("error_reference_residual (m)", error.reference_residual);
+}
+
 }  // namespace
+
+void ErrorSamples::add(std::int64_t frame, const StepError& error) {
+  if (++count == 1 || error.distance > worst.distance) worst = error, worst_frame = frame;
+  last = error, last_frame = frame;
+}
 
 void Summary::add(const FrameReport& report) {
   final = report;
+  if (report.error) errors.add(report.step, *report.error);
   if (report.converged) return;
   ++unconverged;
   if (report.natural_residual < worst_residual) return;
@@ -132,6 +146,11 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   j.set("frames_not_converged", summary.unconverged);
   if (summary.unconverged > 0)
     j.set("worst_natural_residual (m)", summary.worst_residual).set("worst_frame", summary.worst_frame);
+  if (const ErrorSamples& e = summary.errors; e.count > 0)
+    j.set("error_estimates", Json::object()
+                                 .set("samples", e.count)
+                                 .set("worst", error_json(e.worst_frame, e.worst))
+                                 .set("last", error_json(e.last_frame, e.last)));
   j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);
   return j.set("state_hash", hex(summary.state_hash)).text() + "\n";
 }

@@ -17,6 +17,14 @@ struct PhaseTimes {
   std::vector<double> seconds;
 };
 
+// Estimated errors of the frames that were sampled.
+struct ErrorSamples {
+  std::int64_t count = 0, worst_frame = 0, last_frame = 0;
+  StepError worst, last;  // the worst: the first of those with the largest distance
+
+  void add(std::int64_t frame, const StepError& error);
+};
+
 struct Summary {
   std::vector<Override> overrides;
   SolverSettings solver;       // as used: with what "auto" came to
@@ -27,7 +35,8 @@ struct Summary {
   FrameReport final;
   std::int64_t unconverged = 0, worst_frame = 0;  // frames of which a step did not converge, and that of them farthest from it
   double worst_residual = 0;                      // m, its natural residual
-  std::vector<std::string> files;                 // written, in the order of mention
+  ErrorSamples errors;
+  std::vector<std::string> files;  // written, in the order of mention
   std::uint64_t state_hash = 0;
   Id dynamic_bodies = 0;
   std::string status = "finished";  // or why it stopped

@@ -3,6 +3,7 @@
 import csv
 import ctypes
 import importlib.util
+import json
 import sys
 import unittest
 
@@ -271,6 +272,25 @@ class ContactProblem(ProgramTest):
                 self.assertIn(text, run.err)
                 self.assertFalse((self.folder / "out").exists() or path.exists())
 
+    def test_files_that_hold_no_problem_are_named_in_one_line(self):
+        wrong = self.scene("not HDF5", "wrong.h5")
+        with h5py.File(self.folder / "empty.h5", "w"):
+            pass
+        for script in ("fclib.py", "solve_siconos.py"):
+            for path, why in ((self.folder / "none.h5", "no such file"), (wrong, "not a frictional"), (self.folder / "empty.h5", "not a frictional")):
+                done = execute([sys.executable, str(SOURCE / "scripts" / "rivals" / script), str(path)], 60)
+                self.assertEqual(done.code, 1)
+                self.assertRegex(done.err, rf"^{script}: {path}: {why}[^\n]*\n$")
+
+    def test_a_run_without_a_step_has_none_to_write(self):
+        pile = self.scene(PILE, "pile.yaml")
+        self.good(pile, "whole", "-set", "time.frames=2", ranks=1)
+        for more in ((), ("-dump_step", 2)):
+            run = unibody(pile, "-set", "time.frames=2", "-restart", self.folder / "whole" / "checkpoint.h5", "-dump_fclib", self.folder / "x.h5", *more,
+                          "-output", self.folder / "out", ranks=1)
+            self.assertEqual(run.code, 2, run.err)
+            self.assertIn("-dump_fclib: the run starts with its last frame, 2: there is no step to write", run.err)
+
 
 class Stored:
     """A matrix of the file with the fields of FCLIB's."""
@@ -292,16 +312,34 @@ class ErrorEstimate(ProgramTest):
                     plain, asked = f"{name}_{solver}_plain", f"{name}_{solver}"
                     state = self.good(scene, plain, *options, ranks=1).state
                     for n in (1, 3):
-                        run = self.good(scene, f"{asked}_{n}", *options, "-error_estimate", 3, ranks=n)
+                        run = self.good(scene, f"{asked}_{n}", *options, "-error_estimate", 3, ranks=n, timeout=400)
                         self.assertEqual(run.state, state)
                     self.assertEqual(*(comparable(self.folder / f"{asked}_{n}" / "report.csv") for n in (1, 3)))
                     self.assertNotIn("error", (self.folder / plain / "report.csv").read_text())
                     with open(self.folder / f"{asked}_1" / "report.csv", newline="") as file:
                         rows = list(csv.DictReader(file))
                     told = [row["error_estimate (m)"] for row in rows]
-                    self.assertEqual([k + 1 for k, cell in enumerate(told) if cell], list(range(3, len(rows) + 1, 3)))
+                    self.assertEqual([k + 1 for k, cell in enumerate(told) if cell], sorted({*range(3, len(rows) + 1, 3), len(rows)}))
                     self.assertTrue(all(float(cell) >= 0 for cell in told if cell))
                     self.assertGreater(max(float(cell) for cell in told if cell), 0)
+                    self.told_at_the_end(self.folder / f"{asked}_1", run.out, {k + 1: float(cell) for k, cell in enumerate(told) if cell})
+                    self.assertNotIn("error", (self.folder / plain / "summary.json").read_text())
+
+    def told_at_the_end(self, folder, out, estimates):
+        """summary.json and the last lines have the worst and the last of {frame: estimate (m)}."""
+        kept = json.loads((folder / "summary.json").read_text())["error_estimates"]
+        worst, last = min(estimates, key=lambda frame: (-estimates[frame], frame)), max(estimates)
+        self.assertEqual(kept["samples"], len(estimates))
+        for name, frame in (("worst", worst), ("last", last)):
+            self.assertEqual((kept[name]["frame"], kept[name]["error_estimate (m)"]), (frame, estimates[frame]))
+        self.assertIn(f"in {len(estimates)} frames: at worst {estimates[worst]:.2e} m (frame {worst}), in the last {estimates[last]:.2e} m"
+                      f" (frame {last})", out)
+
+    def test_the_last_frame_is_always_sampled(self):
+        self.good(self.scene(PILE, "pile.yaml"), "out", "-set", "time.frames=5", "-error_estimate", ranks=1)
+        with open(self.folder / "out" / "report.csv", newline="") as file:
+            told = [row["error_estimate (m)"] for row in csv.DictReader(file)]
+        self.assertEqual([bool(cell) for cell in told], [False] * 4 + [True])
 
 
 if __name__ == "__main__":

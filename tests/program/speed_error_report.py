@@ -11,6 +11,8 @@ import sys
 import tempfile
 import unittest
 
+import numpy as np
+
 from unibody_runs import PROGRAM, SOURCE, execute
 
 sys.path[:0] = [str(SOURCE / "scripts" / folder) for folder in ("reports", "benchmarks", "rivals")]
@@ -23,7 +25,8 @@ import rivals  # noqa: E402
 import sliding  # noqa: E402
 import work_precision  # noqa: E402
 from page import Section, Table, cell, draw, page  # noqa: E402
-from parts import MINUTES, PARTS  # noqa: E402
+from names import MINUTES  # noqa: E402
+from parts import PARTS  # noqa: E402
 from runs import COMMON, DEFAULTS  # noqa: E402
 
 
@@ -37,7 +40,13 @@ class KnownCases(unittest.TestCase):
         for mu, along, bisector in ((.1, 12.715115520, 8.979263430), (.5, 2.511129600, 1.763920875), (1., 1.235635200, .862361317)):
             self.assertAlmostEqual(sliding.expected("disc", mu, 30), along, 8)
             self.assertAlmostEqual(sliding.expected("box", mu, 45), bisector, 8)
-        self.assertIsNone(sliding.expected("cone", .1, 0))
+        for mu, box_30, cone, lift in ((.1, 10.044634274, 12.715113293, .016531), (.3, 3.322118661, 4.211752649, .105984),
+                                       (.5, 1.977712493, 2.510840000, .213791), (1., .969527483, 1.226067200, .318874)):
+            self.assertAlmostEqual(sliding.expected("box", mu, 30), box_30, 8)
+            self.assertAlmostEqual(sliding.expected("cone", mu, 30), cone, 8)
+            self.assertAlmostEqual(sliding.lift_of("cone", mu), lift, 6)
+        self.assertEqual(sliding.lift_of("disc", .1), 0)
+        self.assertAlmostEqual(sliding.expected("postprocess", .1, 0), 12.715115520 + .016 * 5, 8)
 
     # Tables 1 and 2 print their speed-ups, too, to two or three digits: as the ratios of their times, one of them cut off rather than rounded.
     def test_published_times_have_the_published_ratios(self):
@@ -67,12 +76,23 @@ class KnownCases(unittest.TestCase):
             if not chain and name != "50,000 spheres":
                 count = [sum(entry[0] == program for entry in entries) for program in ("Bullet", "ODE")]
                 self.assertGreaterEqual(min(count), 3, name)
-        for name, (_, _, _, entries, chain) in rivals.scenes(Size("quick")).items():
+        for name, (_, _, frames, entries, chain) in rivals.scenes(Size("quick")).items():
+            self.assertTrue(chain or frames >= 450, name)
             self.assertTrue(chain or min(sum(e[0] == program for e in entries) for program in ("Bullet", "ODE")) >= 2, name)
 
     def test_measure_of_figure_9(self):
         # Two frames and three counts, the second frame without penetration at all: it says nothing.
         self.assertEqual(discs.paper_measure({1: ([4., 0.], None), 2: ([2., 0.], None), 9: ([1., 0.], None)}), {1: 1., 2: .5, 9: .25})
+        # Two discs 5 mm deep in each other, one of them 12 mm deep in the floor, the other free.
+        self.assertAlmostEqual(discs.penetration(np.array([[1., 0., .088], [1., 0., .283]])), .013, 12)
+        self.assertAlmostEqual(discs.penetration(np.array([[.097, 0., 1.], [2.904, 0., 1.]])), .005, 12)  # both walls
+        self.assertEqual(discs.penetration(np.array([[1., 0., .11], [1., 0., .32]])), 0)
+
+    def test_where_one_solver_passes_another_is_read_off_the_data(self):
+        ahead = {1: 3., 5: 1., 10: 2., 20: .5, 50: .1}
+        self.assertEqual(discs.passing(list(ahead), ahead, {1: 2., 5: 2., 10: 1., 20: 1., 50: 1.}), 20)
+        self.assertEqual(discs.passing(list(ahead), ahead, ahead), 1)
+        self.assertIsNone(discs.passing(list(ahead), ahead, {1: 9., 5: 9., 10: 9., 20: 9., 50: 0.}))
 
     def curve(self, known=0.0):
         def setting(solver, iterations, substeps=1, ranks=1):
@@ -169,6 +189,25 @@ class KnownCases(unittest.TestCase):
         self.assertEqual([r[9:] for r in table[3:]], [["a", .4], ["b", .8], ["c", .2], [None, None], [None, None]])
         self.assertEqual(table[0][9:], [None, None])
 
+    def test_piles_that_move_still_are_marked_and_not_compared(self):
+        self.assertEqual([rivals.at_rest(*of) for of in (("50 boxes", 2.9e-4), ("boxes", 3.1e-4), ("spheres", 1.6e-3), ("50,000 spheres", 1.8e-3))],
+                         [True, False, True, False])
+
+        def row(program, settings, ms, error, rest):
+            return ["boxes", program, settings, 1, ms, error, 0, 0, 0, None, None, rest]
+
+        table = [row("unibody", "a", 4., .05, True), row("unibody", "moves", 1., .01, False), row("Bullet", "b", 10., .1, True), row("Bullet", "moves", 5., .1, False)]
+        rivals.compare(table)
+        self.assertEqual([r[9:11] for r in table[2:]], [["a", .4], [None, None]])
+        self.assertEqual([r[2] for r in rivals.telling(table)], ["a", "b"])
+        self.assertEqual([r[2] for r in rivals.telling(table[3:])], ["moves"])  # the only one: told, and marked
+
+    # DART as its makers use it: its own step of 1 ms, its own solver, and what it takes out of a depth set for a step of 16 ms.
+    def test_dart_is_run_as_it_should_be(self):
+        options = [dict(zip(entry[2][::2], entry[2][1::2])) for entry in rivals.DART]
+        self.assertIn((16, 1), [(o.get("--substeps", 1), o.get("--direct", 0)) for o in options])
+        self.assertLessEqual({1, 4, 16}, {o.get("--substeps", 1) for o in options if "--direct" not in o and "--erp" in o})
+
     def test_page_and_readme_hold_the_tables(self):
         self.assertEqual([cell(v) for v in (None, 12, .25, 1.5e-7, "text <b>")], ["-", "12", "0.25", "1.50e-7", "text <b>"])
         plot = draw("velocity_level", "A line.", lambda axis: axis.plot([1, 2]), command="scripts/report velocity_level")
@@ -188,6 +227,7 @@ class KnownCases(unittest.TestCase):
         lines = (root / "README.md").read_text().splitlines()
         self.assertEqual((lines[0], lines[-1]), ("before", "after"))
         self.assertNotIn("old", lines)
+        self.assertIn("solver.tolerance=0 and solver.recovery_speed=1", lines[2])
         self.assertIn("| cloth | - |", lines)
         self.assertIn("<td>0.75</td>", text)
         self.assertIn("| boxes | 3 |", lines)
@@ -238,6 +278,9 @@ class Report(unittest.TestCase):
         for model, degrees, distance in (("disc", "0", 1.2356352), ("disc", "45", 1.2356352), ("saxce", "45", 1.2356352), ("box", "45", .8623613)):
             self.assertAlmostEqual(float(rows[model, degrees]["ours (m)"]) / distance, 1, 2)
             self.assertLess(float(rows[model, degrees]["lift (m)"]), 1e-3)
+        for row in rows.values():
+            if row["friction"] != "postprocess":  # whose closed form is a point's, not a box's
+                self.assertAlmostEqual(float(row["ours (m)"]) / float(row["closed form (m)"]), 1, 2, row)
         self.assertAlmostEqual(float(rows["cone", "0"]["lift (m)"]) / .318874, 1, 2)  # the cone's own, published
 
     def test_the_first_iteration_of_both_jacobi_solvers_is_the_same(self):
@@ -287,6 +330,8 @@ class Report(unittest.TestCase):
         self.assertEqual((found["name"], found["iterations"]), (default.solver, default.iterations))
         self.assertEqual(solver_of("taken_back", COMMON + DEFAULTS), found)
         self.assertNotEqual(solver_of("common", COMMON), found)
+        self.assertEqual(solver_of("shipped", COMMON + work_precision.SHIPPED.values()), found)
+        self.assertIn(("unibody", work_precision.SHIPPED), rivals.PILE)
 
     def test_siconos_and_this_program_agree(self):
         rows = self.table("contact_problems")
@@ -295,6 +340,7 @@ class Report(unittest.TestCase):
             self.assertIn("not installed", theirs["solver"])
             self.skipTest("python3-siconos is not installed")
         self.assertLess(float(theirs["natural map"]), 1e-9)
+        self.assertEqual(theirs["within the tolerance"], str(float(theirs["natural map"]) <= 1e-10))
         for row in rows[:5]:
             self.assertGreater(int(row["contacts"]), 10)
             self.assertLess(float(row["natural map"]), 1e-12, row)
@@ -317,11 +363,12 @@ class Report(unittest.TestCase):
         self.assertEqual(run.code, 0, run.err)
         for path in (self.folder / "report" / "runs").glob("*.json"):
             kept = json.loads(path.read_text())
-            path.write_text(json.dumps(dict(kept, made="2001-02-03 04:05", load=7.0)))
+            path.write_text(json.dumps(dict(kept, made="2001-02-03 04:05", load=7.0, version="of-then")))
         self.assertIn(" 0 runs made", self.report("sliding").err)
         text = (self.folder / "report.html").read_text()
         self.assertIn("2001-02-03 04:05", text)
         self.assertIn("7.0 - too busy", text)
+        self.assertIn("<tr><th>program</th><td>of-then</td></tr>", text)
 
     def test_time_left_is_told(self):
         self.assertRegex(self.first.err, r"work_precision \(\d+ of \d+ runs left, about \d+ min\): ")
@@ -330,9 +377,18 @@ class Report(unittest.TestCase):
         self.assertLess(sum(MINUTES["quick"].values()), 15)
 
     def test_an_unknown_part_is_refused(self):
-        run = self.report("sliding", "slidding")
-        self.assertEqual(run.code, 2)
-        self.assertIn("slidding", run.err)
+        words = [sys.executable, str(SOURCE / "scripts" / "report"), "sliding", "slidding", "--output", str(self.folder / "none")]
+        run = execute(words, 60)  # before anything is built
+        self.assertEqual((run.code, run.out), (2, ""))
+        self.assertIn("error: unknown: slidding; there are published_tables, ", run.err)
+
+    def test_the_readme_is_not_cut_down_to_a_part(self):
+        before = (SOURCE / "README.md").read_bytes()
+        for words in (("sliding",), ()):  # tiny, as all runs here
+            run = self.report("--readme", *words)
+            self.assertEqual(run.code, 2)
+            self.assertIn("--readme rewrites the whole section", run.err)
+        self.assertEqual((SOURCE / "README.md").read_bytes(), before)
 
 
 if __name__ == "__main__":

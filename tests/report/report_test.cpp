@@ -67,6 +67,27 @@ TEST(Json, EscapesAndNests) {
   EXPECT_EQ(Json(std::numeric_limits<double>::infinity()).text(), "null");
 }
 
+TEST(Summary, NamesTheWorstAndTheLastEstimatedError) {
+  Summary summary;
+  FrameReport report;
+  EXPECT_EQ(summary_text(MPI_COMM_SELF, Scene(), summary).find("error_estimates"), std::string::npos);
+  const double found[] = {2e-5, 7e-5, 7e-5, 1e-5};  // m, in the frames 3, 6, 9 and 11
+  for (int frame = 1; frame <= 11; ++frame) {
+    report.step = frame, report.error.reset();
+    if (frame % 3 == 0) report.error = StepError{found[frame / 3 - 1], 0.5, 1e-9, 7};
+    if (frame == 11) report.error = StepError{found[3], 0.25, 2e-9, 7};
+    summary.add(report);
+  }
+  EXPECT_EQ(summary.errors.count, 4);
+  EXPECT_EQ(summary.errors.worst_frame, 6);  // the first of two
+  EXPECT_EQ(summary.errors.worst.distance, 7e-5);
+  EXPECT_EQ(summary.errors.last_frame, 11);
+  EXPECT_EQ(summary.errors.last.distance, 1e-5);
+  const std::string text = summary_text(MPI_COMM_SELF, Scene(), summary);
+  for (const char* part : {"\"error_estimates\"", "\"samples\": 4", "\"frame\": 6", "\"error_relative (1)\": 0.25"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+}
+
 TEST(RanksSummary, IsJson) {
   const Folder folder;
   Scene scene;

@@ -1,0 +1,7 @@
+"""The parts of the report, in order, by their names on the command line, each a module; known before anything is built or imported."""
+NAMES = (
+    'published_tables', 'sliding', 'torus', 'velocity_level', 'discs', 'hanging_cloth', 'damping', 'work_precision', 'rivals',
+    'contact_problems')
+# Of two idle cores, roughly, by size of the report.
+MINUTES = {'quick': dict(zip(NAMES, (.9, .3, .5, 1.1, .8, .3, .2, 5, 4.5, .7))),
+           'full': dict(zip(NAMES, (4, .3, .5, 1.1, 10, .6, .6, 45, 120, 5)))}
