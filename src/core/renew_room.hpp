@@ -5,8 +5,8 @@
 
 namespace unibody {
 
-// Empties v, with room for n elements. Where there is too little, what it held is given back first, so that old and new memory are
-// never there at once.
+// Empties v, with room for n elements. Where there is too little, what it held is given back first, so that old and new memory
+// are never there at once.
 template <class Vector>
 void renew_room(Vector& v, std::size_t n) {
   v.clear();
