@@ -8,9 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "collide/contacts.hpp"
-#include "joints/joint.hpp"
 #include "partition/partition.hpp"
+#include "partition/work.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
 
@@ -23,14 +22,12 @@ class Balance {
   Balance(MPI_Comm comm, std::optional<std::uint64_t> seed, bool rebalance, std::span<const ConstraintGroup> groups = {})
       : comm_(comm), seed_(seed), rebalance_(rebalance), groups_(groups) {}
 
-  // Collective. New homes of this rank's home bodies; before the first step contacts are empty. `constraints`: those that touch
-  // this rank's bodies.
-  std::vector<int> homes(const World& world, const Contacts& contacts, const ConstraintSet* constraints = nullptr,
-                         std::span<const Joint> joints = {}, const JointList& joints_here = {}) const;
+  // Collective. New homes of this rank's home bodies, by the work of each (work.hpp); before the first step contacts are empty.
+  std::vector<int> homes(const StepParts& parts) const;
 
-  // Collective. Largest work of a rank over the mean, 1 when even; work is counted (points evaluated, bodies moved), not timed,
-  // so that the report is the same on each run.
-  double imbalance(const World& world, const Contacts& contacts, std::size_t constraint_count = 0);
+  // Collective. Largest work of a rank over the mean, 1 when even; work is counted, not timed, so that the report is the same on
+  // each run.
+  double imbalance(const StepParts& parts);
 
   // Whether homes() is worth its price now: imbalance or the number of guests has passed its bound since the last change.
   // Call after imbalance().
@@ -40,6 +37,7 @@ class Balance {
  private:
   Patch patch_of(Id id) const;
   std::vector<PatchLink> links(const ConstraintSet& constraints) const;
+  static std::vector<PlaceLink> ties(const StepParts& parts);
 
   MPI_Comm comm_;
   std::optional<std::uint64_t> seed_;

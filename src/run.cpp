@@ -25,6 +25,7 @@
 #include "report/surface_report.hpp"
 #include "restart.hpp"
 #include "step.hpp"
+#include "step_parts.hpp"
 
 namespace unibody {
 
@@ -205,14 +206,13 @@ void Run::start_world() {
                      ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
   simulation_.set_tolerance_from_bodies();
   if (options_.restart.empty()) simulation_.make_constraints();
-  simulation_.move_homes(balance_.homes(simulation_.world, {}, &simulation_.constraints, scene_.joints, simulation_.joints));
+  simulation_.move_homes(balance_.homes(parts_of(simulation_, scene_)));
   for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
 }
 
 void Run::rebalance() {
   if (!balance_.due()) return;
-  simulation_.move_homes(
-      balance_.homes(simulation_.world, simulation_.contacts, &simulation_.constraints, scene_.joints, simulation_.joints));
+  simulation_.move_homes(balance_.homes(parts_of(simulation_, scene_)));
   balance_.changed();
 }
 
@@ -237,7 +237,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   report.constraint_columns = further_columns(last, held);
   report.measures =
       measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));
-  report.imbalance = balance_.imbalance(simulation_.world, simulation_.contacts, constraint_count(simulation_.constraints));
+  report.imbalance = balance_.imbalance(parts_of(simulation_, scene_));
   return report;
 }
 

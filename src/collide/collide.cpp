@@ -6,7 +6,7 @@
 
 #include "collide/merge_supports.hpp"
 #include "collide/restitution.hpp"
-#include "core/room.hpp"
+#include "core/renew_room.hpp"
 
 namespace unibody {
 
@@ -47,7 +47,9 @@ Collider::Collider(std::pmr::memory_resource* memory)
       broad_phase_(memory) {}
 
 void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces) {
+  const std::size_t manifolds = contacts.manifolds.size(), points = contacts.points.size();  // of the last step
   contacts.clear();
+  renew_room(contacts.manifolds, manifolds + manifolds / 32), renew_room(contacts.points, points + points / 32);
   pairs_.clear();
   gather(world, settings);
   if (surfaces)

@@ -3,6 +3,7 @@
 #include <hdf5.h>
 #include <metis.h>
 #include <petscversion.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -81,6 +82,17 @@ Json settings_json(const Scene& scene, const SolverSettings& s) {
   return Json::object().set("time", time).set("solver", solver).set("output", output);
 }
 
+// Of the whole process, libraries and all, at its largest so far: what the arrays' count (bytes_per_body) leaves out is in it.
+Json peak_memory(MPI_Comm comm) {
+  rusage used{};
+  getrusage(RUSAGE_SELF, &used);
+  const auto here = std::int64_t{1024} * used.ru_maxrss;
+  std::int64_t most = 0, sum = 0;
+  MPI_Allreduce(&here, &most, 1, MPI_INT64_T, MPI_MAX, comm);
+  MPI_Allreduce(&here, &sum, 1, MPI_INT64_T, MPI_SUM, comm);
+  return Json::object().set("largest_rank (B)", most).set("all_ranks (B)", sum);
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());
@@ -151,6 +163,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
                                  .set("samples", e.count)
                                  .set("worst", error_json(e.worst_frame, e.worst))
                                  .set("last", error_json(e.last_frame, e.last)));
+  j.set("peak_memory", peak_memory(comm));
   j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);
   return j.set("state_hash", hex(summary.state_hash)).text() + "\n";
 }

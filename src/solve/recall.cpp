@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/room.hpp"
+#include "core/renew_room.hpp"
 
 namespace unibody {
 
@@ -84,8 +84,9 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
 
 void remember(Multipliers& multipliers, const World& world, const Contacts& contacts,
               std::span<const ContactBatch::Impulse> impulses, double step) {
-  multipliers.manifolds.clear(), multipliers.points.clear(), multipliers.places.clear();
-  make_room(multipliers.manifolds, contacts.manifolds.size()), make_room(multipliers.points, contacts.points.size());
+  const std::size_t places_before = multipliers.places.size();
+  renew_room(multipliers.manifolds, contacts.manifolds.size()), renew_room(multipliers.points, contacts.points.size());
+  renew_room(multipliers.places, places_before + places_before / 32);
   const auto is_zero = [](const ContactBatch::Impulse& i) { return i.n == 0 && i.s == 0 && i.t == 0; };
   for (const Manifold& m : contacts.manifolds) {
     const auto of_manifold = impulses.subspan(m.first, m.count);

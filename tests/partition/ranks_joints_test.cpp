@@ -5,6 +5,7 @@
 
 #include "partition/balance.hpp"
 #include "small_worlds.hpp"
+#include "step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -39,7 +40,9 @@ solver: {iterations: 12, name: )" +
          solver + ", joints: " + joints + "}\n";
 }
 
-void spread(Simulation& s, std::uint64_t seed) { s.move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(s.world, {})); }
+void spread(Experiment& run, std::uint64_t seed) {
+  run.simulation->move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(*run.simulation, *run.scene)));
+}
 
 }  // namespace
 
@@ -51,10 +54,10 @@ TEST(RanksJoints, AMachineHasTheBitsOfOneRank) {
                                        {"gauss_seidel", "direct"}}) {
     Experiment alone(scene_from_text(machine(solver, joints)));
     Experiment run(scene_from_text(machine(solver, joints)), MPI_COMM_WORLD);
-    spread(*run.simulation, 5);
+    spread(run, 5);
     const World& w = run.world();
     for (int k = 0; k < 90; ++k) {
-      if (k == 30) run.simulation->detect(), spread(*run.simulation, 17);  // joints and their impulses travel
+      if (k == 30) run.simulation->detect(), spread(run, 17);  // joints and their impulses travel
       alone.step(), run.step();
       ASSERT_EQ(run.last.joint_residual, alone.last.joint_residual) << solver << ' ' << k;
       for (std::size_t i = 0; i < w.homes; ++i) {
@@ -92,7 +95,7 @@ TEST(RanksJoints, ThePartitionKeepsJointedBodiesTogether) {
   const Balance balance(MPI_COMM_WORLD, {}, true);
   for (int k = 0; k < 2; ++k) {
     s.detect();
-    s.move_homes(balance.homes(s.world, s.contacts, &s.constraints, run.scene->joints, s.joints));
+    s.move_homes(balance.homes(parts_of(s, *run.scene)));
   }
   s.detect();
   EXPECT_EQ(s.world.guests, 0u) << "no joint is cut";

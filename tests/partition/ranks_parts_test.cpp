@@ -11,6 +11,7 @@
 #include "partition/partition.hpp"
 #include "small_worlds.hpp"
 #include "solve/colouring.hpp"
+#include "step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -74,7 +75,7 @@ CollideSettings settings_of(const Scene& scene) {
 
 std::unique_ptr<Experiment> scattered(const std::string& text, std::uint64_t seed) {
   auto run = std::make_unique<Experiment>(scene_from_text(text), MPI_COMM_WORLD);
-  run->simulation->move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(run->world(), {}));
+  run->simulation->move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(*run->simulation, *run->scene)));
   return run;
 }
 
@@ -206,7 +207,7 @@ TEST(RanksMigration, KeepsEveryBodyAndItsMultipliersOnce) {
   const auto reference = forces(single.simulation->multipliers);
   ASSERT_GT(reference.size(), 50u);
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
-    s.move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(s.world, {}));
+    s.move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(s, *run->scene)));
     EXPECT_TRUE(std::is_sorted(s.world.id.begin(), s.world.id.begin() + static_cast<std::ptrdiff_t>(s.world.homes)));
     for (std::size_t i = 0; i < s.world.homes; ++i) EXPECT_EQ(random_home(s.world.id[i], seed, rank_count()), rank_here());
     const auto after = everyone(s.world);
@@ -234,10 +235,10 @@ TEST(RanksPartition, BalancesALattice) {
       MPI_COMM_WORLD);
   Simulation& s = *run->simulation;
   Balance balance(MPI_COMM_WORLD, std::nullopt, true);
-  s.move_homes(balance.homes(s.world, {}));
+  s.move_homes(balance.homes(parts_of(s, *run->scene)));
   s.detect();
-  EXPECT_LT(balance.imbalance(s.world, s.contacts), 1.3);
-  EXPECT_GE(balance.imbalance(s.world, s.contacts), 1.0);
+  EXPECT_LT(balance.imbalance(parts_of(s, *run->scene)), 1.3);
+  EXPECT_GE(balance.imbalance(parts_of(s, *run->scene)), 1.0);
   std::int64_t most = static_cast<std::int64_t>(s.world.homes), all = most;
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD);
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -258,12 +259,12 @@ TEST(RanksPartition, EmptyRanksAreLegal) {
     Experiment run(scene_from_text(scenes[k]), MPI_COMM_WORLD), single(scene_from_text(scenes[k]));
     Simulation& s = *run.simulation;
     const Balance balance(MPI_COMM_WORLD, std::nullopt, true);
-    s.move_homes(balance.homes(s.world, {}));
+    s.move_homes(balance.homes(parts_of(s, *run.scene)));
     single.steps(30);
     for (int i = 0; i < 30; ++i) {
       run.step();
       if (i == 10) s.move_homes(std::vector<int>(s.world.homes, rank_count() - 1));
-      if (i == 20) s.detect(), s.move_homes(balance.homes(s.world, s.contacts));
+      if (i == 20) s.detect(), s.move_homes(balance.homes(parts_of(s, *run.scene)));
     }
     const auto all = everyone(s.world);
     ASSERT_EQ(static_cast<std::int64_t>(all.size()), counts[k]);

@@ -5,6 +5,7 @@
 #include "report/state_hash.hpp"
 #include "report/surface_report.hpp"
 #include "small_worlds.hpp"
+#include "step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -186,7 +187,7 @@ Story together(const std::string& text, int steps, std::optional<std::uint64_t> 
   Experiment run(scene_from_text(text), MPI_COMM_WORLD);
   Simulation& s = *run.simulation;
   const auto move = [&](std::uint64_t k) {
-    s.move_homes(Balance(MPI_COMM_WORLD, seed ? std::optional(*seed + k) : std::nullopt, true).homes(s.world, s.contacts));
+    s.move_homes(Balance(MPI_COMM_WORLD, seed ? std::optional(*seed + k) : std::nullopt, true).homes(parts_of(s, *run.scene)));
   };
   move(0);
   return told(run, MPI_COMM_WORLD, steps, [&](int k) {

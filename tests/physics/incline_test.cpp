@@ -36,6 +36,30 @@ TEST(Incline, BoxSticksBelowTheAngleOfFriction) {
   }
 }
 
+// An independent code's figures, of a box on two corners, 60 steps of Jacobi with 50 iterations, cold; along the slope and up
+// from it. On the one it sticks, at mu half as large as the other's slope it slides.
+TEST(Incline, PublishedFiguresOfStickAndSlip) {
+  for (const double tangent : {0.25, 1.0}) {
+    Scene scene = slope(0.5, tangent);
+    scene.gravity *= 9.8 / g;
+    scene.planar = true;
+    scene.solver.name = "jacobi", scene.solver.iterations = 50, scene.solver.tolerance = 0;
+    scene.solver.stages = Stages::position, scene.solver.warm_start = 0;
+    add(scene, block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
+    add(scene, ground());
+    Experiment run(scene);
+    run.steps(60);
+    if (tangent == 1) {
+      EXPECT_NEAR(run.velocity(0).x(), 3.3262, 1e-3 * 3.3262);
+      continue;
+    }
+    EXPECT_LT(run.velocity(0).norm(), 1e-4);
+    Vec3 force = Vec3::Zero();
+    for (const RememberedPoint& p : run.simulation->multipliers.points) force += p.normal * Vec3::UnitZ() + p.tangential;
+    EXPECT_LT((force / 9.8 - Vec3(-.2425, 0, .9701)).norm(), 1e-3);
+  }
+}
+
 TEST(Incline, TiltedPlaneGivesTheSameAsLeaningGravity) {
   Scene scene = scene_with(0.5);
   const double angle = std::atan(0.95 * 0.5);

@@ -141,16 +141,37 @@ TEST(Sliding, CubeStopsLikeAParticleWithEverySolver) {
 
 TEST(Sliding, DistanceDoesNotDependOnTheMass) {
   for (const auto model : {FrictionModel::disc, FrictionModel::cone, FrictionModel::saxce, FrictionModel::box})
-    for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"}) {
-      double reference = 0;
-      for (const double mass : {1.0, 1e-3, 1e3}) {
-        Scene scene = sliding_scene(model, .5, 30, block(mass, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
-        scene.solver.name = solver;
-        const double d = slide(scene, .5).travel.norm();
-        if (mass == 1) reference = d;
-        EXPECT_NEAR(d, reference, 1e-9 * reference) << solver << ", mass " << mass << ", model " << static_cast<int>(model);
+    for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"})
+      for (int degrees = 0; degrees <= 90; degrees += 15) {
+        double reference = 0;
+        for (const double mass : {1.0, 1e-3, 1e3}) {
+          Scene scene = sliding_scene(model, .5, degrees, block(mass, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
+          scene.solver.name = solver;
+          const double d = slide(scene, .5).travel.norm();
+          if (mass == 1) reference = d;
+          EXPECT_NEAR(d, reference, 1e-9 * reference)
+              << solver << ", mass " << mass << ", model " << static_cast<int>(model) << " at " << degrees << " degrees";
+        }
       }
-    }
+}
+
+// The force itself: against the velocity, mu times the normal force, which is the weight.
+TEST(Sliding, FrictionOpposesTheVelocity) {
+  for (const auto model : {FrictionModel::disc, FrictionModel::saxce})
+    for (const std::string solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"})
+      for (int degrees = 0; degrees <= 90; degrees += 15) {
+        Scene scene = sliding_scene(model, .3, degrees, particle);
+        scene.solver.name = solver;
+        Experiment run(scene);
+        for (int k = 0; k < 50; ++k) {
+          run.step();
+          ASSERT_EQ(run.simulation->multipliers.points.size(), 1u);
+          const RememberedPoint& p = run.simulation->multipliers.points[0];
+          EXPECT_NEAR(p.normal, g, 1e-9 * g);
+          const Vec3 expected = -.3 * g * run.velocity(0).normalized();
+          EXPECT_LT((p.tangential - expected).norm(), 1e-9 * g) << solver << " at " << degrees << " degrees, step " << k;
+        }
+      }
 }
 
 }  // namespace unibody::small_worlds

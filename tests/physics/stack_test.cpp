@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "constraints/random_bench.hpp"
 #include "small_worlds.hpp"
@@ -15,12 +16,12 @@ constexpr double g = 9.81;
 
 // Ten discs from rest, touching; position stage, no recovery bound: the sum of all penetrations (mm), mean of frames 101 to 200.
 double sag(const std::string& solver, int iterations, double warm_start, Stages stages = Stages::position,
-           const Body& lowest = disc(1, 0.5, Vec3(0, 0, 0.5))) {
+           const Body& lowest = disc(1, 0.5, Vec3(0, 0, 0.5)), double scaling = 1) {
   Scene scene = scene_with(0.5);
   scene.planar = true, scene.gravity = Vec3(0, 0, -9.8);
   scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.warm_start = warm_start;
   scene.solver.stages = stages, scene.solver.velocity_share = 0.5, scene.solver.leak = 0;
-  scene.solver.order = Order::sequential;
+  scene.solver.order = Order::sequential, scene.solver.scaling = scaling;
   scene.solver.recovery_time = 0, scene.solver.recovery_speed = 0, scene.solver.tolerance = 0;
   for (Body body = lowest; body.state.position.z() < 10; body.state.position.z() += 1) add(scene, body);
   add(scene, ground());
@@ -81,7 +82,7 @@ TEST(Stack, SagOfAnUnconvergedJacobi) {
 TEST(Stack, SagOfAcceleratedJacobi) {
   EXPECT_NEAR(sag("accelerated_jacobi", 10, 0), 23.7, 0.05 * 23.7);
   EXPECT_NEAR(sag("accelerated_jacobi", 20, 0), 6.04, 0.05 * 6.04);
-  EXPECT_LT(sag("accelerated_jacobi", 50, 0), 0.02);  // the 1 / K^2 that momentum guarantees would be 0.97
+  EXPECT_LT(sag("accelerated_jacobi", 50, 0), 0.007);  // that code's figure; the 1 / K^2 that momentum guarantees would be 0.97
 }
 TEST(Stack, SagOfGaussSeidelSweepingUpwards) {
   EXPECT_NEAR(sag_sweeping_upwards(10), 10.16, 0.05 * 10.16);
@@ -131,8 +132,47 @@ TEST(Stack, SagOfBoxes) {
     EXPECT_LT(sag("accelerated_jacobi", iterations[k], 0.5, Stages::position, box), warm_accelerated[k]) << iterations[k];
     EXPECT_LT(sag("accelerated_jacobi", iterations[k], 0, Stages::two, box), two[k]) << iterations[k];
   }
+  // With masses shared by points as there, two to a pair, what is left between the two is how a pair's row sums are bounded: as
+  // one block here, which is shorter.
+  for (int k = 0; k < 2; ++k) {
+    const double shared = sag("jacobi", iterations[k], 0, Stages::position, box, 2),
+                 momentum = sag("accelerated_jacobi", iterations[k], 0, Stages::position, box, 2);
+    EXPECT_GT(shared, 0.75 * jacobi[k]) << iterations[k];
+    EXPECT_LT(shared, jacobi[k]) << iterations[k];
+    EXPECT_GT(momentum, 0.75 * accelerated[k]) << iterations[k];
+    EXPECT_LT(momentum, accelerated[k]) << iterations[k];
+  }
   const double cold = sag("accelerated_jacobi", 20, 0, Stages::position, box);
   EXPECT_NEAR(sag("accelerated_jacobi", 20, 0.5, Stages::position, box), cold / 2, 0.01 * cold);
+}
+
+// Iterations that a column of n discs needs from a cold start, in its first step, until its natural residual is 1e-7 m. Its
+// slowest mode converges by 1 - O(1 / n^2) an iteration: Jacobi needs O(n^2) of them, with momentum O(n).
+TEST(Stack, IterationsGrowWithTheHeightAndWithItsSquare) {
+  const auto iterations = [](const std::string& solver, int n) {
+    Scene scene = scene_with(0.5);
+    scene.planar = true;
+    scene.solver.name = solver, scene.solver.iterations = 1000000, scene.solver.tolerance = 1e-7;
+    scene.solver.stages = Stages::position, scene.solver.warm_start = 0;
+    for (int k = 0; k < n; ++k) add(scene, disc(1, 0.5, Vec3(0, 0, 0.5 + k)));
+    add(scene, ground());
+    Experiment run(scene);
+    run.step();
+    EXPECT_LT(run.last.iterations, scene.solver.iterations) << solver << ' ' << n << ": stopped by its tolerance";
+    return static_cast<double>(run.last.iterations);
+  };
+  for (const auto& [solver, least, most] : {std::tuple{"jacobi", 1.7, 2.2}, {"accelerated_jacobi", 0.7, 1.3}}) {
+    double before = 0;
+    for (const int n : {5, 10, 20, 40}) {
+      const double now = iterations(solver, n);
+      RecordProperty(solver + ("_" + std::to_string(n)), std::to_string(now));
+      if (n > 10) {  // the asymptotic law; where n is small, the count's own logarithm and steps still tell
+        EXPECT_GT(std::log2(now / before), least) << solver << ' ' << n;
+        EXPECT_LT(std::log2(now / before), most) << solver << ' ' << n;
+      }
+      before = now;
+    }
+  }
 }
 
 TEST(Stack, TowersPressOnTheGroundWithTheirWeight) {
@@ -209,6 +249,33 @@ TEST(Stack, HeavyOnLightIsSolvedOrOwnsUp) {
     if (step == 0.001) continue;  // five thousand steps each
     for (const std::string& solver : {fast, std::string("gauss_seidel")})
       for (const double ratio : {1e3, 1e6}) heavy_on_light(solver, 50, Stages::automatic, step, ratio);
+  }
+}
+
+// With the defaults, and a hundred or a thousand times the weight on top: overlap comes of steps that say that they have not
+// converged. One that says it has only takes out, at the bounded speed, what those before it have left; at a hundred times the
+// weight none has any.
+TEST(Stack, HeavyOnLightWithTheDefaults) {
+  for (const double ratio : {100.0, 1000.0}) {
+    Scene scene = scene_with(0.5);
+    add(scene, block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
+    add(scene, block(ratio, Vec3(1, 1, 1), Vec3(0, 0, 1.5)));
+    add(scene, ground());
+    Experiment run(scene);
+    int silent = 0;
+    double before = 0;
+    for (int k = 0; k < static_cast<int>(5 / run.h()); ++k) {
+      const bool converged = run.step().converged;
+      const double overlap = run.penetration();
+      if (overlap >= 1e-3 && converged) {
+        ++silent;
+        EXPECT_LT(overlap, before) << "ratio " << ratio << ", step " << k;
+      }
+      before = overlap;
+    }
+    if (ratio == 100) {
+      EXPECT_EQ(silent, 0);
+    }
   }
 }
 

@@ -1,0 +1,74 @@
+#include "partition/work.hpp"
+
+#include <algorithm>
+
+#include "joints/joint_types.hpp"
+
+namespace unibody {
+
+namespace {
+
+double cost_of(const Manifold& m) { return work::of_a_pair + work::of_a_point * m.count; }
+
+}  // namespace
+
+double cost_of(const Joint& joint) {
+  const std::size_t own =
+      with_joint_type(static_cast<std::uint8_t>(joint.kind), []<class T>() { return static_cast<std::size_t>(T::rows); });
+  const std::size_t bounded = std::size_t{joint.is_limited()} + std::size_t{joint.has_cone()} +
+                              std::size_t{joint.motor != Motor::none} + std::size_t{joint.friction > 0};
+  return work::of_a_joint_row * static_cast<double>(own + bounded);
+}
+
+double work_of(const StepParts& parts) {
+  double sum = work::of_a_body * static_cast<double>(parts.world.homes) +
+               work::of_a_pair * static_cast<double>(parts.contacts.manifolds.size()) +
+               work::of_a_point * static_cast<double>(parts.contacts.points.size()) +
+               work::of_a_surface_contact * static_cast<double>(parts.contacts.surface.size());
+  if (parts.constraints != nullptr)
+    for_each_type(*parts.constraints,
+                  [&](auto, const auto& list) { sum += cost_of_type(list) * static_cast<double>(list.size()); });
+  for (const std::int64_t number : parts.joints_here) sum += cost_of(parts.joints[static_cast<std::size_t>(number)]);
+  return sum;
+}
+
+std::vector<float> work_by_body(const StepParts& parts) {
+  const World& world = parts.world;
+  std::vector<float> cost(world.homes, static_cast<float>(work::of_a_body));
+  // moving: how many of the ends move, here or elsewhere.
+  const auto share_out = [&](double whole, std::span<const Slot> ends, std::size_t moving) {
+    const auto share = static_cast<float>(whole / static_cast<double>(std::max<std::size_t>(1, moving)));
+    for (const Slot s : ends)
+      if (s >= 0 && world.is_home(s)) cost[static_cast<std::size_t>(s)] += share;
+  };
+  const auto moves = [&](Slot s) { return s >= 0 && !world.is_static(s); };
+  for (const Manifold& m : parts.contacts.manifolds) {
+    const Slot ends[] = {m.slot_a, m.slot_b};
+    share_out(cost_of(m), ends, static_cast<std::size_t>(std::count_if(std::begin(ends), std::end(ends), moves)));
+  }
+  for (const SurfaceContact& c : parts.contacts.surface)
+    share_out(work::of_a_surface_contact, c.slots,
+              static_cast<std::size_t>(std::count_if(c.slots.begin(), c.slots.end(), moves)));
+  // Bodies of constraints and joints may be unknown here at the start of a run: all but those found to be static count as moving.
+  const auto share_out_ids = [&](double whole, const auto& ids) {
+    std::array<Slot, 4> ends{-1, -1, -1, -1};
+    std::size_t moving = 0;
+    for (std::size_t e = 0; e < ids.size(); ++e) {
+      if (ids[e] < 0) continue;
+      ends[e] = world.find(ids[e]);
+      moving += ends[e] < 0 || !world.is_static(ends[e]);
+    }
+    share_out(whole, ends, moving);
+  };
+  if (parts.constraints != nullptr)
+    for_each_type(*parts.constraints, [&](auto, const auto& list) {
+      for (const auto& c : list) share_out_ids(cost_of_type(list), c.ids);
+    });
+  for (const std::int64_t number : parts.joints_here) {
+    const Joint& joint = parts.joints[static_cast<std::size_t>(number)];
+    share_out_ids(cost_of(joint), joint.ids);
+  }
+  return cost;
+}
+
+}  // namespace unibody
