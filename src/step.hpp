@@ -110,6 +110,7 @@ class Simulation {
   bool has_other_reference() const;
   void fill_problem(const SolvedStep& solved, ContactProblem& problem) const;
   bool any_over_ranks(bool here) const;
+  bool any_bounces() const;
   bool is_alone() const;
   bool at_velocity_level() const { return scene_.solver.level == Level::velocity; }
   Stages stages() const;

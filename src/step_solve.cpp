@@ -101,11 +101,28 @@ SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int it
   system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
   system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;
   system_.joints = kind == Stage::Kind::position && has_joints() ? &joint_batch_ : nullptr;
-  if (kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated)
-    system_.before_iteration = [this, stage] { system_.contacts.reevaluate(world, system_.bodies, stage); };
+  const bool reevaluates = kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated;
+  const bool bounces = any_bounces();
+  if (reevaluates || bounces)
+    system_.before_iteration = [this, stage, reevaluates, bounces] {
+      if (reevaluates) system_.contacts.reevaluate(world, system_.bodies, stage);
+      if (bounces) system_.contacts.limit_bounces(world, system_.bodies), system_.surface.limit_bounces(world, system_.bodies);
+    };
   const SolveReport report = solver(system_, cut_, iterations, tolerance);
+  if (bounces && !solver_.sweeps_by_colour) {
+    system_.contacts.give_back_gains(world, system_.bodies, system_.wrenches);
+    system_.apply_wrenches();
+    cut_.exchange(system_.bodies);
+  }
   if (system_.before_iteration) system_.before_iteration();
   return report;
+}
+
+// On any rank.
+bool Simulation::any_bounces() const {
+  if (collide_settings_.restitution.empty()) return false;
+  const auto bounces = [](const SurfaceContact& c) { return c.bounce > 0; };
+  return any_over_ranks(system_.contacts.any_bounces() || std::ranges::any_of(contacts.surface, bounces));
 }
 
 namespace {

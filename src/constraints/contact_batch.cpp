@@ -40,7 +40,8 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       couplings(memory),
       normal_momenta(memory),
       tangent_momenta(memory),
-      inertias(memory) {}
+      inertias(memory),
+      bouncing_(memory) {}
 
 void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                          const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
@@ -49,7 +50,7 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
   contacts_ = &contacts, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction, scaling_ = settings.scaling,
   step_ = step;
   blocks.clear(), sources.clear(), points.clear(), normals.clear(), tangents.clear(), tangent_impulses.clear();
-  inertias.clear(), group_end_.clear();
+  inertias.clear(), group_end_.clear(), bouncing_.clear(), before_ = {};
   couplings.clear(), normal_momenta.clear(), tangent_momenta.clear();
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
   const bool gauss_seidel = counts.empty();
@@ -176,10 +177,7 @@ void ContactBatch::start_stage(const Stage& stage) {
       normals[p].bias[l] = contacts_->points[contact].gap;
     });
   for (Normal& n : normals) n.bias = stage.bias(n.bias);
-  if (!contacts_->bounce.empty())
-    for_each_row(contacts_->bounce.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
-      if (const double speed = contacts_->bounce[contact]; speed > 0) normals[p].bias[l] = -speed;
-    });
+  if (!contacts_->bounce.empty()) start_bounces();
   bias_is_gap_ = false;
 }
 
@@ -218,6 +216,7 @@ void ContactBatch::normal_impulses(std::span<const Impulse> kept, std::span<doub
 void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {
   get_impulses(kept);
   kept_ = joint ? Kept::joint : Kept::apart;
+  if (!joint) before_ = kept;
   if (joint) return start_momenta();
   for (Normal& n : normals) n.lambda = broadcast(0);
   for (TangentImpulse& t : tangent_impulses) t.lambda_s = t.lambda_t = broadcast(0);

@@ -110,6 +110,16 @@ class ContactBatch {
 
   void start_stage(const Stage& stage);
 
+  // Before an iteration: how fast bodies must part where they bounce, at most Contacts::bounce, so that what the multipliers do
+  // gives no energy (bounce_limit.cpp). The world is that of the step's start.
+  void limit_bounces(const World& world, std::span<const SolverBody> bodies);
+  bool any_bounces() const { return !bouncing_.empty(); }  // in this stage
+
+  // After a stage of a Jacobi solver, whose few iterations may leave more than that: weakens a bouncing manifold's multipliers
+  // until they alone give none, and adds what that takes from the bodies to the wrenches. Not where lambda leaves out the
+  // velocity stage's.
+  void give_back_gains(const World& world, std::span<const SolverBody> bodies, std::span<Wrench> wrenches);
+
   // Before an iteration: gaps, and normals between round bodies, at the present velocities. The kernels then work on their
   // linearisation.
   void reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage);
@@ -175,6 +185,12 @@ class ContactBatch {
   template <class Record, class F>
   void for_each_row(const Record* records, F&& f) const;
   bool sinks(const Block& block, const Source& source, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
+  struct Lane {
+    std::uint32_t block, lane;
+  };
+  template <class F>
+  void for_each_point(const Lane& at, F&& f) const;
+  void start_bounces();
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
   void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const World& world);
@@ -182,6 +198,8 @@ class ContactBatch {
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
 
   std::vector<std::uint32_t> group_end_;  // in blocks
+  std::pmr::vector<Lane> bouncing_;       // whose manifolds have points that bounce
+  std::span<const Impulse> before_;  // of all points: the velocity stage's multipliers where lambda leaves them out; else empty
   const Contacts* contacts_ = nullptr;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;

@@ -87,11 +87,16 @@ void SurfaceBatch::scale(Block& block, std::span<const SolverBody> bodies, std::
   block.tangential = {tangential, inverse_or_zero(tangential), select(rough, max(own[1], own[2]), broadcast(0))};
 }
 
+Vec4d SurfaceBatch::bias_without_bounce(const Block& block) const {
+  const Vec4d bias = stage_.bias(block.gap);
+  if (stage_.kind != Stage::Kind::position) return bias;
+  return select(block.beyond > broadcast(0), min(bias, -block.beyond / broadcast(stage_.step)), bias);
+}
+
 void SurfaceBatch::start_stage(const Stage& stage) {
+  stage_ = stage;
   for (Block& block : blocks_) {
-    block.bias = stage.bias(block.gap);
-    if (stage.kind == Stage::Kind::position)
-      block.bias = select(block.beyond > broadcast(0), min(block.bias, -block.beyond / broadcast(stage.step)), block.bias);
+    block.bias = bias_without_bounce(block);
     block.bias = select(block.bounce > broadcast(0), min(block.bias, -block.bounce), block.bias);
   }
 }

@@ -34,6 +34,9 @@ class SurfaceBatch {
   // What has passed through comes back within one position stage, whatever the bound on recovery.
   void start_stage(const Stage& stage);
 
+  // As ContactBatch's.
+  void limit_bounces(const World& world, std::span<const SolverBody> bodies);
+
   // Between the stages: the second starts from zero and adds to the first's multipliers, or, if `joint`, goes on from them.
   void keep_impulses(bool joint);
 
@@ -77,6 +80,7 @@ class SurfaceBatch {
   void set_lane(std::size_t i, const SurfaceContact& contact, std::span<const SolverBody> bodies,
                 std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic, bool counted);
   void scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const;
+  Vec4d bias_without_bounce(const Block& block) const;
   static Velocity parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies);
   template <FrictionModel model>
   static Impulse stepped(const Block& block, const Velocity& u, const Impulse& from, Vec4d inverse_n, Vec4d inverse_t);
@@ -86,6 +90,7 @@ class SurfaceBatch {
   std::pmr::vector<Block> blocks_;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
+  Stage stage_;
 };
 
 }  // namespace unibody

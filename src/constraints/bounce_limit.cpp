@@ -1,0 +1,152 @@
+// Bounces that give no energy. With friction, Newton's hypothesis can: where an impulse along the normal makes a body slide that
+// did not, friction works against what the impact itself has made, and the normal gives its speed back all the same (Kane and
+// Levinson, Dynamics: Theory and Applications, 1985). In a step the impulses lambda of a contact do the work
+// lambda.(u + u')/2, with u and u' the velocities at which the bodies part before and after it, exactly. So two bodies bounce by
+// that share of Newton's speeds, at most all, at which their impulses do no work. It follows the multipliers from iteration to
+// iteration.
+
+#include <algorithm>
+
+#include "constraints/contact_batch.hpp"
+#include "constraints/surface_batch.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+namespace {
+
+Vec3 lane_of(const Vec3x4& v, std::size_t l) { return {v.x[l], v.y[l], v.z[l]}; }
+
+struct Velocities {
+  Vec3 before, after;  // m/s, at the step's start and as the solver has them
+};
+
+Velocities velocities_at(const World& world, std::span<const SolverBody> bodies, Slot s, const Vec3& arm) {
+  const auto slot = static_cast<std::size_t>(s);
+  return {world.velocity[slot] + world.angular_velocity_of(slot).cross(arm),
+          Eigen::Map<const Vec3>(bodies[slot].v) + Eigen::Map<const Vec3>(bodies[slot].w).cross(arm)};
+}
+
+// Twice the work (J) of impulses, in parts.
+struct Work {
+  double bounces = 0;  // of the normal ones times the speeds at which Newton's hypothesis has the bodies part
+  double others = 0;   // of all but those, as if nothing bounced
+  double all = 0;      // as the velocities are
+
+  // bounce: m/s, 0: the point does not.
+  void add(const Vec3& impulse, const Vec3& n, double along_n, const Velocities& parting, double bounce) {
+    const double work = impulse.dot(parting.before + parting.after);
+    all += work, bounces += along_n * bounce;
+    others += bounce > 0 ? work - along_n * n.dot(parting.after) : work;
+  }
+  double share() const { return bounces > 0 ? std::clamp(-others / bounces, 0.0, 1.0) : 1; }
+};
+
+}  // namespace
+
+void ContactBatch::start_bounces() {
+  bouncing_.clear();
+  for (std::uint32_t i = 0; i < blocks.size(); ++i)
+    for (std::uint32_t l = 0; l < lanes; ++l) {
+      bool bounces = false;
+      for (std::uint32_t p = 0; p < sources[i].count[l]; ++p) {
+        const double speed = contacts_->bounce[sources[i].contact[l] + p];
+        if (!(speed > 0)) continue;
+        normals[blocks[i].first_point + p].bias[l] = -speed;
+        bounces = true;
+      }
+      if (bounces) bouncing_.push_back({i, l});
+    }
+}
+
+// Calls f(row, number in Contacts::points, arm_a, arm_b, impulse) for each point of a lane.
+template <class F>
+void ContactBatch::for_each_point(const Lane& at, F&& f) const {
+  const Block& block = blocks[at.block];
+  const Vec3 n = lane_of(block.n, at.lane), s = lane_of(block.s, at.lane), t = n.cross(s);
+  for (std::uint32_t p = 0; p < sources[at.block].count[at.lane]; ++p) {
+    const std::size_t normal = block.first_point + p, contact = sources[at.block].contact[at.lane] + p;
+    Impulse impulse = row(at.lane, normal, block.first_tangent < 0 ? no_tangent : block.first_tangent + p);
+    if (!before_.empty()) impulse.n += before_[contact].n, impulse.s += before_[contact].s, impulse.t += before_[contact].t;
+    f(normal, contact, lane_of(points[normal].arm_a, at.lane), lane_of(points[normal].arm_b, at.lane),
+      Vec3(impulse.n * n + impulse.s * s + impulse.t * t));
+  }
+}
+
+void ContactBatch::limit_bounces(const World& world, std::span<const SolverBody> bodies) {
+  for (const Lane& at : bouncing_) {
+    const Block& block = blocks[at.block];
+    const Vec3 n = lane_of(block.n, at.lane);
+    Work work;
+    for_each_point(at, [&](std::size_t, std::size_t contact, const Vec3& arm_a, const Vec3& arm_b, const Vec3& impulse) {
+      const Velocities a = velocities_at(world, bodies, block.slot_a[at.lane], arm_a);
+      const Velocities b = velocities_at(world, bodies, block.slot_b[at.lane], arm_b);
+      work.add(impulse, n, n.dot(impulse), {a.before - b.before, a.after - b.after}, contacts_->bounce[contact]);
+    });
+    const double share = work.share();
+    for_each_point(at, [&](std::size_t normal, std::size_t contact, const Vec3&, const Vec3&, const Vec3&) {
+      if (const double speed = contacts_->bounce[contact]; speed > 0) normals[normal].bias[at.lane] = -share * speed;
+    });
+  }
+}
+
+// A manifold's impulses, times 1 - x, do twice the work (1 - x)(w - x q), with w that of all and q = lambda.D^T W D lambda.
+void ContactBatch::give_back_gains(const World& world, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
+  if (!before_.empty()) return;
+  const auto store = [](const Vec3& v) { return Vec4d{v.x(), v.y(), v.z(), 0}; };
+  for (const Lane& at : bouncing_) {
+    const Block& block = blocks[at.block];
+    const Slot slot_a = block.slot_a[at.lane], slot_b = block.slot_b[at.lane];
+    Work work;
+    Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;
+    for_each_point(at, [&](std::size_t, std::size_t, const Vec3& arm_a, const Vec3& arm_b, const Vec3& impulse) {
+      const Velocities a = velocities_at(world, bodies, slot_a, arm_a), b = velocities_at(world, bodies, slot_b, arm_b);
+      work.add(impulse, Vec3::Zero(), 0, {a.before - b.before, a.after - b.after}, 0);
+      force += impulse, torque_a += arm_a.cross(impulse), torque_b += arm_b.cross(impulse);
+    });
+    if (!(work.all > 0)) continue;
+    const auto turned = [&](Slot slot, const Vec4d(Inertia::*side)[6], const Vec3& torque) -> double {
+      if (block.inertia < 0) return bodies[slot].inverse_inertia * torque.squaredNorm();
+      const Vec4d* w = inertias[block.inertia].*side;
+      const auto entry = [&](std::size_t k) { return w[k][at.lane]; };
+      const double x = torque.x(), y = torque.y(), z = torque.z();
+      return entry(0) * x * x + entry(1) * y * y + entry(2) * z * z +
+             2 * (entry(3) * y * z + entry(4) * x * z + entry(5) * x * y);
+    };
+    const double q = (bodies[slot_a].inverse_mass + bodies[slot_b].inverse_mass) * force.squaredNorm() +
+                     turned(slot_a, &Inertia::a, torque_a) + turned(slot_b, &Inertia::b, torque_b);
+    const double x = work.all < q ? work.all / q : 1;
+    for (std::uint32_t p = 0; p < block.count; ++p) {
+      normals[block.first_point + p].lambda[at.lane] *= 1 - x;
+      if (block.first_tangent < 0) continue;
+      TangentImpulse& sideways = tangent_impulses[block.first_tangent + p];
+      sideways.lambda_s[at.lane] *= 1 - x, sideways.lambda_t[at.lane] *= 1 - x;
+    }
+    wrenches[slot_a].force -= store(x * force), wrenches[slot_a].torque -= store(x * torque_a);
+    wrenches[slot_b].force += store(x * force), wrenches[slot_b].torque += store(x * torque_b);
+  }
+  start_momenta();
+}
+
+void SurfaceBatch::limit_bounces(const World& world, std::span<const SolverBody> bodies) {
+  for (Block& block : blocks_) {
+    const Vec4d without = bias_without_bounce(block);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      if (!(block.bounce[l] > 0)) continue;
+      const Vec3 n = lane_of(block.n, l), s = lane_of(block.s, l), arm = lane_of(block.arm, l);
+      Velocities parting{Vec3::Zero(), Vec3::Zero()};
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (block.weight[k][l] == 0) continue;
+        const Velocities end = velocities_at(world, bodies, block.slot[k][l], k == 0 ? arm : Vec3(Vec3::Zero()));
+        parting.before += block.weight[k][l] * end.before, parting.after += block.weight[k][l] * end.after;
+      }
+      const double along_n = (block.lambda.n + block.kept.n)[l];
+      Work work;
+      work.add(along_n * n + (block.lambda.s + block.kept.s)[l] * s + (block.lambda.t + block.kept.t)[l] * n.cross(s), n, along_n,
+               parting, block.bounce[l]);
+      block.bias[l] = std::min(without[l], -work.share() * block.bounce[l]);
+    }
+  }
+}
+
+}  // namespace unibody
