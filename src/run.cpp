@@ -14,6 +14,7 @@
 #include "core/phases.hpp"
 #include "partition/balance.hpp"
 #include "report/checkpoint.hpp"
+#include "report/elastic_energy.hpp"
 #include "report/fclib_file.hpp"
 #include "report/joint_report.hpp"
 #include "report/output.hpp"
@@ -161,7 +162,7 @@ class Run {
   void start_world();
   void rebalance();
   FrameReport do_frame(std::int64_t frame);
-  std::vector<NamedValue> further_columns(const StepReport& step, std::int64_t held);
+  std::vector<NamedValue> further_columns(const StepReport& step, std::int64_t held, const FrameReport& report);
   void open_files();
   void write(std::int64_t frame);
   void dump(std::int64_t frame);
@@ -230,23 +231,27 @@ FrameReport Run::do_frame(std::int64_t frame) {
     held += step.held;
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     report.natural_residual = std::max(report.natural_residual, step.residual);
-    report.converged &= step.converged;
+    report.converged &= step.converged, report.form_left += step.form_left;
   }
   simulation_.detect();
   report.error = last.error;
-  report.constraint_columns = further_columns(last, held);
   report.measures =
       measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));
+  if (!scene_.constraint_groups.empty())
+    report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
+  report.constraint_columns = further_columns(last, held, report);
   report.imbalance = balance_.imbalance(parts_of(simulation_, scene_));
   return report;
 }
 
 // What a scene's types of bodies and constraints have to tell beside the columns of all scenes.
-std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_t held) {
+std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_t held, const FrameReport& report) {
   const World& world = simulation_.world;
   auto columns = constraint_columns(comm_, scene_, world, simulation_.constraints, step.constraint_residuals);
   const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
   add(strain_columns(comm_, scene_, world, simulation_.constraints));
+  if (!scene_.constraint_groups.empty()) columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
+  if (scene_.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
   add(joint_columns(comm_, scene_.joints.size(), simulation_.slots_of_joints(), simulation_.joint_states(), step.joint_residual));
   if (simulation_.has_attachments()) columns.push_back({"residual_attachment (m)", step.attachment_residual});
   if (options_.error_estimate > 0) add_error_columns(step, columns);
@@ -259,7 +264,7 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_
 }
 
 void Run::open_files() {
-  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, 0));
+  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, 0, {}));
   if (scene_.output.every > 0)
     frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces);
   if (scene_.output.joints && simulation_.has_joints()) joint_files_.emplace(comm_, options_.output, scene_.joints);
@@ -307,6 +312,9 @@ void Run::finish() {
     std::printf("error of a step, estimated in %lld frames: at worst %.2e m (frame %lld), in the last %.2e m (frame %lld)\n",
                 static_cast<long long>(e.count), e.worst.distance, static_cast<long long>(e.worst_frame), e.last.distance,
                 static_cast<long long>(e.last_frame));
+  if (summary_.form_left > 0)
+    std::printf("form: %lld of %lld steps were taken in the incremental form, edges moved too far in them for the total one\n",
+                static_cast<long long>(summary_.form_left), static_cast<long long>(summary_.frames() * scene_.time.substeps));
   std::printf("wrote in %s:", options_.output.c_str());
   for (const std::string& file : summary_.files) std::printf(" %s", file.c_str());
   std::printf("\n");

@@ -27,7 +27,8 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
       solver_(find_solver(scene.solver.name)),
       resists_rolling_(acts_in_solve(scene.solver.friction) && (has_any(scene.rolling) || has_any(scene.spinning))),
       step_(scene.time.step / scene.time.substeps),
-      constraint_batches_(std::make_unique<ConstraintBatches>()) {
+      constraint_batches_(std::make_unique<ConstraintBatches>()),
+      form_(scene.solver.form) {
   collide_settings_.step = step_;
   collide_settings_.margin = scene.solver.margin;
   collide_settings_.gravity = scene.gravity;
@@ -84,8 +85,7 @@ StepReport Simulation::step(const StepWishes& wishes) {
   const PhaseClock::Scope scope(clock_, Phase::solve);
   const Scratch::Frame frame(scratch_);
   if (has_joints()) turning_ = turning_of_joints();
-  StepReport report;
-  steadily([&] { report = solve(wishes); });
+  const StepReport report = take_step(wishes);
   finalise();
   system_ = System(&scratch_);
   detected_ = false;

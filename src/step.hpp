@@ -41,6 +41,7 @@ struct StepReport {
   double attachment_residual = 0;                                    // m, the same of attachments
   double joint_residual = 0;                                         // m, the same of joints
   std::int64_t held = 0;           // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
+  bool form_left = false;          // taken in the incremental form, not the total one that the scene asks for
   std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
   std::optional<StepError> error;  // where it was wished for
 };
@@ -124,6 +125,9 @@ class Simulation {
   void steady_turning();
   bool turns_too_fast(std::span<const double> found) const;
   void steadily(const std::function<void()>& solve);
+  StepReport take_step(const StepWishes& wishes);
+  void set_form(Form form);
+  bool leaves_total_form() const;
   bool has_iterative_joints() const { return has_joints() && scene_.solver.joints == JointSolve::iterative; }
   bool has_constraints() const { return constraints_of_all_ > 0 || has_joints(); }  // beside contacts
   bool needs_surfaces() const { return has_surfaces() || drag_.any(); }
@@ -151,6 +155,7 @@ class Simulation {
   std::int64_t built_version_ = -1;  // of the halo, for which their slots hold
   ConstraintColours colours_{};
   std::int64_t constraints_of_all_ = 0;
+  Form form_;  // of this step
 };
 
 }  // namespace unibody

@@ -115,7 +115,7 @@ Scene Simulation::scene_of_reference() const {
 // Whether that solver would do anything else than solve_on(). Where constraints have the incremental form, what they converge to
 // depends on the way: there is no other one to it.
 bool Simulation::has_other_reference() const {
-  const bool any_way = constraints_of_all_ == 0 || scene_.solver.form == Form::total || at_velocity_level();
+  const bool any_way = constraints_of_all_ == 0 || form_ == Form::total || at_velocity_level();
   return any_way && (solver_.sweeps_by_colour || has_iterative_joints());
 }
 

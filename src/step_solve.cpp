@@ -84,6 +84,44 @@ void Simulation::steadily(const std::function<void()>& solve) {
   }
 }
 
+void Simulation::set_form(Form form) {
+  form_ = form;
+  constraint_batches_->set_form(form);
+}
+
+// In the total form: whether the ends of an edge, anywhere, move too far against each other for it to converge.
+bool Simulation::leaves_total_form() const {
+  return form_ == Form::total && constraints_of_all_ > 0 &&
+         any_over_ranks(constraint_batches_->moves_beyond(most_edge_motion, system_.start(), system_.bodies));
+}
+
+// A step of the total form whose edges move too far, with the prediction (see solve()) or with what the solve made of it, is
+// taken in the incremental form, which is bounded there. It is not the step that was asked for, and so not converged.
+StepReport Simulation::take_step(const StepWishes& wishes) {
+  StepReport report;
+  const auto take = [&] { steadily([&] { report = solve(wishes); }); };
+  if (scene_.solver.form != Form::total || constraints_of_all_ == 0) {
+    take();
+    return report;
+  }
+  set_form(Form::total);
+  const auto multipliers_before = multipliers;
+  const auto constraints_before = constraint_multipliers;
+  const auto joints_before = joint_impulses;
+  const auto velocity_before = world.velocity;
+  take();
+  if (leaves_total_form()) {
+    set_form(Form::incremental);
+    system_ = System(&scratch_);
+    std::copy(velocity_before.begin(), velocity_before.end(), world.velocity.begin());  // in place: the Vec lies over it
+    multipliers = multipliers_before, constraint_multipliers = constraints_before, joint_impulses = joints_before;
+    take();
+  }
+  report.form_left = form_ != Form::total;
+  report.converged = report.converged && !report.form_left;
+  return report;
+}
+
 // At velocity level the only stage is one of positions whose rows are linear about the start of the step.
 Stage Simulation::stage(Stage::Kind kind) const {
   if (at_velocity_level()) return Stage::stabilised(step_, scene_.solver.stabilisation);
@@ -210,6 +248,7 @@ SolverSettings Simulation::settings_used() const {
 StepReport Simulation::solve(const StepWishes& wishes) {
   build_system();
   if (!solver_.solve) return solve_by_newton();
+  if (leaves_total_form()) set_form(Form::incremental);
   const SolverSettings& settings = scene_.solver;
   const bool two_stages =
       stages() != Stages::position && (!has_constraints() || system_.any_surface || any_over_ranks(!contacts.manifolds.empty()));

@@ -14,7 +14,7 @@ from matplotlib import pyplot  # noqa: E402
 STEP, GRAVITY = .016, np.array([0, 0, -9.81])
 BLOCKS = {'1,080': [6, 6, 5], '10,368': [12, 12, 12], '101,400': [26, 26, 25]}  # tetrahedra of a cube of 1 m
 MODULI = (1e5, 5e8)  # Pa
-# The total form is implicit Euler where it converges; the Jacobi solvers are refused it where they are known to diverge.
+# The total form is implicit Euler where it converges; it is refused where it is known to diverge.
 SOLVERS = {'accelerated_jacobi': 'AJ', 'gauss_seidel': 'GS', 'gauss_seidel, form=total': 'GS total', 'jacobi': 'J'}
 ITERATIONS = (5, 10, 20, 50, 100, 200, 500)
 
@@ -52,6 +52,8 @@ def curve(name, cells, modulus, arguments):
     whole = distance(predicted, exact, mass)
     found = [('newton', 1, 1, newton_ms, 0.)]
     for solver in SOLVERS:
+        if 'form=total' in solver and STEP * (2 + STEP * 9.8) * max(cells) > .5:
+            continue  # refused: the nodes next to those that are held move by more than half an edge
         for iterations in ITERATIONS:
             for ranks in (1, 2) if solver in ('accelerated_jacobi', 'gauss_seidel') and iterations == 50 else (1,):
                 say(f'{name} tetrahedra, E = {modulus:.0e}: {solver} {iterations} on {ranks}')
@@ -75,7 +77,8 @@ def draw(curves):
     for axis, ((name, modulus), found) in zip(axes.T.flat, curves.items()):
         for solver, short in SOLVERS.items():
             of = [(ms, error) for s, ranks, _, ms, error in found if s == solver and ranks == 1]
-            axis.loglog(*zip(*of), marker='.', label=short)
+            if of:
+                axis.loglog(*zip(*of), marker='.', label=short)
         axis.axvline(found[0][3], color='k', linestyle=':', label='Newton')
         axis.set(title=f'{name} tetrahedra, E = {modulus:.0e} Pa', xlabel='ms a step', ylabel='distance to the converged step')
         axis.grid(True, alpha=.3)

@@ -78,6 +78,13 @@ class ConstraintBatch {
   // Natural residual (m): max (h + rho) |r|, zero exactly at a solution.
   double residual(const StepStart& start, std::span<const SolverBody> bodies) const;
 
+  // Whether two bodies of a constraint move against each other, in a step at these velocities, by more than this share of their
+  // distance at its start, or by what is no number.
+  bool moves_beyond(double share, const StepStart& start, std::span<const SolverBody> bodies) const;
+
+  // For the next step, before set_multipliers().
+  void set_form(Form form) { form_ = form; }
+
   template <typename F>
   void for_each_stencil(std::size_t group, F&& f) const {
     std::array<Slot, stencil> ends;

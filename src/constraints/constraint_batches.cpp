@@ -108,6 +108,18 @@ std::array<double, ConstraintTypes::size> ConstraintBatches::residuals(const Ste
   return result;
 }
 
+void ConstraintBatches::set_form(Form form) {
+  for_each_type(batches_, [&](auto, auto& batch) { batch.set_form(form); });
+}
+
+bool ConstraintBatches::moves_beyond(double share, const StepStart& start, std::span<const SolverBody> bodies) const {
+  bool beyond = false;
+  for_each_type(batches_, [&]<class C>(auto, const ConstraintBatch<C>& batch) {
+    if constexpr (joins_edges<C>) beyond = beyond || batch.moves_beyond(share, start, bodies);
+  });
+  return beyond;
+}
+
 std::size_t ConstraintBatches::bytes() const {
   std::size_t n = 0;
   for_each_type(batches_, [&](auto, const auto& batch) { n += batch.bytes(); });

@@ -54,6 +54,13 @@ class ConstraintBatches {
   // Natural residual (m) of each type, on this rank.
   std::array<double, ConstraintTypes::size> residuals(const StepStart& start, std::span<const SolverBody> bodies) const;
 
+  // Of all steps that follow. build() takes that of its settings.
+  void set_form(Form form);
+
+  // Whether the ends of an edge move against each other, in a step at these velocities, by more than this share of its length at
+  // its start, on this rank.
+  bool moves_beyond(double share, const StepStart& start, std::span<const SolverBody> bodies) const;
+
   std::size_t bytes() const;
 
  private:

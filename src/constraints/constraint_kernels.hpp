@@ -354,4 +354,19 @@ double ConstraintBatch<C>::residual(const StepStart& start, std::span<const Solv
   return start.step * horizontal_max(worst);
 }
 
+template <ConstraintType C>
+bool ConstraintBatch<C>::moves_beyond(double share, const StepStart& start, std::span<const SolverBody> bodies) const {
+  const auto square = [](const Vec4d& d) { return d[0] * d[0] + d[1] * d[1] + d[2] * d[2]; };
+  const auto velocity = [&](Slot s) { return *reinterpret_cast<const Vec4dView*>(&bodies[s]); };
+  const double longest = share * share / (start.step * start.step);  // of the squares
+  for (const Block& block : blocks_)
+    for (std::size_t l = 0; l < lanes; ++l)
+      for (std::size_t e = 1; e < stencil; ++e)
+        for (std::size_t f = 0; f < e; ++f) {
+          const Slot s = block.slot[e][l], t = block.slot[f][l];
+          if (!(square(velocity(s) - velocity(t)) <= longest * square(start.places[s] - start.places[t]))) return true;
+        }
+  return false;
+}
+
 }  // namespace unibody

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <tuple>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,11 @@ void for_each_solid_type(Set& set, F&& f) {
   f(std::get<ConstraintList<Tetrahedron>>(set));
   f(std::get<ConstraintList<TetrahedronCurrentVolume>>(set));
 }
+
+// Whether any two bodies of a constraint are the ends of an edge of the mesh.
+template <class C>
+inline constexpr bool joins_edges =
+    !std::is_same_v<C, BendingLink> && !std::is_same_v<C, Dihedral> && !std::is_same_v<C, InversionGuard>;
 
 // Of each constraint of a set, its impulses (N s) in the last step.
 template <class C>

@@ -16,6 +16,7 @@ struct Measures {
   // Of the dynamic bodies.
   double kinetic_energy = 0;             // J
   double potential_energy = 0;           // J, -m g.x
+  double elastic_energy = 0;             // J, as elastic_energy() has it; measure() leaves it
   Vec3 linear_momentum = Vec3::Zero();   // kg m/s
   Vec3 angular_momentum = Vec3::Zero();  // kg m^2/s, about the origin
 

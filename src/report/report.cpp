@@ -39,7 +39,7 @@ const std::array columns{
     COLUMN("angular_momentum_x (kg m^2/s)", r.measures.angular_momentum[0]),
     COLUMN("angular_momentum_y (kg m^2/s)", r.measures.angular_momentum[1]),
     COLUMN("angular_momentum_z (kg m^2/s)", r.measures.angular_momentum[2]),
-    COLUMN("total_energy (J)", r.measures.kinetic_energy + r.measures.potential_energy),
+    COLUMN("total_energy (J)", r.measures.kinetic_energy + r.measures.potential_energy + r.measures.elastic_energy),
     COLUMN("converged (0|1)", r.converged),
     COLUMN("bytes_per_body (B)", r.measures.bytes_per_body),
     COLUMN("wall_collide (s)", r.wall_collide),

@@ -116,6 +116,7 @@ Json final_json(const FrameReport& r) {
   j.set("penetration_l2 (m)", m.penetration_l2).set("contact_pairs", m.pairs).set("contacts", m.contacts);
   j.set("sliding_contacts", r.sliding_contacts);
   j.set("kinetic_energy (J)", m.kinetic_energy).set("potential_energy (J)", m.potential_energy);
+  j.set("elastic_energy (J)", m.elastic_energy);
   j.set("linear_momentum (kg m/s)", vector(m.linear_momentum)).set("angular_momentum (kg m^2/s)", vector(m.angular_momentum));
   j.set("bytes_per_body (B)", m.bytes_per_body).set("bytes_of_largest_rank (B)", m.bytes_of_largest_rank);
   return j.set("imbalance (max/mean)", r.imbalance);
@@ -139,6 +140,7 @@ void ErrorSamples::add(std::int64_t frame, const StepError& error) {
 void Summary::add(const FrameReport& report) {
   final = report;
   if (report.error) errors.add(report.step, *report.error);
+  form_left += report.form_left;
   if (report.converged) return;
   ++unconverged;
   if (report.natural_residual < worst_residual) return;
@@ -164,6 +166,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
                                  .set("worst", error_json(e.worst_frame, e.worst))
                                  .set("last", error_json(e.last_frame, e.last)));
   j.set("peak_memory", peak_memory(comm));
+  if (scene.solver.form == Form::total) j.set("steps_in_incremental_form", summary.form_left);
   j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);
   return j.set("state_hash", hex(summary.state_hash)).text() + "\n";
 }

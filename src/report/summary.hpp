@@ -36,6 +36,7 @@ struct Summary {
   std::int64_t unconverged = 0, worst_frame = 0;  // frames of which a step did not converge, and that of them farthest from it
   double worst_residual = 0;                      // m, its natural residual
   ErrorSamples errors;
+  std::int64_t form_left = 0;      // steps taken in the incremental form, not the total one
   std::vector<std::string> files;  // written, in the order of mention
   std::uint64_t state_hash = 0;
   Id dynamic_bodies = 0;

@@ -40,7 +40,7 @@ TetMesh read_mesh(const Value& file, double scale, const Scene& scene) {
   const std::string path = (fs::path(scene.path).parent_path() / file.string("a .msh or .vtu file")).string();
   std::error_code error;
   if (!fs::is_regular_file(path, error))
-    file.fail(path + ", which isn't there",
+    file.fail(path + (fs::exists(path, error) ? ", which isn't a file" : ", which isn't there"),
               std::string("a .msh or .vtu file, its path from the scene's folder") +
                   (path.find("results/meshes/") != path.npos ? " (scripts/get-meshes fetches it)" : ""));
   TetMesh mesh = read_tet_mesh(path);

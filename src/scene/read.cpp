@@ -255,14 +255,17 @@ const BodyGroup& group_of(const Scene& scene, Id id) {
 
 // The total form is refused where it is known to diverge.
 void check_form(const Value& root, const Scene& scene) {
-  if (scene.solver.form != Form::total || scene.solver.name == "gauss_seidel") return;
-  const double number = stiffness_number(scene);
-  if (number <= stiffest_for_total) return;
-  std::ostringstream found, expected;
-  found << "total with " << scene.solver.name << " and constraints of stiffness number " << number;
-  expected << "at most " << stiffest_for_total
-           << ", where it is known to converge: form: incremental, name: gauss_seidel, or more substeps";
-  root.find("solver")->find("form")->fail(found.str(), expected.str());
+  if (scene.solver.form != Form::total) return;
+  const auto check = [&](double number, double most, const std::string& what, const std::string& instead) {
+    if (number <= most) return;
+    std::ostringstream found, expected;
+    found << "total with " << scene.solver.name << " and " << what << ' ' << number;
+    expected << "at most " << most << ", where it is known to converge: form: incremental, " << instead << "more substeps";
+    root.find("solver")->find("form")->fail(found.str(), expected.str());
+  };
+  check(edge_motion(scene), most_edge_motion, "edges whose ends move in a step, as a share of their length, by", "or ");
+  if (scene.solver.name == "gauss_seidel") return;
+  check(stiffness_number(scene), stiffest_for_total, "constraints of stiffness number", "name: gauss_seidel, or ");
 }
 
 }  // namespace

@@ -167,7 +167,8 @@ std::string surface_path(const Value& file, const Scene& scene) {
   const auto path = std::filesystem::path(scene.path).parent_path() / file.string("an OBJ or STL file");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
-    file.fail(path.string() + ", which isn't there", "an OBJ or STL file, its path from the scene's folder");
+    file.fail(path.string() + (std::filesystem::exists(path, error) ? ", which isn't a file" : ", which isn't there"),
+              "an OBJ or STL file, its path from the scene's folder");
   return path.string();
 }
 

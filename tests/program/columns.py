@@ -49,7 +49,11 @@ class Columns(ProgramTest):
     def rows(self, name, text):
         self.good(self.scene(text), name)
         header, rows = report(self.folder / name / "report.csv")
-        return [dict(zip(header, map(float, row))) for row in rows]
+        rows = [dict(zip(header, map(float, row))) for row in rows]
+        for row in rows:
+            kinds = [row[f"{kind}_energy (J)"] for kind in ("kinetic", "potential", "elastic")]
+            self.assertAlmostEqual(row["total_energy (J)"], sum(kinds), delta=1e-12 * sum(map(abs, kinds)))
+        return rows
 
     def check(self, row, expected):
         found = {name: value for name, value in row.items() if re.match("stretch|strain|volume|inverted|elastic|residual", name)}
@@ -60,6 +64,10 @@ class Columns(ProgramTest):
     def test_stretch_and_strain_are_of_the_material_that_is_named(self):
         for k, row in enumerate(self.rows("held", MATERIALS), 1):
             moved = 0.2 * 0.125 * k
+            diagonal = math.hypot(1 + moved, 0.75) - 1.25
+            energy = 1000 / 2 * (2 * moved**2 + 2 * diagonal**2)  # of the links, then of the membrane: simple shear
+            across, along, thickness = moved / 2, moved**2 / 2, 0.01
+            energy += thickness / 2 * 1e5 / (1 - 0.3**2) * (along**2 + 2 * (1 - 0.3) * across**2)
             links = [moved, moved, 0, 0] + 2 * [math.hypot(1 + moved, 0.75) / 1.25 - 1]  # along x, along y, across
             shear = [math.sqrt(1 + moved**2 / 4) + sign * moved / 2 - 1 for sign in (-1, 1)]
             expected = {"residual_distance (m)": 0, "residual_membrane (m)": 0, "residual_tetrahedron (m)": 0}
@@ -71,6 +79,8 @@ class Columns(ProgramTest):
                 modulus = young * (1 - poisson) / ((1 + poisson) * (1 - 2 * poisson))
                 expected.update({f"strain_max[{name}] (1)": abs(strain), f"volume_min[{name}] (1)": stretch, f"volume_max[{name}] (1)": stretch,
                                  f"inverted[{name}] (1)": 6 * (stretch < 0), f"elastic_energy[{name}] (J)": size * modulus * strain**2 / 2})
+                energy += size * modulus * strain**2 / 2
+            expected["elastic_energy (J)"] = energy
             self.check(row, expected)
 
     def test_residuals_are_those_of_each_type(self):
@@ -79,6 +89,7 @@ class Columns(ProgramTest):
         fall = 0.01**2 * 10
         (row,) = self.rows("hanging", HANGING)
         self.check(row, {"residual_distance (m)": fall / 2, "residual_bending_link (m)": fall * (3 / 4 - 1 / 2),
+                         "elastic_energy (J)": 5000 / 2 * (fall * 3 / 4)**2,  # of the bending link; the others are stiff
                          "stretch_max[string] (1)": fall / 2, "stretch_rms[string] (1)": fall * math.sqrt((1 / 4 + 1 / 16) / 2)})
 
 

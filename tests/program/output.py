@@ -115,7 +115,7 @@ class Results(ProgramTest):
             values = {name: float(row[k]) for name, k in column.items()}
             self.assertTrue(all(math.isfinite(v) for v in values.values()))
             self.assertAlmostEqual(values["time"], values["step"] * STEP, delta=1e-12)
-            self.assertAlmostEqual(values["total_energy"], values["kinetic_energy"] + values["potential_energy"], delta=1e-9)
+            self.assertAlmostEqual(values["total_energy"], values["kinetic_energy"] + values["potential_energy"], delta=1e-9)  # none of it is elastic
             touched += values["contacts"]
             frame = self.file["frames"].get(f"{int(values['step']):06d}")
             if frame is None:

@@ -1,0 +1,40 @@
+#include "report/elastic_energy.hpp"
+
+#include <array>
+
+#include "core/exact_sum.hpp"
+#include "report/stretch.hpp"
+
+namespace unibody {
+
+namespace {
+
+template <class C>
+double energy_of(const World& world, const Constraint<C>& c) {
+  std::array<Vec4d, C::parameter_names.size()> parameters;
+  for (std::size_t p = 0; p < parameters.size(); ++p) parameters[p] = broadcast(c.parameters[p]);
+  std::array<Vec3x4, C::stencil> x;
+  for (std::size_t e = 0; e < C::stencil; ++e) {
+    const Vec3& at = world.position[static_cast<std::size_t>(world.find(c.ids[e]))];
+    x[e] = {broadcast(at.x()), broadcast(at.y()), broadcast(at.z())};
+  }
+  Rows<C::stencil, C::rows> rows;
+  C::evaluate(parameters, x, rows);
+  double energy = 0;
+  for (std::size_t k = 0; k < C::rows; ++k)
+    if (c.compliance[k] > 0) energy += rows.value[k][0] * rows.value[k][0] / (2 * c.compliance[k]);
+  return energy;
+}
+
+}  // namespace
+
+double elastic_energy(MPI_Comm comm, const World& world, const ConstraintSet& constraints) {
+  std::array<ExactSum, 1> sum;
+  for_each_type(constraints, [&](auto, const auto& list) {
+    for (const auto& c : list)
+      if (counts_here(world, c)) sum[0] += energy_of(world, c);
+  });
+  return all_sums(comm, sum)[0];
+}
+
+}  // namespace unibody
