@@ -235,8 +235,7 @@ Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& po
 }
 
 std::vector<std::string> joint_keys(JointKind kind) {
-  std::vector<std::string> keys{"collide"};
-  if (kind != JointKind::rope) keys.insert(keys.end(), {"compliance", "damping"});
+  std::vector<std::string> keys{"collide", "compliance", "damping"};
   if (kind != JointKind::rope && kind != JointKind::ball) keys.emplace_back("turning_compliance");
   if (kind == JointKind::hinge || kind == JointKind::slider) keys.insert(keys.end(), {"limits", "motor", "friction"});
   if (kind == JointKind::ball) keys.insert(keys.end(), {"swing_limit", "twist_limits"});
