@@ -318,6 +318,8 @@ int run(MPI_Comm comm, const Options& options) {
   if (scene.solver.name == "newton" && size > 1)
     throw InputError(scene.path + ": key 'solver.name': found newton on " + std::to_string(size) +
                      " ranks, expected an iterative solver (newton runs on one rank only)");
+  if (rank == 0)
+    for (const std::string& note : scene.notes) std::printf("%s\n", note.c_str());
   std::uint64_t hash = 0;
   {
     const PetscSession petsc(options.petsc);
