@@ -291,7 +291,10 @@ void Run::finish() {
   summary_.files.push_back("summary.json");
   write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
   if (rank_ != 0) return;
-  if (summary_.unconverged > 0)
+  if (summary_.unconverged > 0 && summary_.solver.tolerance == 0)  // so that its iterations never stop early
+    std::printf("tolerance 0: all iterations were made; the worst natural residual is %.2e m (frame %lld)\n",
+                summary_.worst_residual, static_cast<long long>(summary_.worst_frame));
+  else if (summary_.unconverged > 0)
     std::printf("not converged: %lld of %lld frames, the worst by %.2e m (frame %lld)\n",
                 static_cast<long long>(summary_.unconverged), static_cast<long long>(summary_.frames()), summary_.worst_residual,
                 static_cast<long long>(summary_.worst_frame));
