@@ -138,7 +138,8 @@ class Run {
     simulation_.detect();  // guests are there
     open_files();
     write(summary_.first_frame);
-    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies);
+    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies,
+                      simulation_.settings_used().tolerance);
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
       rebalance();
       FrameReport report = do_frame(frame);
