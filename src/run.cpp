@@ -143,7 +143,8 @@ class Run {
     simulation_.detect();  // guests are there
     open_files();
     write(summary_.first_frame);
-    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies);
+    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies,
+                      simulation_.settings_used().tolerance);
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
       rebalance();
       FrameReport report = do_frame(frame);
@@ -304,7 +305,10 @@ void Run::finish() {
   summary_.files.push_back("summary.json");
   write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
   if (rank_ != 0) return;
-  if (summary_.unconverged > 0)
+  if (summary_.unconverged > 0 && summary_.solver.tolerance == 0)  // so that its iterations never stop early
+    std::printf("tolerance 0: all iterations were made; the worst natural residual is %.2e m (frame %lld)\n",
+                summary_.worst_residual, static_cast<long long>(summary_.worst_frame));
+  else if (summary_.unconverged > 0)
     std::printf("not converged: %lld of %lld frames, the worst by %.2e m (frame %lld)\n",
                 static_cast<long long>(summary_.unconverged), static_cast<long long>(summary_.frames()), summary_.worst_residual,
                 static_cast<long long>(summary_.worst_frame));
@@ -338,6 +342,8 @@ int run(MPI_Comm comm, const Options& options) {
   if (scene.solver.name == "newton" && size > 1)
     throw InputError(scene.path + ": key 'solver.name': found newton on " + std::to_string(size) +
                      " ranks, expected an iterative solver (newton runs on one rank only)");
+  if (rank == 0)
+    for (const std::string& note : scene.notes) std::printf("%s\n", note.c_str());
   std::uint64_t hash = 0;
   {
     const PetscSession petsc(options.petsc);

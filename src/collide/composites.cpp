@@ -29,7 +29,8 @@ Proxy part_of(const Proxy& whole, const Compound::Part& part) {
 constexpr double deepest_behind = 3;
 
 // A mesh's triangles in its own frame; b is the mesh. A body whose centre has got behind them, however that came, is pushed to
-// the nearest point of the surface, as out of a half space; until then the triangles hold it.
+// the nearest point of the surface, as out of a half space; until then the triangles hold it. Those of a two-sided mesh hold it
+// on the side where its centre is.
 class OnMesh {
  public:
   OnMesh(const Proxy& a, const Proxy& b, const CollideSettings& settings)
@@ -59,10 +60,14 @@ class OnMesh {
     }
     std::vector<std::int32_t> triangles;
     mesh_.find(place_ - extent_, place_ + extent_, triangles);
-    for (const std::int32_t t : triangles) {
+    const auto touch = [&](const MeshSurface::Triangle& t) {
       PairManifold m;
-      if (collide(mesh_.triangles[static_cast<std::size_t>(t)], m)) say(m);
-    }
+      if (collide(t, m)) say(m);
+    };
+    if (mesh_.two_sided || !mesh_.branchings.empty())
+      for (const MeshSurface::Triangle& t : facing(mesh_, triangles, place_)) touch(t);
+    else
+      for (const std::int32_t t : triangles) touch(mesh_.triangles[static_cast<std::size_t>(t)]);
   }
 
  private:

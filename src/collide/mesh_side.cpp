@@ -1,5 +1,6 @@
 #include "collide/mesh_side.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -72,9 +73,81 @@ Vec3 normal_at(const MeshSurface& mesh, const Nearest& nearest) {
   }
 }
 
+TrianglePoint closest(const MeshSurface& mesh, std::int32_t t, const Vec3& x) {
+  const auto& n = mesh.triangles[static_cast<std::size_t>(t)].nodes;
+  const auto node = [&](std::size_t k) -> const Vec3& { return mesh.nodes[static_cast<std::size_t>(n[k])]; };
+  return closest_on_triangle(x, node(0), node(1), node(2));
+}
+
+// Whether two triangles that go on into each other over an edge of this one stand between it and the point, whose nearest point
+// is on that edge: by their angles about it.
+bool is_hidden(const MeshSurface& mesh, std::int32_t triangle, const TrianglePoint& nearest, const Vec3& x) {
+  const auto node = [&](std::int32_t n) -> const Vec3& { return mesh.nodes[static_cast<std::size_t>(n)]; };
+  const auto& nodes = mesh.triangles[static_cast<std::size_t>(triangle)].nodes;
+  auto b = std::lower_bound(mesh.branchings.begin(), mesh.branchings.end(), triangle,
+                            [](const MeshSurface::Branching& branching, std::int32_t t) { return branching.triangle < t; });
+  for (; b != mesh.branchings.end() && b->triangle == triangle; ++b) {
+    const auto k = static_cast<std::size_t>(b->place);
+    if (nearest.weights[static_cast<Eigen::Index>((k + 2) % 3)] > 0) continue;
+    const Vec3 &from = node(nodes[k]), along = (node(nodes[(k + 1) % 3]) - from).normalized();
+    const Vec3 own = node(nodes[(k + 2) % 3]) - from, first = (own - along * along.dot(own)).normalized();
+    const auto angle = [&](const Vec3& place) {
+      const double a = std::atan2((place - from).dot(along.cross(first)), (place - from).dot(first));
+      return a < 0 ? a + 2 * M_PI : a;
+    };
+    const auto [low, high] = std::minmax({angle(node(b->across[0])), angle(node(b->across[1]))});
+    const double of_point = angle(x);
+    if (low < of_point && of_point < high) return true;
+  }
+  return false;
+}
+
+// On which side of the patches a point is. Of triangles that share the nearest point the one tells it that faces it the most.
+class PatchSides {
+ public:
+  void add(const MeshSurface::Triangle& t, const TrianglePoint& nearest, const Vec3& x) {
+    const double height = t.normal.dot(x - nearest.point);
+    const auto same = [&](const Side& s) { return s.patch == t.patch; };
+    const auto found = std::find_if(sides_.begin(), sides_.end(), same);
+    if (found == sides_.end()) {
+      sides_.push_back({t.patch, nearest.distance, height});
+      return;
+    }
+    const bool tied = std::abs(nearest.distance - found->distance) <= 1e-9 * found->distance;
+    if (tied ? std::abs(height) > std::abs(found->height) : nearest.distance < found->distance)
+      found->distance = nearest.distance, found->height = height;
+  }
+  bool is_behind(std::int32_t patch) const {
+    return std::find_if(sides_.begin(), sides_.end(), [&](const Side& s) { return s.patch == patch; })->height < 0;
+  }
+
+ private:
+  struct Side {
+    std::int32_t patch;
+    double distance, height;  // m, of the nearest point, and over its triangle
+  };
+  std::vector<Side> sides_;
+};
+
 }  // namespace
 
+std::vector<MeshSurface::Triangle> facing(const MeshSurface& mesh, const std::vector<std::int32_t>& near, const Vec3& x) {
+  std::vector<MeshSurface::Triangle> result;
+  PatchSides sides;
+  for (const std::int32_t t : near) {
+    const TrianglePoint nearest = closest(mesh, t, x);
+    const MeshSurface::Triangle& triangle = mesh.triangles[static_cast<std::size_t>(t)];
+    sides.add(triangle, nearest, x);
+    if (!is_hidden(mesh, t, nearest, x)) result.push_back(triangle);
+  }
+  if (!mesh.two_sided) return result;
+  for (MeshSurface::Triangle& t : result)
+    if (sides.is_behind(t.patch)) t.turn_over();
+  return result;
+}
+
 bool find_place(const MeshSurface& mesh, const Vec3& x, double limit, MeshPlace& place) {
+  if (mesh.two_sided) return false;
   const Nearest nearest = find_nearest(mesh, x, limit);
   if (!nearest.triangle) return false;
   place.point = nearest.at.point, place.normal = normal_at(mesh, nearest);

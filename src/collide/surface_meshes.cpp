@@ -3,7 +3,8 @@
 //
 // A mesh says by its triangles on which side of it a face belongs: a node or edge of it touches only in directions that lie
 // between the normals of the triangles around it, so that of a smooth surface few of many touch a face. What lies flat among its
-// neighbours touches nothing: the nodes of the surface, and what bounds the flat, say as much.
+// neighbours touches nothing: the nodes of the surface, and what bounds the flat, say as much. Of a mesh of two sides what stands
+// out on either touches, to the side where the face is.
 #include <algorithm>
 #include <cmath>
 
@@ -153,7 +154,7 @@ class SurfaceCollider::MeshFace {
         if (local.dot(along) > lean_on_mesh * along.norm()) return false;
       }
     }
-    return local.dot(outwards) > 0;
+    return mesh_.two_sided || local.dot(outwards) > 0;
   }
   bool is_flat(std::span<const Corner> around) const {
     if (mesh_.node_normals[static_cast<std::size_t>(around[0].node)] == Vec3::Zero()) return false;  // on a border
@@ -237,6 +238,7 @@ class SurfaceCollider::MeshFace {
       normal /= near.distance;
       if (!collider_.is_nearest(face_, touch.weights, -normal, lean_of_points)) return;
     }
+    if (mesh_.two_sided && normal.dot(near.point - x) < 0) normal = -normal;  // where both fit, to where the face is
     if (!fits(normal)) normal = -normal;
     if (!fits(normal)) return;
     add_standing(touch, normal, normal.dot(near.point - x), watched);
@@ -250,14 +252,15 @@ class SurfaceCollider::MeshFace {
     Vec3 beyond = Vec3::Zero(), outwards = t.normal;
     if (t.across[k] >= 0) {
       const Vec3 other = node(t.across[k]) - from;
-      if (t.normal.dot(other) >= 0) return;  // a valley
       beyond = across_of(other, along).normalized();
-      if (t.normal.dot(beyond) >= -lean_on_mesh) return;  // flat
+      const double rise = t.normal.dot(beyond);
+      if (mesh_.two_sided ? std::abs(rise) <= lean_on_mesh : rise >= -lean_on_mesh) return;  // flat, or a valley
       outwards += beyond.cross(along).normalized();
     }
     const Vec3 inwards = t.normal.cross(along).normalized();
     const auto is_ridge = [&](const Vec3& normal) {
-      return normal.dot(inwards) <= lean_on_mesh && normal.dot(beyond) <= lean_on_mesh && normal.dot(outwards) > 0;
+      return normal.dot(inwards) <= lean_on_mesh && normal.dot(beyond) <= lean_on_mesh &&
+             (mesh_.two_sided || normal.dot(outwards) > 0);
     };
     for (std::size_t i = 0; i < (face_.is_segment() ? 1 : 3); ++i) {
       const Vec3 &start = local_[i], &end = local_[(i + 1) % 3];
@@ -267,6 +270,7 @@ class SurfaceCollider::MeshFace {
       Vec3 normal = along.cross(side);
       const double length = normal.norm();
       const bool crosses = length > 1e-8 * along.norm() * side.norm();  // of two that are parallel the nodes say it all
+      if (mesh_.two_sided && normal.dot(start - from) < 0) normal = -normal;
       if (crosses) normal /= is_ridge(normal / length) ? length : -length;
       const bool fits = crosses && is_ridge(normal);
       if (!(is_fast_ || fits) || !collider_.owns(face_, weights_on_edge(i, 0.5))) continue;

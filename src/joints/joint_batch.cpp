@@ -12,6 +12,7 @@ namespace unibody {
 template <class T>
 struct JointBatch::Rows : JointRows<T::rows> {
   std::array<Vec3, T::rows> angular_b;
+  std::array<double, T::rows> before;  // m or rad, the values at the start of the step
 };
 
 // A step of the multipliers: where they come to, and P times what they moved by (m/s or rad/s), the gradient mapping.
@@ -29,9 +30,9 @@ Vec3 velocity_of(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
 Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
 void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
 
-// The multiplier that a step of 1 / P brings a row within limits to: its proximal map.
-double within_limits(double lambda, double value, double lower, double upper, double to_impulse) {
-  const double up = lambda + (lower - value) * to_impulse, down = lambda + (upper - value) * to_impulse;
+// The multiplier that a step of 1 / P brings a row within limits to, its proximal map, from what it misses at each of them.
+double within_limits(double lambda, double beyond_lower, double beyond_upper, double to_impulse) {
+  const double up = lambda - beyond_lower * to_impulse, down = lambda - beyond_upper * to_impulse;
   return up > 0 ? up : down < 0 ? down : 0;
 }
 
@@ -148,6 +149,7 @@ JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const Solve
   const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], 0);
   Rows<T> rows;
   T::evaluate(a, b, rows);
+  rows.before = rows.value;
   for (std::size_t k = 0; k < T::rows; ++k) rows.angular_b[k] = other_angular(rows.linear[k], rows.angular[k], a, b);
   return rows;
 }
@@ -181,8 +183,8 @@ JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const
 template <class T>
 double JointBatch::left_alone(const Part& part, std::size_t row, double value) const {
   const double compliance = row + T::angles < T::rows ? part.compliance : part.turning;
-  if (part.law == Law::equal) return compliance > 0 || part.damping > 0 ? 0 : (1 - stabilisation_) * value;
-  if (part.law != Law::within) return 0;
+  if (part.law == Law::rate || part.law == Law::place || compliance > 0 || part.damping > 0) return 0;
+  if (part.law == Law::equal) return (1 - stabilisation_) * value;
   return (1 - stabilisation_) * (value > part.upper ? value - part.upper : std::min(0.0, value - part.lower));
 }
 
@@ -207,6 +209,16 @@ std::array<double, T::rows> JointBatch::residual_of(const Part& part, const Rows
       r[k] = (at.value[k] - part.lower) / step_;
   }
   return r;
+}
+
+// What a row misses at its upper or lower limit (m or rad), its spring's and its damper's share included. Both see only what is
+// beyond the limit: up to there a rope is slack, however fast its ends part.
+template <class T>
+double JointBatch::beyond(const Part& part, const Rows<T>& at, bool upper, double lambda) const {
+  const double limit = upper ? part.upper : part.lower, after = at.value[0] - limit, start = at.before[0] - limit;
+  double forces = (T::angles > 0 ? part.turning : part.compliance) * lambda;
+  if (part.damping > 0) forces += part.damping * (after - (upper ? std::max(0.0, start) : std::min(0.0, start)));
+  return after + forces / step_;
 }
 
 template <class T>
@@ -235,7 +247,8 @@ JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<dou
     step.next[0] = from[0], step.defect[0] = 0;
     if (!(P[0][0] > 0)) return step;
     if (part.law == Law::within) {
-      step.next[0] = within_limits(from[0], at.value[0], part.lower, part.upper, 1 / (step_ * P[0][0]));
+      step.next[0] = within_limits(from[0], beyond<T>(part, at, false, from[0]), beyond<T>(part, at, true, from[0]),
+                                   1 / ((step_ + part.damping) * P[0][0]));
     } else {
       const double most = step_ * part.upper;
       step.next[0] = std::clamp(from[0] - residual_of<T>(part, at, from, bodies)[0] / P[0][0], -most, most);

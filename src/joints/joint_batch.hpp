@@ -15,7 +15,8 @@
 //
 // Limits, motors and friction are rows of their own beside the block. They see one angle, offset or span, c, and have a bounded
 // multiplier: within limits, lambda is 0 where lower < c < upper; a drive wants its rate, or c where that is near, at a target
-// with |lambda| below h times its strength.
+// with |lambda| below h times its strength. A rope's own row is one within limits, with compliance and damping: of s, what of c
+// is beyond its length and 0 where it is slack, it wants s + E lambda / h + rho (s - s_before) / h = 0, and never pushes.
 #pragma once
 
 #include <memory_resource>
@@ -120,6 +121,8 @@ class JointBatch {
   template <class T>
   std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,
                                           std::span<const SolverBody> bodies) const;
+  template <class T>
+  double beyond(const Part& part, const Rows<T>& at, bool upper, double lambda) const;
   template <class T>
   Step<T> step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies, bool shared) const;
   template <class T>

@@ -178,6 +178,7 @@ void read_entry(const Value& entry, Scene& scene) {
       if (id >= 0) id += group.first;
     scene.joints.push_back(joint);
   }
+  if (const std::string note = note_of(body.properties.shape); !note.empty()) scene.notes.push_back(note);
   scene.groups.push_back(std::move(group));
 }
 

@@ -99,13 +99,27 @@ Named read_named(const Value& value, const Scene& scene) {
   return {body};
 }
 
+// Where a body is at the start and the axes in which the scene gives its shape: not the principal ones of a hull or a compound,
+// that nobody knows before a run. Of the world its own.
+struct Place {
+  Vec3 position = Vec3::Zero();
+  Quat axes = Quat::Identity(), to_body = Quat::Identity();  // -> the world's; -> the body's
+
+  explicit Place(const std::optional<Body>& body) {
+    if (!body) return;
+    position = body->state.position, to_body = frame_of(body->properties.shape).conjugate();
+    axes = body->state.orientation * to_body;
+  }
+  Vec3 world(const Vec3& point) const { return position + axes * point; }
+};
+
 std::array<Vec3, 2> read_pair(const Value& value, const Scene& scene, const std::string& what) {
   if (value.kind != Value::Kind::list || value.entries.size() != 2) value.fail_expected("a list of 2 " + what);
   return {read_vector(value.entries[0], scene, "m"), read_vector(value.entries[1], scene, "m")};
 }
 
-// Where the anchors are: one world point for both, a world point of each, or a point of each in its own axes.
-void read_anchors(const Value& entry, const Scene& scene, const std::array<BodyState, 2>& at, Joint& joint) {
+// Where the anchors are: one world point for both, a world point of each, or a point of each in its shape's axes.
+void read_anchors(const Value& entry, const Scene& scene, const std::array<Place, 2>& at, Joint& joint) {
   const Value *anchor = entry.find("anchor"), *points = entry.find("points"), *anchors = entry.find("anchors");
   const Value* given = anchor ? anchor : points ? points : anchors;
   for (const Value* other : {points, anchors})
@@ -117,7 +131,8 @@ void read_anchors(const Value& entry, const Scene& scene, const std::array<BodyS
     entry.fail_missing("anchor", "a point (m, world axes), or anchors: a list of 2 points in the bodies' axes");
   }
   if (anchors) {
-    joint.anchor = read_pair(*anchors, scene, "points in the bodies' axes (m)");
+    const auto points_of = read_pair(*anchors, scene, "points in the bodies' axes (m)");
+    for (std::size_t e = 0; e < 2; ++e) joint.anchor[e] = at[e].to_body * points_of[e];
     return;
   }
   std::array<Vec3, 2> place;
@@ -125,16 +140,16 @@ void read_anchors(const Value& entry, const Scene& scene, const std::array<BodyS
     place.fill(read_vector(*anchor, scene, "m"));
   else
     place = read_pair(*points, scene, "points (m, world axes)");
-  for (std::size_t e = 0; e < 2; ++e) joint.anchor[e] = at[e].orientation.conjugate() * (place[e] - at[e].position);
+  for (std::size_t e = 0; e < 2; ++e) joint.anchor[e] = at[e].to_body * (at[e].axes.conjugate() * (place[e] - at[e].position));
 }
 
-void read_axes(const Value& entry, const Scene& scene, const std::array<BodyState, 2>& at, Joint& joint) {
+void read_axes(const Value& entry, const Scene& scene, const std::array<Place, 2>& at, Joint& joint) {
   const Value *axis = entry.find("axis"), *axes = entry.find("axes"), *second = entry.find("second_axis");
   std::array<Vec3, 2> z{Vec3::UnitZ(), Vec3::UnitZ()};
   if (axis && axes) axes->fail(axes->found() + " beside axis " + axis->found(), "only one of axis and axes");
   if (axes) {
     if (axes->kind != Value::Kind::list || axes->entries.size() != 2) axes->fail_expected("a list of 2 vectors of length 1");
-    for (std::size_t e = 0; e < 2; ++e) z[e] = at[e].orientation * axes->entries[e].unit_vector();
+    for (std::size_t e = 0; e < 2; ++e) z[e] = at[e].axes * axes->entries[e].unit_vector();
   } else if (axis) {
     z.fill(axis->unit_vector());
   } else if (needs_axis(joint)) {
@@ -152,7 +167,8 @@ void read_axes(const Value& entry, const Scene& scene, const std::array<BodyStat
   }
   const Quat of_second = joint_axes(z[1], x);
   const Quat of_first = axes ? joint_axes(z[0], of_second * Vec3::UnitX()) : of_second;
-  joint.frame = {at[0].orientation.conjugate() * of_first, at[1].orientation.conjugate() * of_second};
+  const auto in_body = [&](std::size_t e, const Quat& of_world) { return at[e].to_body * (at[e].axes.conjugate() * of_world); };
+  joint.frame = {in_body(0, of_first), in_body(1, of_second)};
 }
 
 void set_lever(const Body& a, const Body* b, Joint& joint) {
@@ -187,13 +203,13 @@ Joint read_joint(const Value& entry, const Scene& scene) {
   if (!a.body->properties.is_dynamic() && !(b.body && b.body->properties.is_dynamic()))
     bodies.fail("no body that moves freely", "at least one dynamic body");
   joint.ids = {a.body->id, b.body ? b.body->id : -1};
-  const std::array<BodyState, 2> at{a.body->state, b.body ? b.body->state : BodyState{}};
+  const std::array<Place, 2> at{Place(a.body), Place(b.body)};
   read_joint_behaviour(entry, joint);
   read_anchors(entry, scene, at, joint);
   read_axes(entry, scene, at, joint);
   set_lever(*a.body, b.body ? &*b.body : nullptr, joint);
   if (rope) {
-    const auto place = [&](std::size_t e) { return Vec3(at[e].position + at[e].orientation * joint.anchor[e]); };
+    const auto place = [&](std::size_t e) { return at[e].world(at[e].to_body.conjugate() * joint.anchor[e]); };
     const Value* length = entry.find("length");
     joint.length = length ? length->number(positive, "m") : (place(0) - place(1)).norm();
   }
@@ -235,8 +251,7 @@ Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& po
 }
 
 std::vector<std::string> joint_keys(JointKind kind) {
-  std::vector<std::string> keys{"collide"};
-  if (kind != JointKind::rope) keys.insert(keys.end(), {"compliance", "damping"});
+  std::vector<std::string> keys{"collide", "compliance", "damping"};
   if (kind != JointKind::rope && kind != JointKind::ball) keys.emplace_back("turning_compliance");
   if (kind == JointKind::hinge || kind == JointKind::slider) keys.insert(keys.end(), {"limits", "motor", "friction"});
   if (kind == JointKind::ball) keys.insert(keys.end(), {"swing_limit", "twist_limits"});

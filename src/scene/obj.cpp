@@ -33,7 +33,7 @@ std::vector<std::string_view> words_of(std::string_view statement) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path) {}
+  Reader(const std::string& path, bool soup) : path_(path), soup_(soup) {}
 
   TriangleMesh read() {
     std::istringstream file(read_bytes(path_, "a mesh in Wavefront OBJ"));
@@ -52,6 +52,7 @@ class Reader {
 
  private:
   const std::string& path_;
+  bool soup_;
   std::int64_t line_ = 0;  // 0: the fault has no line
   TriangleMesh mesh_;
   std::vector<Polygon> polygons_;
@@ -97,7 +98,8 @@ class Reader {
       fail("a face of " + std::to_string(words.size() - 1) + (words.size() == 2 ? " node" : " nodes"), "at least 3");
     Polygon polygon{line_, {}};
     for (std::size_t i = 1; i < words.size(); ++i) polygon.nodes.push_back(corner(words[i]));
-    for (std::size_t i = 1; i < polygon.nodes.size(); ++i)
+    const bool kept = soup_ && polygon.nodes.size() == 3;
+    for (std::size_t i = 1; i < polygon.nodes.size() && !kept; ++i)
       if (std::find(polygon.nodes.begin(), polygon.nodes.begin() + static_cast<std::ptrdiff_t>(i), polygon.nodes[i]) !=
           polygon.nodes.begin() + static_cast<std::ptrdiff_t>(i))
         fail("node " + std::to_string(polygon.nodes[i] + 1) + " twice in a face", "different nodes");
@@ -163,6 +165,6 @@ class Reader {
 
 }  // namespace
 
-TriangleMesh read_obj(const std::string& path) { return Reader(path).read(); }
+TriangleMesh read_obj(const std::string& path, bool soup) { return Reader(path, soup).read(); }
 
 }  // namespace unibody

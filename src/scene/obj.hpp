@@ -16,7 +16,8 @@ namespace unibody {
 // of the file, by which scenes pin them.
 //
 // Throws InputError "file:line: found v, expected e" on the first fault: a missing file, any other statement, a bad number, a
-// node that isn't there or comes twice in one face, a face that isn't convex, no faces.
-TriangleMesh read_obj(const std::string& path);
+// node that isn't there or comes twice in one face (of a triangle a `soup` keeps that, scene/triangle_soup.hpp), a face that
+// isn't convex, no faces.
+TriangleMesh read_obj(const std::string& path, bool soup = false);
 
 }  // namespace unibody

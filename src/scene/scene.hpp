@@ -93,6 +93,7 @@ struct Scene {
   std::vector<Surface> surfaces;
   std::vector<Joint> joints;
   std::int32_t joint_colours = 0, joint_trees = 0;
+  std::vector<std::string> notes;  // what a person should know of what was read
 
   Id body_count() const;
   bool has_rotations() const;          // false: all bodies are particles

@@ -11,6 +11,7 @@
 #include "scene/mesh_topology.hpp"
 #include "scene/random.hpp"
 #include "scene/surface_file.hpp"
+#include "scene/triangle_soup.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
@@ -24,10 +25,10 @@ const Value& need(const Value& map, const char* key, const std::string& expected
   return *value;
 }
 
-// A sound mesh from the key `key` with the factor `scale`.
-TriangleMesh read_mesh(const Value& value, const char* key, const Scene& scene, std::string& path) {
+// A mesh from the key `key` with the factor `scale`.
+TriangleMesh read_mesh(const Value& value, const char* key, const Scene& scene, std::string& path, bool soup = false) {
   path = surface_path(need(value, key, "an OBJ or STL file"), scene);
-  TriangleMesh mesh = read_surface(path);
+  TriangleMesh mesh = read_surface(path, soup);
   const Value* scale = value.find("scale");
   const double factor = scale ? scale->number(positive, "") : 1;
   for (Vec3& x : mesh.nodes) x *= factor;
@@ -161,6 +162,28 @@ std::string place_of(const Value& value) {
   return *value.origin + (value.line > 0 ? ":" + std::to_string(value.line) : "") + ": key '" + value.key + "'";
 }
 
+// What a person should know of a mesh that was mended; empty if nothing.
+std::string describe(const SoupFaults& faults, bool two_sided) {
+  std::string text;
+  const auto add = [&](std::int64_t count, const std::string& what) {
+    if (count > 0)
+      text += (text.empty() ? "left out " : " and ") + std::to_string(count) + (count == 1 ? " triangle " : " triangles ") + what;
+  };
+  add(faults.without_area, "without area"), add(faults.repeated, "given before");
+  if (two_sided)
+    text += std::string(text.empty() ? "" : "; ") + "its triangles do not agree which side is out: touched from both";
+  return text;
+}
+
+Shape read_soup(const Value& value, const Scene& scene) {
+  std::string path;
+  TriangleMesh mesh = read_mesh(value, "file", scene, path, true);
+  const SoupFaults faults = mend_soup(mesh, path);
+  MeshSurface surface = make_mesh_shape(mesh.nodes, mesh.triangles, 0, faults.both_ways);
+  if (const std::string what = describe(faults, surface.two_sided); !what.empty()) surface.note = path + ": " + what;
+  return shape_library().add(std::move(surface));
+}
+
 }  // namespace
 
 std::string surface_path(const Value& file, const Scene& scene) {
@@ -214,11 +237,13 @@ Shape read_mesh_shape(const Value& value, const Scene& scene) {
   if ((file != nullptr) + (field != nullptr) + (tube != nullptr) != 1)
     value.fail("not one of file, height_field and tube", "one of the three");
   if (const Value* scale = value.find("scale"); scale && !file) scale->fail_expected("no scale without a file");
-  std::string path = field ? place_of(*field) : tube ? place_of(*tube) : "";
+  if (file) return read_soup(value, scene);
   double below = 0;
-  TriangleMesh mesh = field ? read_height_field(*field, below) : tube ? read_tube(*tube) : read_mesh(value, "file", scene, path);
-  check_mesh(mesh, path);
+  const TriangleMesh mesh = field ? read_height_field(*field, below) : read_tube(*tube);
+  check_mesh(mesh, place_of(field ? *field : *tube));
   return shape_library().add(make_mesh_shape(mesh.nodes, mesh.triangles, below));
 }
+
+std::string note_of(const Shape& shape) { return shape.kind == ShapeKind::mesh ? shape_library().meshes[shape.data].note : ""; }
 
 }  // namespace unibody

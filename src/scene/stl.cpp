@@ -26,11 +26,13 @@ class Welder {
  public:
   TriangleMesh mesh;
 
-  // False where two corners are the same.
+  explicit Welder(bool soup) : soup_(soup) {}
+
+  // False where two corners are the same, unless all is kept.
   bool add(const std::array<Vec3, 3>& corners) {
     std::array<std::int32_t, 3> t;
     for (std::size_t k = 0; k < 3; ++k) t[k] = node(corners[k]);
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return false;
+    if (!soup_ && (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])) return false;
     mesh.triangles.push_back(t);
     return true;
   }
@@ -43,10 +45,11 @@ class Welder {
     return at->second;
   }
   std::map<std::array<double, 3>, std::int32_t> numbers_;
+  bool soup_;
 };
 
-TriangleMesh read_binary(const std::string& path, const std::string& bytes, std::size_t count) {
-  Welder welder;
+TriangleMesh read_binary(const std::string& path, const std::string& bytes, std::size_t count, bool soup) {
+  Welder welder(soup);
   for (std::size_t t = 0; t < count; ++t) {
     float numbers[12];  // the normal, then three corners
     std::memcpy(numbers, bytes.data() + header + record * t, sizeof numbers);
@@ -64,7 +67,7 @@ TriangleMesh read_binary(const std::string& path, const std::string& bytes, std:
 
 class AsciiReader {
  public:
-  AsciiReader(const std::string& path, const std::string& text) : path_(path), text_(text) {}
+  AsciiReader(const std::string& path, const std::string& text, bool soup) : path_(path), text_(text), welder_(soup) {}
 
   TriangleMesh read() {
     while (next()) {
@@ -127,7 +130,7 @@ class AsciiReader {
 
 }  // namespace
 
-TriangleMesh read_stl(const std::string& path) {
+TriangleMesh read_stl(const std::string& path, bool soup) {
   const std::string bytes = read_bytes(path, a_mesh);
   std::uint32_t count = 0;
   const bool has_count = bytes.size() >= header;
@@ -142,7 +145,7 @@ TriangleMesh read_stl(const std::string& path) {
   }
   if (is_binary && count > std::numeric_limits<std::int32_t>::max() / 3)
     fail_at(path, 0, std::to_string(count) + " triangles", "fewer than 2^31 corners");
-  TriangleMesh mesh = is_binary ? read_binary(path, bytes, count) : AsciiReader(path, bytes).read();
+  TriangleMesh mesh = is_binary ? read_binary(path, bytes, count, soup) : AsciiReader(path, bytes, soup).read();
   if (mesh.triangles.empty()) fail_at(path, 0, "no triangle", "at least one");
   return mesh;
 }

@@ -17,7 +17,8 @@ namespace unibody {
 // the order of the file, and a fault ends with its line or triangle.
 //
 // Throws InputError "file:line: found v, expected e" (binary: "file: found v in triangle k, expected e", k from 1) on the first
-// fault: a missing file, one that is cut off, any other word, a bad number, a triangle with a corner twice, no triangles.
-TriangleMesh read_stl(const std::string& path);
+// fault: a missing file, one that is cut off, any other word, a bad number, a triangle with a corner twice (which a `soup` keeps,
+// scene/triangle_soup.hpp), no triangles.
+TriangleMesh read_stl(const std::string& path, bool soup = false);
 
 }  // namespace unibody

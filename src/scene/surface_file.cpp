@@ -5,8 +5,8 @@
 
 namespace unibody {
 
-TriangleMesh read_surface(const std::string& path) {
-  return path.ends_with(".stl") || path.ends_with(".STL") ? read_stl(path) : read_obj(path);
+TriangleMesh read_surface(const std::string& path, bool soup) {
+  return path.ends_with(".stl") || path.ends_with(".STL") ? read_stl(path, soup) : read_obj(path, soup);
 }
 
 }  // namespace unibody

@@ -8,6 +8,6 @@
 namespace unibody {
 
 // As read_stl() where the name ends in .stl or .STL, else as read_obj().
-TriangleMesh read_surface(const std::string& path);
+TriangleMesh read_surface(const std::string& path, bool soup = false);
 
 }  // namespace unibody

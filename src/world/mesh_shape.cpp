@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
+#include "world/mesh_neighbours.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
@@ -50,25 +50,6 @@ class TreeBuilder {
   MeshSurface& mesh_;
 };
 
-void join_neighbours(MeshSurface& mesh) {
-  std::map<std::pair<std::int32_t, std::int32_t>, std::pair<std::size_t, std::size_t>> open;  // edge -> triangle, place
-  std::vector<bool> taken(mesh.nodes.size(), false);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    auto& own = mesh.triangles[t];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t p = own.nodes[k], q = own.nodes[(k + 1) % 3];
-      own.speaks_for_node[k] = !taken[static_cast<std::size_t>(p)];
-      taken[static_cast<std::size_t>(p)] = true;
-      const auto [at, is_new] = open.try_emplace({std::min(p, q), std::max(p, q)}, t, k);
-      own.speaks_for_edge[k] = is_new;
-      if (is_new) continue;
-      auto& other = mesh.triangles[at->second.first];
-      own.across[k] = other.nodes[(at->second.second + 2) % 3];
-      other.across[at->second.second] = own.nodes[(k + 2) % 3];
-    }
-  }
-}
-
 // Returns whether there is no border.
 bool add_node_normals(MeshSurface& mesh) {
   mesh.node_normals.assign(mesh.nodes.size(), Vec3::Zero());
@@ -88,8 +69,10 @@ bool add_node_normals(MeshSurface& mesh) {
 
 }  // namespace
 
-MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles, double below) {
+MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles, double below,
+                            bool two_sided) {
   MeshSurface mesh;
+  mesh.two_sided = two_sided;
   mesh.nodes.assign(nodes.begin(), nodes.end());
   for (const auto& t : triangles) {
     const Vec3 &a = nodes[static_cast<std::size_t>(t[0])], &b = nodes[static_cast<std::size_t>(t[1])],
@@ -99,7 +82,7 @@ MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::ar
   for (const Vec3& x : nodes) mesh.size = mesh.size.cwiseMax(x.cwiseAbs()), mesh.radius = std::max(mesh.radius, x.norm());
   if (below > 0) mesh.size.z() += below, mesh.radius = mesh.size.norm();
   join_neighbours(mesh);
-  mesh.is_solid = add_node_normals(mesh) || below > 0;
+  mesh.is_solid = (add_node_normals(mesh) || below > 0) && !mesh.two_sided;
   TreeBuilder{mesh};
   return mesh;
 }

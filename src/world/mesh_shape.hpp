@@ -1,10 +1,12 @@
 // A surface of triangles that does not move by itself: terrain, or the inside of a drum. Touched from the side to which its
 // triangles turn counterclockwise; behind them it is solid: all the way where the surface says what that is (it is closed, or a
-// height field), else near them.
+// height field), else near them. A surface whose triangles do not agree about that has two sides: a body is held on the one where
+// it is, and nothing is behind.
 #pragma once
 
 #include <array>
 #include <span>
+#include <string>
 
 #include "world/shapes.hpp"
 
@@ -16,12 +18,24 @@ struct MeshSurface {
     std::array<std::int32_t, 3> across;  // the third node of the triangle over edge i (from node i to i + 1); -1: none
     std::array<bool, 3> speaks_for_edge, speaks_for_node;  // so that what is shared is touched once
     Vec3 normal;                                           // unit, outwards
+    std::int32_t patch = 0;  // of a two-sided mesh: triangles that hang together by edges, and agree about their two sides
+
+    // Edge i becomes edge 2 - i.
+    void turn_over();
+  };
+  // A triangle at an edge (from its node `place` to the next) over which two others go on into each other.
+  struct Branching {
+    std::int32_t triangle, place;
+    std::array<std::int32_t, 2> across;  // the third nodes of these two
   };
   std::vector<Vec3> nodes;  // m
   std::vector<Triangle> triangles;
-  Vec3 size = Vec3::Zero();        // m, the largest of each coordinate
-  double radius = 0;               // m, of the sphere about the origin that holds it
-  bool is_solid = false;           // all the way behind its triangles
+  std::vector<Branching> branchings;  // ascending (triangle, place); such a triangle does not speak for that edge
+  Vec3 size = Vec3::Zero();           // m, the largest of each coordinate
+  double radius = 0;                  // m, of the sphere about the origin that holds it
+  bool is_solid = false;              // all the way behind its triangles
+  bool two_sided = false;
+  std::string note;                // where it was mended: what a person should know of that
   std::vector<Vec3> node_normals;  // means by angle of the triangles' (Baerentzen & Aanaes 2005); 0 on a border
 
   // Adds the numbers of the triangles whose bounds meet this box (m), ascending.
@@ -36,10 +50,9 @@ struct MeshSurface {
   std::vector<std::int32_t> order;
 };
 
-// Nodes and triangles as those of a TriangleMesh, which must be sound: no triangle without area, no edge of three triangles,
-// neighbours that agree about which side is out. `below`: m, > 0 for a height field over the x-y plane, which is solid at least
-// so far below its lowest node.
-MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles,
-                            double below = 0);
+// Nodes and triangles as those of a TriangleMesh without triangles of no area and without any twice. `below`: m, > 0 for a height
+// field over the x-y plane, which is solid at least so far below its lowest node. two_sided: so whatever way its triangles turn.
+MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles, double below = 0,
+                            bool two_sided = false);
 
 }  // namespace unibody

@@ -50,6 +50,53 @@ TEST(JointDrive, ADampedSpringOscillatesAsImplicitEulerSays) {
     }
 }
 
+// Implicit Euler of a bob of mass m on a rope: of its extension x the part s = max(0, x) is that of a spring and a damper, which
+// pull with f = (s + rho (s - s_before) / h) / E where that is more than 0.
+struct Rope {
+  double m, E, rho, x, v;
+  double force = 0;
+  void step(double gravity) {
+    const double free = v + h * gravity, before = std::max(0.0, x);
+    force = std::max(0.0, ((x + h * free) * (1 + rho / h) - before * rho / h) / (E + h * (h + rho) / m));
+    v = free - h / m * force;
+    x += h * v;
+  }
+};
+
+// The bob falls freely, is caught, and where little damps it is thrown back into the slack, again and again; at last it hangs m g
+// E below the rope's length.
+TEST(JointDrive, ARopeIsADampedSpringAndDoesNothingSlack) {
+  const double m = 3, g = 9.81;
+  for (const char* level : {"position", "velocity"})
+    for (const char* solver : solver_list)
+      for (const double E : {0.0, 1e-3})
+        for (const double rho : {0.0, 0.03, 0.4}) {
+          if (E == 0 && rho == 0) continue;  // a rope that neither stretches nor damps is tested with the other stiff joints
+          const std::string what = std::string(level) + ' ' + solver + ' ' + std::to_string(E) + ' ' + std::to_string(rho);
+          Experiment run(
+              scene_from_text("bodies: [{name: bob, shape: {sphere: {radius: 0.1}}, mass: 3, position: [0, 0, -0.7]}]\njoints: "
+                              "[{type: rope, bodies: "
+                              "[bob, world], points: [[0, 0, -0.6], [0, 0, 0]], length: 0.9, compliance: " +
+                              std::to_string(E) + ", damping: " + std::to_string(rho) + "}]\n" +
+                              settings(std::string(solver) + ", level: " + level, 50)));
+          Rope exact{m, E, rho, -0.3, 0};
+          int slack_and_parting = 0, taut = 0;
+          for (int k = 0; k < 200; ++k) {
+            run.step(), exact.step(g);
+            ASSERT_NEAR(-run.position(0).z() - 1, exact.x, 1e-10) << what << ' ' << k;
+            ASSERT_NEAR(-run.velocity(0).z(), exact.v, 1e-8) << what << ' ' << k;
+            ASSERT_NEAR(joint(run).force.z(), exact.force, 1e-6) << what << ' ' << k;
+            slack_and_parting += exact.x < 0 && exact.v > 1, taut += exact.force > 0;
+          }
+          EXPECT_GT(slack_and_parting, 10) << what;  // where c + rho dc/dt > 0 all the same
+          EXPECT_GT(taut, 20) << what;
+          if (rho < 0.1) continue;
+          run.steps(1200);
+          EXPECT_NEAR(joint(run).drift, m * g * E, 1e-8) << what;
+          EXPECT_NEAR(joint(run).force.z(), m * g, 1e-4) << what;
+        }
+}
+
 // The same of a turn, about a principal axis and so small that it is its sine.
 TEST(JointDrive, ADampedTorsionSpringOscillatesAsImplicitEulerSays) {
   const double inertia = 3 * (0.4 * 0.4 + 0.2 * 0.2) / 12, compliance = 0.2;

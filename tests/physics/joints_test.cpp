@@ -100,19 +100,23 @@ TEST(Joint, DoublePendulumFollowsAFineReference) {
   }
   const Vec3 elbow(std::sin(exact[0]), 0, -std::cos(exact[0]));
   const Vec3 end = elbow + 0.5 * Vec3(std::sin(exact[1]), 0, -std::cos(exact[1]));
-  const auto error = [&](double h) {
+  const auto error = [&](const std::string& solver, double h) {
     Experiment run(scene_from_text(R"(
 bodies:
   - shape: {box: {size: [1, 0.05, 0.05]}}
     mass: 1
     chain: {count: 2, from: [0, 0, 0], to: [2, 0, 0], held: start, joint: {type: hinge, axis: [0, 1, 0]}}
-)" + settings("accelerated_jacobi", 150, h)));
+)" + settings(solver, 150, h)));
     run.seconds(0.5);
     return (run.position(1) - end).norm();
   };
-  const double coarse = error(0.004), fine = error(0.001);
-  EXPECT_LT(fine, 0.02);
-  EXPECT_GT(coarse / fine, 3) << coarse << ' ' << fine;
+  for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"})
+    for (const char* joints : {"iterative", "direct"}) {
+      const std::string what = solver + ", joints: " + joints;
+      const double coarse = error(what, 0.004), fine = error(what, 0.001);
+      EXPECT_LT(fine, 0.02) << what;
+      EXPECT_GT(coarse / fine, 3) << what << ' ' << coarse << ' ' << fine;
+    }
 }
 
 TEST(Joint, AHingeKeepsItsAxis) {

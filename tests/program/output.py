@@ -257,6 +257,15 @@ class Switches(ProgramTest):
         self.good(scene, "results", *off)
         self.assertEqual(sorted(os.listdir(self.folder / "results")), ["report.csv", "summary.json"])
 
+    def test_convergence_is_told_of_a_run_that_has_something_to_converge_to(self):
+        scene = self.scene(SCENE)
+        few = ["-set", "time.frames=3", "-set", "solver.iterations=2", "-overwrite"]
+        self.assertRegex(self.good(scene, "results", *few, "-set", "solver.tolerance=1e-15").out,
+                         r"not converged: [123] of 3 frames, the worst by \S+ m \(frame [123]\)\n")
+        without = self.good(scene, "results", *few, "-set", "solver.tolerance=0").out
+        self.assertNotIn("not converged", without)
+        self.assertRegex(without, r"tolerance 0: all iterations were made; the worst natural residual is \S+ m \(frame [123]\)\n")
+
     def test_single_precision_changes_the_files_and_not_the_run(self):
         scene = self.scene(SCENE)
         double = self.good(scene, "double")

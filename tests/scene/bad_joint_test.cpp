@@ -1,6 +1,7 @@
 // Faults of joints in a scene file: one message each; and what generators of jointed bodies make.
 #include "joints/joint_types.hpp"
 #include "scene/scene_text.hpp"
+#include "world/shape_library.hpp"
 
 namespace unibody {
 namespace {
@@ -15,6 +16,12 @@ std::string with_joint(const std::string& joint) {
 }
 std::string with_chain(const std::string& chain) {
   return "bodies:\n  - shape: {sphere: {radius: 0.1}}\n    mass: 1\n    chain: {" + chain + "}\n";
+}
+
+std::string scene_number(double x) {
+  std::ostringstream out;
+  out << std::setprecision(17) << x;
+  return out.str();
 }
 
 struct Fault {
@@ -116,6 +123,11 @@ const std::vector<Fault> faults{
 INSTANTIATE_TEST_SUITE_P(Faults, JointRefuses, testing::ValuesIn(faults),
                          [](const auto& fault) { return std::string(fault.param.name); });
 
+Vec3 place_of(const Scene& scene, Id id, const Vec3& in_body) {
+  const BodyState s = id < 0 ? BodyState{} : scene.body(id).state;
+  return s.position + s.orientation * in_body;
+}
+
 // Of a scene as read, how far a joint is from closed.
 double opening(const Scene& scene, const Joint& joint) {
   const auto end = [&](std::size_t e) {
@@ -164,6 +176,54 @@ bodies:
         for (const Id k : b.ids) EXPECT_TRUE(i < 0 || i != k);
     }
   EXPECT_LE(scene.joint_colours, 5);
+}
+
+// Principal axes turned far from those in which the shape is given: a point of the shape as the file has it, from the centre of
+// mass, and a direction in its axes, are where position and orientation put them.
+TEST(BodyPoints, AreInTheAxesInWhichTheShapeIsGiven) {
+  const Vec3 position(0.3, -1, 2), corner(0.7, -0.2, 0.4), direction(0.6, 0, 0.8);
+  const Quat turn(Eigen::AngleAxisd(M_PI / 3, Vec3(0, 0.6, 0.8)));
+  const auto list = [](const Vec3& x) {
+    return "[" + scene_number(x.x()) + ", " + scene_number(x.y()) + ", " + scene_number(x.z()) + "]";
+  };
+  for (const std::string shape :
+       {"hull: {points: [[0, 0, 0], [1, 0, 0], [0, 0.6, 0], [0, 0, 0.3]]}",
+        "compound: {parts: [{shape: {box: {size: [0.4, 0.1, 0.1]}}}, {shape: {capsule: {radius: 0.05, length: 0.3}}, position: "
+        "[0.2, 0.1, 0.1], orientation: {axis: [0.6, 0.8, 0], angle: 40}}]}",
+        "box: {size: [0.3, 0.2, 0.1]}"}) {
+    const std::string bodies = "bodies:\n  - {name: a, shape: {box: {size: [1, 1, 1]}}, mass: 1}\n  - {name: b, shape: {" +
+                               shape + "}, mass: 1, position: " + list(position) +
+                               ", orientation: {axis: [0, 0.6, 0.8], angle: 60}}\njoints:\n";
+    const Vec3 at = position + turn * corner, along = turn * direction;
+    const Scene scene = scene_from(
+        bodies + "  - {type: hinge, bodies: [b, world], anchors: [" + list(corner) + ", " + list(at) + "], axes: [" +
+        list(direction) + ", " + list(along) + "]}\n" + "  - {type: hinge, bodies: [a, b], anchors: [" + list(at) + ", " +
+        list(corner) + "], axes: [" + list(along) + ", " + list(direction) + "], motor: {angle: 0, max_torque: 1}}\n" +
+        "  - {type: hinge, bodies: [b, world], anchor: " + list(at) + ", axis: " + list(along) + "}\n" +
+        "  - {type: rope, bodies: [b, a], anchors: [" + list(corner) + ", [0, 0, 0]]}\n");
+    const Quat frame = frame_of(scene.body(1).properties.shape);
+    EXPECT_TRUE(shape[0] == 'b' || frame.angularDistance(Quat::Identity()) > 0.2) << shape;
+    for (std::size_t j = 0; j < 3; ++j) {
+      EXPECT_LT(opening(scene, scene.joints[j]), 1e-14) << shape << ' ' << j;
+      const std::size_t end = j == 1 ? 1 : 0;
+      EXPECT_LT((place_of(scene, 1, scene.joints[j].anchor[end]) - at).norm(), 1e-14) << shape << ' ' << j;
+    }
+    EXPECT_NEAR(scene.joints[3].length, at.norm(), 1e-14) << shape;
+  }
+}
+
+// A corner of a hull, as the file gives it, is a corner of the hull in contacts.
+TEST(BodyPoints, OfAHullAreItsCorners) {
+  const Scene scene = scene_from(
+      "bodies:\n  - {name: b, shape: {hull: {points: [[0, 0, 0], [1, 0, 0], [0, 0.6, 0], [0, 0, 0.3]]}}, mass: 1, position: [3, "
+      "2, "
+      "1], orientation: {axis: [0, 1, 0], angle: 70}}\njoints:\n"
+      "  - {type: ball, bodies: [b, world], anchors: [[0.75, -0.15, -0.075], [0, 0, 0]]}\n");  // the mean of the corners is its
+                                                                                               // centre
+  double nearest = HUGE_VAL;
+  for (const Vec3& x : shape_library().hulls[scene.body(0).properties.shape.data].corners)
+    nearest = std::min(nearest, (x - scene.joints[0].anchor[0]).norm());
+  EXPECT_LT(nearest, 1e-14);
 }
 
 }  // namespace

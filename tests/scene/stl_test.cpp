@@ -155,6 +155,15 @@ TEST(ReadStl, ShapesAndClothsTakeIt) {
   EXPECT_NE(fault_of("bodies:\n  - {shape: {compound: {mesh: " + file.path() + "}}, density: 1000}\n").find("a mesh with a hole"),
             std::string::npos);
   EXPECT_EQ(scene_from("cloths:\n  - {mesh: " + file.path() + ", mass: 1, thickness: 0.01, links: {}}\n").body_count(), 8);
+  auto flat = block();
+  flat[0][1] = flat[0][0];
+  const StlFile soup(binary(flat));  // terrain alone may hold what has no area
+  const std::string static_mesh = "bodies:\n  - {shape: {mesh: {file: " + soup.path() + "}}}\n";
+  const Scene terrain = scene_from(static_mesh);
+  EXPECT_EQ(shape_library().meshes[terrain.body(0).properties.shape.data].triangles.size(), 11u);
+  EXPECT_EQ(terrain.notes, std::vector<std::string>{soup.path() + ": left out 1 triangle without area"});
+  EXPECT_NE(fault_of("cloths:\n  - {mesh: " + soup.path() + ", mass: 1, thickness: 0.01, links: {}}\n").find("a corner twice"),
+            std::string::npos);
 }
 
 }  // namespace
