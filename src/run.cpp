@@ -195,7 +195,7 @@ void Run::start_world() {
   if (summary_.first_frame > scene_.time.frames)
     throw InputError("'" + options_.restart + "' is of frame " + std::to_string(summary_.first_frame) +
                      ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
-  simulation_.set_tolerance_from_bodies();
+  simulation_.resolve_automatic_settings();
   if (options_.restart.empty()) simulation_.make_constraints();
   simulation_.move_homes(balance_.homes(simulation_.world, {}, &simulation_.constraints, scene_.joints, simulation_.joints));
   for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;

@@ -95,8 +95,8 @@ const Field<SolverSettings> solver_fields[] = {
        s.scaling = v.number({0, 1, true}, "");
      }},
     {"recovery_time", [](const Value& v, SolverSettings& s) { s.recovery_time = number_or_auto(v, not_negative, "s"); }},
-    {"recovery_speed", [](const Value& v, SolverSettings& s) { s.recovery_speed = v.number(not_negative, "m/s"); }},
-    {"margin", [](const Value& v, SolverSettings& s) { s.margin = v.number(not_negative, "m"); }},
+    {"recovery_speed", [](const Value& v, SolverSettings& s) { s.recovery_speed = number_or_auto(v, not_negative, "m/s"); }},
+    {"margin", [](const Value& v, SolverSettings& s) { s.margin = number_or_auto(v, not_negative, "m"); }},
 };
 
 // What one of the two levels has no use for is refused there. (recovery_time and recovery_speed are of the position level alone,

@@ -188,7 +188,7 @@ bodies:
     mass: 1
 solver: {iterations: 30, name: )" + solver +
                                    (bound == 0.1 ? ", recovery_speed: 0.1}\n" : "}\n")));
-    ASSERT_EQ(run.scene->solver.recovery_speed, bound);
+    ASSERT_EQ(run.simulation->settings_used().recovery_speed, bound);
     const double start_height = 0.1 + 12 * 0.095, layers = 13;
     double fastest = 0, highest = 0;
     for (int k = 0; k < 200; ++k) {
