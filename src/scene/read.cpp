@@ -284,10 +284,11 @@ std::string Scene::body_name(Id id) const {
   return group.count == 1 ? group.name : group.name + "[" + std::to_string(id - group.first) + "]";
 }
 
-Scene read_scene(const std::string& path, const std::vector<Override>& overrides) {
+Scene read_scene(const std::string& path, const std::vector<Override>& overrides, const Room& room) {
   const Value root = load_value(path, overrides);
   Scene scene;
   scene.path = path;
+  scene.room = room;
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_form(root, scene);
