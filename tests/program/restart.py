@@ -292,7 +292,7 @@ class Restart(ProgramTest):
     def test_from_the_start(self):
         """A run of no frames ends with a checkpoint too: the state at the start."""
         scene = self.scene(PILE)
-        self.check_runs(scene, ranks=(1, 3), half=0, written=["000020", "000040", "000060"])
+        self.check_runs(scene, ranks=(1, 3), half=0, written=["000000", "000020", "000040", "000060"])
 
     def test_nothing_left_to_do(self):
         """A checkpoint of the last frame, or of a later one: no frame is run, and the state is the checkpoint's."""
