@@ -6,11 +6,13 @@
 #include <array>
 #include <cstdio>
 #include <iterator>
+#include <new>
 #include <optional>
 
 #include "bad_body.hpp"
 #include "build.hpp"
 #include "core/errors.hpp"
+#include "core/memory.hpp"
 #include "core/phases.hpp"
 #include "partition/balance.hpp"
 #include "report/checkpoint.hpp"
@@ -206,7 +208,7 @@ void Run::start_world() {
   if (summary_.first_frame > scene_.time.frames)
     throw InputError("'" + options_.restart + "' is of frame " + std::to_string(summary_.first_frame) +
                      ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
-  simulation_.set_tolerance_from_bodies();
+  simulation_.resolve_automatic_settings();
   if (options_.restart.empty()) simulation_.make_constraints();
   simulation_.move_homes(balance_.homes(parts_of(simulation_, scene_)));
   for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
@@ -278,8 +280,8 @@ void Run::write(std::int64_t frame) {
   if (joint_files_ && frame % std::max(1, scene_.output.every) == 0)
     joint_files_->write(frame, time, simulation_.joints, simulation_.slots_of_joints(), simulation_.joint_states());
   const int every = scene_.output.checkpoint_every;
-  const bool due = every >= 0 && ((every > 0 && frame % every == 0) || frame == scene_.time.frames);
-  if (due && frame > summary_.first_frame)
+  const bool in_turn = every > 0 && frame % every == 0 && frame > summary_.first_frame;
+  if (every >= 0 && (in_turn || frame == scene_.time.frames))
     write_checkpoint(comm_, options_.output + "/checkpoint.h5", mark_of(scene_), frame, time, scene_.body_count(),
                      simulation_.world, simulation_.multipliers, simulation_.constraints, simulation_.constraint_multipliers,
                      joint_row_block(comm_, static_cast<std::int64_t>(scene_.joints.size()), simulation_.joints,
@@ -300,7 +302,7 @@ void Run::finish() {
   summary_.files = {"report.csv"};
   if (frames_) summary_.files.insert(summary_.files.end(), {"frames.h5", "frames.xdmf"});
   if (joint_files_) summary_.files.insert(summary_.files.end(), {"joints.csv", "joints.h5"});
-  if (scene_.output.checkpoint_every >= 0 && scene_.time.frames > summary_.first_frame) summary_.files.push_back("checkpoint.h5");
+  if (scene_.output.checkpoint_every >= 0) summary_.files.push_back("checkpoint.h5");
   if (dumped_) summary_.files.push_back(options_.dump_fclib);
   summary_.files.push_back("summary.json");
   write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
@@ -324,6 +326,33 @@ void Run::finish() {
   std::printf("\n");
 }
 
+// The memory of each machine shared among its ranks; the least share counts, as all ranks make as many bodies.
+Room room_of(MPI_Comm comm) {
+  MPI_Comm machine = MPI_COMM_NULL;
+  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  Room room;
+  int neighbours = 1;
+  MPI_Comm_size(machine, &neighbours);
+  MPI_Comm_free(&machine);
+  MPI_Comm_size(comm, &room.ranks);
+  room.bytes = std::min(bytes_of_machine() / neighbours, bytes_of_process());
+  MPI_Allreduce(MPI_IN_PLACE, &room.bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
+  return room;
+}
+
+// Where memory runs out on one rank, the others must not wait for it: it ends the run where it stands, without unwinding, since
+// much of what would be freed is freed by all ranks together.
+long long bodies_in_scene = 0;
+void out_of_memory() {
+  int rank = 0, size = 1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  std::fprintf(stderr,
+               "unibody: rank %d: out of memory, with %lld bodies on %d rank%s: fewer bodies or more machines are needed\n", rank,
+               bodies_in_scene, size, size == 1 ? "" : "s");
+  MPI_Abort(MPI_COMM_WORLD, 3);
+}
+
 }  // namespace
 
 int run(MPI_Comm comm, const Options& options) {
@@ -333,7 +362,9 @@ int run(MPI_Comm comm, const Options& options) {
     if (rank == 0) std::fputs(help_text().c_str(), stdout);
     return 0;
   }
-  const Scene scene = read_scene(options.scene, options.overrides);
+  std::set_new_handler(out_of_memory);
+  const Scene scene = read_scene(options.scene, options.overrides, room_of(comm));
+  bodies_in_scene = scene.body_count();
   int size = 1;
   MPI_Comm_size(comm, &size);
   if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential && size > 1)

@@ -30,7 +30,6 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
       constraint_batches_(std::make_unique<ConstraintBatches>()),
       form_(scene.solver.form) {
   collide_settings_.step = step_;
-  collide_settings_.margin = scene.solver.margin;
   collide_settings_.gravity = scene.gravity;
   collide_settings_.planar = scene.planar;
   collide_settings_.merge_supports = !solver_.sweeps_by_colour;
@@ -41,13 +40,16 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
 
 Simulation::~Simulation() = default;
 
-void Simulation::set_tolerance_from_bodies() {
-  tolerance_ = scene_.solver.tolerance;
-  if (tolerance_ >= 0) return;
+void Simulation::resolve_automatic_settings() {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < world.homes; ++i) smallest = std::min(smallest, smallest_size(world.properties[i].shape));
   MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, halo_.comm());
-  tolerance_ = std::isfinite(smallest) ? 1e-4 * smallest : 0;
+  const SolverSettings& set = scene_.solver;
+  const auto resolve = [](double value, double automatic) { return value >= 0 ? value : automatic; };
+  tolerance_ = resolve(set.tolerance, std::isfinite(smallest) ? automatic_tolerance * smallest : 0);
+  collide_settings_.margin = resolve(set.margin, std::min(most_automatic_margin, automatic_margin * smallest));
+  const double g = scene_.gravity.norm(), toss = g > 0 ? std::sqrt(2 * g * (automatic_toss * smallest)) : HUGE_VAL;
+  recovery_speed_ = resolve(set.recovery_speed, std::min(most_automatic_recovery_speed, toss));
 }
 
 void Simulation::detect() {

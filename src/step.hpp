@@ -83,8 +83,8 @@ class Simulation {
   std::span<const JointSlots> slots_of_joints() const { return joint_slots_; }
   const Halo& halo() const { return halo_; }
   double tolerance() const { return tolerance_; }
-  SolverSettings settings_used() const;  // the scene's, with what "auto" comes to; after set_tolerance_from_bodies()
-  void set_tolerance_from_bodies();      // after the bodies are in: resolves "auto"
+  SolverSettings settings_used() const;  // the scene's, with what "auto" comes to; after resolve_automatic_settings()
+  void resolve_automatic_settings();     // after the bodies are in, before anything else: what goes by their size
   std::size_t bytes() const;             // all that this rank holds: of the arrays that last, and of the phases' scratch memory
 
  private:
@@ -149,7 +149,7 @@ class Simulation {
   Scratch scratch_;  // of collision detection, then of the solve
   JointBatch joint_batch_;
   System system_{&scratch_};  // within step()
-  double step_ = 0, tolerance_ = 0;
+  double step_ = 0, tolerance_ = 0, recovery_speed_ = most_automatic_recovery_speed;
   bool detected_ = false, constraints_made_ = false;
   std::unique_ptr<ConstraintBatches> constraint_batches_;
   std::int64_t built_version_ = -1;  // of the halo, for which their slots hold

@@ -133,6 +133,7 @@ ConvergedStep Simulation::solve_anew(const SolvedStep& solved) const {
   }
   other.world = make_world(homes, statics, world.has_rotations);
   other.steps_done = steps_done, other.tolerance_ = tolerance_;
+  other.collide_settings_.margin = collide_settings_.margin, other.recovery_speed_ = recovery_speed_;
   remember(other.multipliers, world, contacts, solved.impulses, step_);
   other.make_constraints();
   other.constraint_multipliers = constraint_multipliers;

@@ -127,7 +127,7 @@ Stage Simulation::stage(Stage::Kind kind) const {
   if (at_velocity_level()) return Stage::stabilised(step_, scene_.solver.stabilisation);
   // A time of the step's own would take penetration out the faster the finer the steps are: piles would shake.
   const double set = scene_.solver.recovery_time;
-  return Stage{kind, step_, set >= 0 ? set : scene_.time.step, scene_.solver.recovery_speed};
+  return Stage{kind, step_, set >= 0 ? set : scene_.time.step, recovery_speed_};
 }
 
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
@@ -232,6 +232,7 @@ Split Simulation::split() const {
 SolverSettings Simulation::settings_used() const {
   SolverSettings used = scene_.solver;
   used.tolerance = tolerance_, used.stages = stages(), used.warm_start = contact_share(scene_.solver);
+  used.margin = collide_settings_.margin, used.recovery_speed = recovery_speed_;
   used.velocity_share = split().velocity_share, used.leak = split().leak;
   if (stages() == Stages::position) used.velocity_share = used.leak = 0;
   if (!at_velocity_level()) used.recovery_time = stage(Stage::Kind::position).recovery_time;

@@ -69,7 +69,7 @@ Experiment::Experiment(Scene s, MPI_Comm comm)
     : scene(std::make_unique<Scene>(std::move(s))), clock(std::make_unique<PhaseClock>()) {
   simulation = std::make_unique<Simulation>(comm, *scene, *clock);
   simulation->world = build_world(comm, *scene);
-  simulation->set_tolerance_from_bodies();
+  simulation->resolve_automatic_settings();
 }
 
 std::size_t Experiment::slot(Id id) const {

@@ -45,6 +45,7 @@ UNIBODY = [
     gauss_seidel(20, scenes=('B2000',), more=one_stage(.5), says=' one stage, warm .5', control=True),
     accelerated_jacobi(10, scenes=('T2000',)), accelerated_jacobi(20, quick=True), accelerated_jacobi(50, quick=True),
     accelerated_jacobi(100, scenes=('S5000',)), accelerated_jacobi(50, scenes=('S5000',), more=['solver.leak=0.2'], says=' leak .2'),
+    *(accelerated_jacobi(k, more=['solver.velocity_share=0.5', 'solver.leak=0'], says=' halves, no leak') for k in (20, 50)),
     Setting('GS 4x5', 'GS substeps', 5, ['solver.name=gauss_seidel', 'solver.iterations=5', 'time.substeps=4']),
     Setting('as shipped', 'defaults', 50, DEFAULTS),
 ]

@@ -12,6 +12,7 @@
 // Nodes touch bodies as the particles that they are (narrowphase.hpp); what is here is what lies between them.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -28,7 +29,7 @@ namespace unibody {
 constexpr double lean_of_boxes = 0.05, lean_of_points = 1e-9;
 
 // Hits may be reported so much before the two touch.
-inline ContinuousSettings continuous(double radii) { return {radii, 1e-6 + 1e-3 * radii, 200}; }
+inline ContinuousSettings continuous(double radii) { return {radii, std::min(1e-6, 0.01 * radii) + 1e-3 * radii, 200}; }
 
 // Of the weights of a face's nodes. A segment has its second node twice: all of the weight goes to the first of the two.
 bool is_one_node(const Vec3& weights);

@@ -50,10 +50,17 @@ inline constexpr double automatic_share = 1.0 / 3;
 // The same of the velocity level, whose correction of the positions is softer: there 1 / (1 + stabilisation) leaves nothing.
 inline constexpr double automatic_velocity_share = 0.5;
 
+// What "auto" comes to by the size of the smallest dynamic body (its least extent), so that a scene made smaller does the same.
+inline constexpr double automatic_tolerance = 1e-4;            // of that size
+inline constexpr double automatic_margin = 0.2;                // of that size,
+inline constexpr double most_automatic_margin = 0.002;         // m, but no more than this
+inline constexpr double automatic_toss = 1.0 / 3;              // of that size: how high what recovers may be thrown,
+inline constexpr double most_automatic_recovery_speed = 0.25;  // m/s, but no faster than this, which is also that without gravity
+
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
-  double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: 1e-4 of the smallest body size
+  double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: by the smallest body's size
   Level level = Level::position;
   double stabilisation = 0.4;  // velocity level: gamma, share of an error of position that a step takes out; [0, 1]
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.
@@ -78,8 +85,8 @@ struct SolverSettings {
   Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only
   double scaling = 1;             // factor on the constraint count n_b of the Jacobi solvers; (0, 1]
   double recovery_time = -1;      // s, time constant rho_c at which penetration is taken out; -1: one frame; 0: all in one step
-  double recovery_speed = 0.25;   // m/s, bound on the speed at which penetration is taken out; 0: unbounded
-  double margin = 0.002;          // m, contacts are made at gaps below this plus what the bodies can travel in the step
+  double recovery_speed = -1;     // m/s, bound on the speed at which penetration is taken out; 0: unbounded; -1: by size
+  double margin = -1;             // m, contacts are made at gaps below this plus what bodies can travel in the step; -1: by size
 };
 
 }  // namespace unibody

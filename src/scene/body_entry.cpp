@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include "scene/generators.hpp"
 #include "scene/shape_files.hpp"
@@ -143,6 +144,14 @@ void check_places(const Value& entry, const BodyGroup& group) {
   check(group.count - 1);
 }
 
+// The value that says how many bodies an entry has.
+const Value& count_of(const Value& entry, const GeneratorType* type) {
+  const Value* generator = type ? entry.find(type->key) : nullptr;
+  for (const char* key : {"count", "courses", "levels"})
+    if (const Value* count = generator ? generator->find(key) : nullptr) return *count;
+  return generator ? *generator : entry;
+}
+
 void read_entry(const Value& entry, Scene& scene) {
   if (entry.kind != Value::Kind::map) entry.fail_expected("a map with a shape or a generator");
   const GeneratorType* type = find_generator(entry);
@@ -160,6 +169,7 @@ void read_entry(const Value& entry, Scene& scene) {
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
   group.generated = type != nullptr;
+  check_room(count_of(entry, type), scene, group.count, group.is_static);
   group.make = [first = group.first, make = generated.make, position, orientation](Id k) {
     Body result = make(k);
     result.id = first + k;
@@ -285,6 +295,21 @@ void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape
   if (std::min(p.mass, moment) > 0 && std::isfinite(p.mass) && p.inertia.allFinite()) return;
   const Value* amount = entry.find(body.mass ? "mass" : "density");
   (amount ? *amount : entry).fail_expected("a mass and an inertia > 0 and finite for a body of this size");
+}
+
+void check_room(const Value& value, const Scene& scene, Id count, bool is_static) {
+  if (count == 1) return;  // what a file lists one by one fits; and thousands of entries need no sums
+  const Id capacity = scene.room.bodies_of_rank(), ranks = scene.room.ranks;
+  Id statics = 0, dynamic = 0;  // before these
+  for (const BodyGroup& group : scene.groups) (group.is_static ? statics : dynamic) += group.count;
+  const Id most =
+      std::max<Id>(0, is_static ? capacity - statics - (dynamic + ranks - 1) / ranks : (capacity - statics) * ranks - dynamic);
+  if (count <= most) return;
+  const std::string bodies = std::to_string(count), own = value.found();
+  std::ostringstream expected;
+  expected << "at most " << most << " bodies: the memory of " << ranks << (ranks == 1 ? " rank" : " ranks")
+           << " has room for no more";
+  value.fail(own == bodies ? own : own + ", " + bodies + " bodies", expected.str());
 }
 
 void read_bodies(const Value& list, Scene& scene) {

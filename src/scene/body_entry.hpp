@@ -36,6 +36,9 @@ Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit
 // Mass and inertia of this shape must be numbers > 0; fails on `entry` where they overflow or vanish.
 void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape);
 
+// Fails on `value` where the scene has no room for `count` bodies more.
+void check_room(const Value& value, const Scene& scene, Id count, bool is_static = false);
+
 // Reads the list `bodies` into scene.groups. Sections that it leans on (materials, planar) are read before.
 void read_bodies(const Value& list, Scene& scene);
 

@@ -88,6 +88,8 @@ void read_cloth(const Value& entry, Scene& scene) {
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
   const MeshShape shape = read_shape_of(entry, read_law(entry, thickness), scene);
+  const Value* grid = entry.find("grid");
+  check_room(grid ? *grid->find("nodes") : *entry.find("mesh"), scene, shape.count);
   check_node_mass(entry, shape);
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   const Id first = add_flexible(

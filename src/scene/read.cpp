@@ -95,8 +95,8 @@ const Field<SolverSettings> solver_fields[] = {
        s.scaling = v.number({0, 1, true}, "");
      }},
     {"recovery_time", [](const Value& v, SolverSettings& s) { s.recovery_time = number_or_auto(v, not_negative, "s"); }},
-    {"recovery_speed", [](const Value& v, SolverSettings& s) { s.recovery_speed = v.number(not_negative, "m/s"); }},
-    {"margin", [](const Value& v, SolverSettings& s) { s.margin = v.number(not_negative, "m"); }},
+    {"recovery_speed", [](const Value& v, SolverSettings& s) { s.recovery_speed = number_or_auto(v, not_negative, "m/s"); }},
+    {"margin", [](const Value& v, SolverSettings& s) { s.margin = number_or_auto(v, not_negative, "m"); }},
 };
 
 // What one of the two levels has no use for is refused there. (recovery_time and recovery_speed are of the position level alone,
@@ -287,10 +287,11 @@ std::string Scene::body_name(Id id) const {
   return group.count == 1 ? group.name : group.name + "[" + std::to_string(id - group.first) + "]";
 }
 
-Scene read_scene(const std::string& path, const std::vector<Override>& overrides) {
+Scene read_scene(const std::string& path, const std::vector<Override>& overrides, const Room& room) {
   const Value root = load_value(path, overrides);
   Scene scene;
   scene.path = path;
+  scene.room = room;
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_form(root, scene);

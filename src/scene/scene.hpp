@@ -70,9 +70,22 @@ struct Attachment {
   double release = std::numeric_limits<double>::infinity();  // s
 };
 
+// The room that a scene may fill. Every rank makes its share of the dynamic bodies, and all of the static ones.
+struct Room {
+  double bytes = std::numeric_limits<double>::infinity();  // of memory, for each rank
+  int ranks = 1;
+
+  static constexpr double least_bytes_of_body = sizeof(Body) + sizeof(BodyState);  // while the world is made
+  // The most bodies that a rank can hold: by its memory, and by how slots are numbered.
+  Id bodies_of_rank() const {
+    return static_cast<Id>(std::min(bytes / least_bytes_of_body, double{std::numeric_limits<Slot>::max()}));
+  }
+};
+
 struct Scene {
   std::string path;
   std::string title;
+  Room room;
   TimeSettings time;
   Vec3 gravity{0, 0, -9.81};  // m/s^2
   Vec3 wind{0, 0, 0};         // m/s
@@ -114,7 +127,8 @@ struct Override {
   std::string path, value;
 };
 
-// Reads and checks a scene file. Throws InputError "file:line: key 'k': found v, expected e" on the first fault.
-Scene read_scene(const std::string& path, const std::vector<Override>& overrides = {});
+// Reads and checks a scene file. Throws InputError "file:line: key 'k': found v, expected e" on the first fault; more bodies than
+// there is room for are one.
+Scene read_scene(const std::string& path, const std::vector<Override>& overrides = {}, const Room& room = {});
 
 }  // namespace unibody

@@ -57,6 +57,8 @@ void read_solid(const Value& entry, Scene& scene) {
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
   MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
+  const Value* block = entry.find("block");
+  check_room(block ? *block->find("cells") : *entry.find("mesh"), scene, shape.count);
   shape.closed = true;
   if (!(shape.mass(0) > 0 && std::isfinite(shape.mass(0))))
     need(entry, "density", "").fail_expected("a finite mass > 0 of each node");

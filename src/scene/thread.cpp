@@ -62,7 +62,9 @@ void read_thread(const Value& entry, Scene& scene) {
   entry.map(keys);
   Thread thread;
   read_line(need(entry, "points", "a list of at least 2 points"), thread, scene);
-  thread.segments = need(entry, "segments", "an integer >= 1").integer(1, 1'000'000'000);
+  const Value& segments = need(entry, "segments", "an integer >= 1");
+  thread.segments = segments.integer(1, 1'000'000'000);
+  check_room(segments, scene, thread.segments + 1);
   const double radius = need(entry, "radius", "a number > 0 (m)").number(positive, "m");
   const double mass = need(entry, "mass", "a number > 0 (kg)").number(positive, "kg");
   if (const Value* stretch = entry.find("stretch")) read_stretch(*stretch, radius, thread);

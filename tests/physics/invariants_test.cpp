@@ -188,7 +188,7 @@ bodies:
     mass: 1
 solver: {iterations: 30, name: )" + solver +
                                    (bound == 0.1 ? ", recovery_speed: 0.1}\n" : "}\n")));
-    ASSERT_EQ(run.scene->solver.recovery_speed, bound);
+    ASSERT_EQ(run.simulation->settings_used().recovery_speed, bound);
     const double start_height = 0.1 + 12 * 0.095, layers = 13;
     double fastest = 0, highest = 0;
     for (int k = 0; k < 200; ++k) {
@@ -202,11 +202,12 @@ solver: {iterations: 30, name: )" + solver +
     // Ejected at the bound a layer, or fallen from the height that twice the spacing gives.
     EXPECT_LT(fastest, bound * layers + std::sqrt(2 * 9.81 * 2 * start_height)) << solver << bound;
     EXPECT_LT(highest, 2 * start_height + 0.15) << solver;
-    // 3.2 s at 0.1 m/s part every pair three times over; accelerated Jacobi needs longer at this depth.
-    if (solver == "gauss_seidel") {
-      EXPECT_LT(run.penetration(), 0.002);
-    }
     EXPECT_LT(run.kinetic_energy() / 208, 0.02) << solver;
+    // 3.2 s at 0.1 m/s part every pair three times over; accelerated Jacobi, which splits a body's mass among its contacts, hands
+    // the motion on from layer to layer more slowly: two and three times as long.
+    if (solver == "accelerated_jacobi") run.steps(bound == 0.25 ? 200 : 400);
+    EXPECT_LT(run.penetration(), 0.002) << solver << bound;
+    EXPECT_LT(run.kinetic_energy() / 208, 0.02) << solver << bound;
   }
 }
 

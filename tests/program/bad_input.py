@@ -2,6 +2,7 @@
 """What a user can get wrong: every fault ends the program at once, on every rank, with a message that says what to change,
 and nothing is written. tests/scene holds the reader's messages word for word; here it is the whole program on two ranks."""
 import os
+import resource
 import unittest
 
 import h5py
@@ -110,6 +111,36 @@ class BadScenes(RefusedTest):
         run = self.refused(scene, says=["scene.yaml", "key 'solver.name'", "found newton", "expected an iterative solver"])
         self.assertIn("2 ranks", run.message[0])
         self.good(scene, "one", ranks=1)
+
+    def test_more_bodies_than_any_machine_holds(self):
+        scene = self.scene("bodies:\n  - {lattice: {count: 1000000000000, columns: [10, 10], spacing: [1, 1, 1]},\n"
+                           "     shape: {sphere: {radius: 0.1}}, mass: 1}\n")
+        for ranks in (1, 2):
+            self.refused(scene, ranks=ranks, says=["scene.yaml:2:", "key 'bodies[0].lattice.count'", "found 1000000000000",
+                                                   f"the memory of {ranks} rank"])
+
+    def test_more_bodies_than_the_memory_holds(self):
+        scene = self.scene("bodies:\n  - {lattice: {count: 100000000, columns: [100, 100], spacing: [1, 1, 1]},\n"
+                           "     shape: {sphere: {radius: 0.1}}, mass: 1}\n")
+        self.within(4, lambda: self.refused(scene, says=["bodies[0].lattice.count", "found 100000000", "the memory of 2 ranks"]))
+
+    def within(self, gigabytes, run):
+        """Runs something whose processes may have that much memory each."""
+        before = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (gigabytes << 30, before[1]))
+        try:
+            return run()
+        finally:
+            resource.setrlimit(resource.RLIMIT_AS, before)
+
+    def test_memory_runs_out(self):
+        """Bodies that could be held, but not moved: the run ends, on all ranks, and says with how many bodies."""
+        scene = self.scene("time: {frames: 1}\nbodies:\n  - {lattice: {count: 3000000, columns: [100, 100], spacing: [1, 1, 1]},\n"
+                           "     shape: {sphere: {radius: 0.1}}, mass: 1}\n")
+        run = self.within(2, lambda: unibody(scene, "-output", self.folder / "results", ranks=1, timeout=60))
+        self.assertEqual(run.code, 3, run.err)
+        self.assertEqual(len(run.message), 1, run.err)
+        self.assertIn("rank 0: out of memory, with 3000000 bodies on 1 rank", run.message[0])
 
     def test_cloth_of_a_missing_mesh(self):
         cloth = "cloths:\n  - {mesh: flag.obj, mass: 1, thickness: 0.1}\n"

@@ -289,6 +289,11 @@ class Restart(ProgramTest):
         self.assertEqual(self.good(scene, "half", "-overwrite", "-restart", checkpoint).state, whole.state)
         self.assertEqual(frame_of(checkpoint), 60)
 
+    def test_from_the_start(self):
+        """A run of no frames ends with a checkpoint too: the state at the start."""
+        scene = self.scene(PILE)
+        self.check_runs(scene, ranks=(1, 3), half=0, written=["000000", "000020", "000040", "000060"])
+
     def test_nothing_left_to_do(self):
         """A checkpoint of the last frame, or of a later one: no frame is run, and the state is the checkpoint's."""
         scene = self.scene(PILE)
@@ -299,6 +304,7 @@ class Restart(ProgramTest):
                               "-set", f"time.frames={frames}", timeout=60)
                 self.assertEqual(run.code, code, run.err)
                 if code == 0:
+                    self.assertEqual(contents(self.folder / "rest_30/checkpoint.h5"), contents(self.folder / "half/checkpoint.h5"))
                     self.assertEqual(run.state, unibody(scene, "-output", self.folder / "again", "-set", "time.frames=30").state)
                 else:
                     self.assertIn("frame 30", run.message[0])

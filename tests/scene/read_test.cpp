@@ -70,11 +70,17 @@ TEST(ReadScene, EverySolverKey) {
   EXPECT_EQ(s.recovery_speed, 0);
   EXPECT_EQ(s.margin, 0.004);
   const SolverSettings a =
-      scene_from("solver: {tolerance: auto, velocity_share: auto, leak: auto, recovery_time: auto}\n" + ball).solver;
+      scene_from(
+          "solver: {tolerance: auto, velocity_share: auto, leak: auto, recovery_time: auto, recovery_speed: auto,\n"
+          "  margin: auto}\n" +
+          ball)
+          .solver;
   EXPECT_EQ(a.tolerance, -1);
   EXPECT_EQ(a.velocity_share, -1);
   EXPECT_EQ(a.leak, -1);
   EXPECT_EQ(a.recovery_time, -1);
+  EXPECT_EQ(a.recovery_speed, -1);
+  EXPECT_EQ(a.margin, -1);
   EXPECT_EQ(a.level, Level::position);
   const SolverSettings v =
       scene_from("solver: {level: velocity, stabilisation: 0.3, warm_start: 1, iterations: 1}\n" + ball).solver;
