@@ -35,7 +35,7 @@ std::vector<AttachedNode> attached_nodes(const Scene& scene, const World& world,
     if (body < 0 || node < 0 || !(world.is_home(body) || world.is_home(node))) continue;
     const auto b = static_cast<std::size_t>(body), n = static_cast<std::size_t>(node);
     const Vec3 arm = world.position[n] - world.position[b];
-    found.push_back({body, node, arm, world.orientation[b] * a.place - arm});
+    found.push_back({body, node, arm, world.orientation_of(b) * a.place - arm});
   }
   return found;
 }

@@ -99,6 +99,7 @@ class Simulation {
   bool solids_start_cold() const;
   void forget_solids(std::span<ContactBatch::Impulse> start) const;
   Stage stage(Stage::Kind kind) const;
+  Stage stage_of_surfaces(Stage stage) const;
   SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
   void measure_solution(StepReport& report);
   std::vector<ContactBatch::Impulse> total_impulses(std::span<const ContactBatch::Impulse> kept, bool apart) const;

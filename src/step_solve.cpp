@@ -130,11 +130,18 @@ Stage Simulation::stage(Stage::Kind kind) const {
   return Stage{kind, step_, set >= 0 ? set : scene_.time.step, recovery_speed_};
 }
 
+// What is stretched over an edge pulls with stiff links, which ask for all of their error within the step; a contact that asked
+// for less of its own would give way to them as long as they hang there, by centimetres.
+Stage Simulation::stage_of_surfaces(Stage stage) const {
+  if (!at_velocity_level() && scene_.solver.recovery_time < 0) stage.recovery_time = 0;
+  return stage;
+}
+
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
 SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance) {
   const Stage stage = this->stage(kind);
   system_.contacts.start_stage(stage);
-  system_.surface.start_stage(stage);
+  system_.surface.start_stage(stage_of_surfaces(stage));
   system_.before_iteration = nullptr;
   system_.constraints = kind == Stage::Kind::position && constraints_of_all_ > 0 ? constraint_batches_.get() : nullptr;
   system_.attachments = kind == Stage::Kind::position && has_attachments() ? &system_.attachment_rows : nullptr;

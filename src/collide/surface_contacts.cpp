@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "collide/convex_distance.hpp"
 #include "collide/mesh_triangles.hpp"
@@ -12,6 +13,9 @@ namespace unibody {
 namespace {
 
 constexpr std::uint32_t edges_feature = 1000, convex_feature = 2000;
+
+// Points closer than this share of their radii are in one place.
+constexpr double one_place = 1e-9;
 
 // The sine at which `towards`, less its part along an edge, rises along a unit direction.
 double rise(const Vec3& towards, const Vec3& edge, const Vec3& direction) {
@@ -140,17 +144,33 @@ void SurfaceCollider::add(const Pair& pair, const Vec3& arm, const Vec3& normal,
   out_.push_back(c);
 }
 
-// Whether the two points, now apart by `between`, have passed each other in the last step.
+// Whether the two points, now apart by `between`, have passed each other in the last step. What was in one place has no side to
+// have come from: what rounding leaves of its distance says none.
 bool SurfaceCollider::has_passed(const Pair& pair, const Vec3& between) const {
-  return pair.within && settings_.has_past && between.norm() < 4 * pair.radii && apart(pair, -1).dot(between) < 0;
+  if (!pair.within || !settings_.has_past || !(between.norm() < 4 * pair.radii)) return false;
+  const Vec3 before = apart(pair, -1);
+  return before.norm() > one_place * pair.radii && before.dot(between) < 0;
+}
+
+// Of two points in one place. Those of a cloth laid on another just like it all are: the face's normal parts them, all the same
+// way, the lower id downwards. Its sign is that of the sum of its entries, as the two may lie either way round.
+Vec3 SurfaceCollider::normal_in_one_place(const Pair& pair, const SurfaceFace& face) const {
+  const auto [a, b, c] = places(face, 0);
+  Vec3 normal = (b - a).cross(c - a);
+  const double size = normal.norm();
+  normal = size > 0 ? Vec3(normal / size) : Vec3::UnitZ();
+  if (normal.sum() < 0) normal = -normal;
+  const auto id = [&](std::size_t k) { return world_.id[static_cast<std::size_t>(pair.slots[k])]; };
+  return id(0) < id(1) ? Vec3(-normal) : normal;
 }
 
 // A pair as it is now.
-void SurfaceCollider::add_standing(const Pair& pair) {
+void SurfaceCollider::add_standing(const Pair& pair, const SurfaceFace* face) {
   const Vec3 between = apart(pair, 0);
   const double distance = between.norm();
-  if (!(distance > 1e-100)) return;  // at the same place: the next step knows on which side they are
-  Vec3 normal = between / distance;
+  const bool one = !(distance > one_place * pair.radii);
+  if (one && !face) return;  // edges: nodes on faces say it
+  Vec3 normal = one ? normal_in_one_place(pair, *face) : Vec3(between / distance);
   double gap = distance - pair.radii, beyond = 0;
   if (pair.inside)
     normal = -normal, gap = -distance - pair.radii;
@@ -207,7 +227,8 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
     pair.inside = is_inwards(face, weights, between);
     if (pair.inside && distance > deepest) return;
   }
-  if (distance > 0 && !(owns(face, weights) && is_nearest(face, weights, between / distance, lean_of_points))) return;
+  const bool one = !(distance > one_place * pair.radii);
+  if (!owns(face, weights) || (!one && !is_nearest(face, weights, between / distance, lean_of_points))) return;
   if (at_node) {  // two nodes: the lower id first, so that all who find them agree
     for (std::size_t k = 1; k < 4; ++k)
       if (pair.weights[k] != 0) pair.slots[1] = pair.slots[k];
@@ -215,7 +236,7 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
       std::swap(pair.slots[0], pair.slots[1]);
     pair.weights = {1, -1, 0, 0};
   }
-  add_standing(pair);
+  add_standing(pair, &face);
 }
 
 void SurfaceCollider::node_face(Slot node, std::int32_t number) {
@@ -371,7 +392,11 @@ void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
 }
 
 void SurfaceCollider::finish() {
-  std::sort(out_.begin(), out_.end(), [](const SurfaceContact& a, const SurfaceContact& b) { return a.before(b); });
+  // nodes in one place have as many normals as faces: the least speaks
+  std::sort(out_.begin(), out_.end(), [](const SurfaceContact& a, const SurfaceContact& b) {
+    const auto least = [](const Vec3& n) { return std::tuple(n.x(), n.y(), n.z()); };
+    return a.before(b) || (!b.before(a) && least(a.normal) < least(b.normal));
+  });
   const auto same = [](const SurfaceContact& a, const SurfaceContact& b) { return !a.before(b) && !b.before(a); };
   out_.erase(std::unique(out_.begin(), out_.end(), same), out_.end());
 }

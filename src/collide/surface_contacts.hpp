@@ -81,7 +81,8 @@ class SurfaceCollider {
   bool has_passed(const Pair& pair, const Vec3& between) const;
   double margin(const Pair& pair, const Vec3& normal) const;
   void point_face(Pair pair, const SurfaceFace& face, double fast);
-  void add_standing(const Pair& pair);
+  Vec3 normal_in_one_place(const Pair& pair, const SurfaceFace& face) const;
+  void add_standing(const Pair& pair, const SurfaceFace* face = nullptr);
   void add_meeting(Pair pair, double time);
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
   std::size_t flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const;

@@ -84,7 +84,9 @@ struct SolverSettings {
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration
   Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only
   double scaling = 1;             // factor on the constraint count n_b of the Jacobi solvers; (0, 1]
-  double recovery_time = -1;      // s, time constant rho_c at which penetration is taken out; -1: one frame; 0: all in one step
+  // s, time constant rho_c at which penetration is taken out; 0: all in one step; -1: one frame, but 0 of faces and edges of
+  // surfaces
+  double recovery_time = -1;
   double recovery_speed = -1;     // m/s, bound on the speed at which penetration is taken out; 0: unbounded; -1: by size
   double margin = -1;             // m, contacts are made at gaps below this plus what bodies can travel in the step; -1: by size
 };

@@ -1,5 +1,8 @@
 // Pins of cloths and threads: which node is held, by what, and until when.
 #include <algorithm>
+#include <charconv>
+#include <limits>
+#include <sstream>
 
 #include "scene/flexible.hpp"
 
@@ -7,40 +10,81 @@ namespace unibody {
 
 namespace {
 
-// The node nearest to a point (world axes) at the start; of several, the first.
-Id nearest_node(const Scene& scene, Id first, Id count, const Vec3& point) {
+// m, the longest edge of the faces at a node; infinite at one inside a solid, which has none.
+double longest_edge(const Scene& scene, Id node) {
+  std::vector<std::array<Id, 3>> cells;
+  scene.surfaces.back().cells_of(node, cells);
+  if (cells.empty()) return std::numeric_limits<double>::infinity();
+  const auto place = [&](Id id) -> Vec3 { return scene.groups.back().make(id - scene.groups.back().first).state.position; };
+  double longest = 0;
+  for (const auto& cell : cells)
+    for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, (place(cell[k]) - place(cell[(k + 1) % 3])).norm());
+  return longest;
+}
+
+// The node nearest to a point (world axes) at the start; of several, the first. A point off all of them by more than an edge is
+// a mistake.
+Id nearest_node(const Value& value, const Scene& scene, Id first, Id count) {
+  const Vec3 point = read_vector(value, scene, "m");
   Id nearest = first;
   double least = std::numeric_limits<double>::infinity();
   for (Id id = first; id < first + count; ++id) {
-    const double distance = (scene.groups.back().make(id - first).state.position - point).squaredNorm();
+    const double distance = (scene.groups.back().make(id - first).state.position - point).norm();
     if (distance < least) least = distance, nearest = id;
+  }
+  const double edge = longest_edge(scene, nearest);
+  if (least > edge) {
+    std::ostringstream found, expected;
+    found << value.found() << ", " << least << " m from the nearest node";
+    expected << "a point (m, world axes) within an edge's length of one, " << edge << " m";
+    value.fail(found.str(), expected.str());
   }
   return nearest;
 }
 
-// The entry of `bodies` that `to` names, or whose place in the list it is. Entries of cloths and threads stand behind them.
-const BodyGroup& named_entry(const Value& to, const Scene& scene, const std::string& expected) {
+const std::string bodies_expected = "a body, as mast or pile[3], or its entry's place in the list";
+
+// The entry of `bodies` of this name, or whose place in the list it is. Entries of cloths and threads stand behind them.
+const BodyGroup& named_entry(const Value& to, const std::string& name, const Scene& scene) {
   const auto begin = scene.groups.begin();
   const auto end = begin + static_cast<std::ptrdiff_t>(scene.groups.size() - scene.constraint_groups.size());
-  const bool number = to.kind == Value::Kind::scalar && !to.quoted && !to.text.empty() &&
-                      to.text.find_first_not_of("0123456789") == std::string::npos;
-  if (begin == end) to.fail(to.found() + " in a scene without bodies", expected);
-  if (number) return begin[to.integer(0, end - begin - 1)];
-  if (to.kind != Value::Kind::scalar || to.text.empty()) to.fail_expected(expected);
-  const auto is_named = [&](const BodyGroup& group) { return group.name == to.text; };
+  const bool number =
+      to.kind == Value::Kind::scalar && !to.quoted && !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
+  if (begin == end) to.fail(to.found() + " in a scene without bodies", bodies_expected);
+  if (number && name == to.text) return begin[to.integer(0, end - begin - 1)];
+  if (number) {
+    std::ptrdiff_t place = -1;
+    std::from_chars(name.data(), name.data() + name.size(), place);
+    if (place < 0 || place >= end - begin) to.fail_expected(bodies_expected);
+    return begin[place];
+  }
+  if (to.kind != Value::Kind::scalar || name.empty()) to.fail_expected(bodies_expected);
+  const auto is_named = [&](const BodyGroup& group) { return group.name == name; };
   const auto count = std::count_if(begin, end, is_named);
-  if (count == 0) to.fail(to.found() + ", a name that no entry of bodies has", expected);
-  if (count > 1) to.fail(to.found() + ", the name of " + std::to_string(count) + " entries", expected);
+  if (count == 0) to.fail(to.found() + ", a name that no entry of bodies has", bodies_expected);
+  if (count > 1) to.fail(to.found() + ", the name of " + std::to_string(count) + " entries", bodies_expected);
   return *std::find_if(begin, end, is_named);
 }
 
-// The single body that `to` says.
+// The body that `to` says: an entry's only one, or that of a number in brackets.
 Body read_target(const Value& to, const Scene& scene) {
-  const std::string expected = "the name of an entry of bodies that is one body, or its place in the list";
-  const BodyGroup& group = named_entry(to, scene, expected);
-  if (group.generated) to.fail(to.found() + ", an entry with a generator", expected);
-  Body body = group.make(0);
-  body.id = group.first;
+  std::string name = to.text;
+  Id number = 0;
+  const auto bracket = name.find('[');
+  const bool counted = bracket != std::string::npos && name.back() == ']';
+  if (counted) {
+    const char *first = name.data() + bracket + 1, *last = name.data() + name.size() - 1;
+    const auto result = std::from_chars(first, last, number);
+    if (result.ec != std::errc() || result.ptr != last) to.fail_expected(bodies_expected);
+    name.resize(bracket);
+  }
+  const BodyGroup& group = named_entry(to, name, scene);
+  if (!counted && group.count > 1)
+    to.fail(to.found() + ", an entry of " + std::to_string(group.count) + " bodies", "one of them, as " + name + "[0]");
+  if (number < 0 || number >= group.count)
+    to.fail(to.found() + " of " + std::to_string(group.count), "a number below " + std::to_string(group.count));
+  Body body = group.make(number);
+  body.id = group.first + number;
   if (body.properties.shape.kind == ShapeKind::plane) to.fail(to.found() + ", a plane", "a body that is no plane");
   return body;
 }
@@ -88,7 +132,7 @@ void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::f
   if (within)
     ids = nodes_within(*within, scene, first, count);
   else
-    ids = {node ? first + number(*node) : nearest_node(scene, first, count, read_vector(*near, scene, "m"))};
+    ids = {node ? first + number(*node) : nearest_node(*near, scene, first, count)};
   for (const Id id : ids)
     if (is_pinned(scene, id)) named->fail(named->found() + ", a node pinned before", "each node pinned once");
   Pin pin;

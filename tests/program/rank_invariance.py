@@ -135,6 +135,16 @@ class RankInvariance(ProgramTest):
             held = sum(int(row["held_pairs (1)"]) for row in report)
             self.assertGreater(held, 0)
 
+    # The same two, a few frames from their first contacts on, by colours.
+    def test_cloths_with_gauss_seidel(self):
+        heavy = ("cloths[0].mass=3", "bodies[1].mass=0.5", "bodies[1].velocity=[0, 0, -5]")
+        thrown = tuple(f"cloths[{k}].velocity=[0, 0, -6]" for k in range(1, 5))
+        for scene, more in (("boxes_on_cloth", heavy), ("cloth_stack", thrown)):
+            options = [word for text in ("time.frames=8", "output.every=4", "solver.name=gauss_seidel", *more)
+                       for word in ("-set", text)]
+            report = self.report_of_equal_runs(scene, options)
+            self.assertGreater(int(report[-1]["contacts"]), 100, "nothing touches anything: such a run tells nothing")
+
     # A soft mesh that slides on a box, with substeps; grains poured on a cloth.
     def test_soft_and_granular(self):
         slide = ("time.frames=4", "time.substeps=2", "solver.iterations=10", "solids[0].velocity=[1, 0, -3]")

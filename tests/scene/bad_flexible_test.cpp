@@ -19,14 +19,14 @@ std::string with_thread(const std::string& points, const std::string& rest = "ma
 std::string with_pin_to(const std::string& target) {
   return "bodies:\n  - {name: ground, shape: {plane: {normal: [0, 0, 1]}}}\n"
          "  - {name: twin, shape: {sphere: {radius: 1}}, mass: 1}\n  - {name: twin, shape: {sphere: {radius: 1}}, mass: 1}\n"
-         "  - {name: bricks, stack: {count: 1}, shape: {sphere: {radius: 1}}, mass: 1}\n"
+         "  - {name: bricks, stack: {count: 2}, shape: {sphere: {radius: 1}}, mass: 1}\n"
          "  - {name: twig, shape: {sphere: {radius: 1}}, mass: 1}\n"
          "cloths:\n  - name: sheet\n    grid: {size: [1, 1], nodes: [4, 5]}\n    mass: 1\n    thickness: 0.01\n"
          "    pins: [{node: [0, 0], " +
          target + "}]\n";
 }
 const std::string pin_to = "FILE:12: key 'cloths[0].pins[0].to': ";
-const std::string single_body = "the name of an entry of bodies that is one body, or its place in the list";
+const std::string single_body = "a body, as mast or pile[3], or its entry's place in the list";
 
 const std::vector<BadInput> bad_flexibles{
     {"thread_without_end", "threads:\n  - {points: [[0, 0, 0], [1.0e+300, 0, 0]], segments: 2, radius: 0.1, mass: 1}\n",
@@ -52,8 +52,11 @@ const std::vector<BadInput> bad_flexibles{
      "FILE:5: key 'cloths[0].pins[0].near': found [0, 0, 0] beside node [0, 0], expected only one of node, near and within"},
     {"pin_twice", with_cloth("pins: [{node: [1, 2]}, {node: [1, 2], release: 1}]"),
      "FILE:5: key 'cloths[0].pins[1].node': found [1, 2], a node pinned before, expected each node pinned once"},
-    {"pin_twice_by_place", with_cloth("pins: [{node: [0, 0]}, {near: [-1, -1, 0]}]"),
-     "FILE:5: key 'cloths[0].pins[1].near': found [-1, -1, 0], a node pinned before, expected each node pinned once"},
+    {"pin_far_from_all_nodes", with_cloth("pins: [{near: [100.5, 0.5, 0]}]"),
+     "FILE:5: key 'cloths[0].pins[0].near': found [100.5, 0.5, 0], 100 m from the nearest node, expected a point (m, world axes) "
+     "within an edge's length of one, 0.416667 m"},
+    {"pin_twice_by_place", with_cloth("pins: [{node: [0, 0]}, {near: [-0.6, -0.6, 0]}]"),
+     "FILE:5: key 'cloths[0].pins[1].near': found [-0.6, -0.6, 0], a node pinned before, expected each node pinned once"},
     {"self_collision_of_a_cloth", with_cloth("self_collision: 1"),
      "FILE:5: key 'cloths[0].self_collision': found 1, expected true or false"},
     {"self_collision_of_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    self_collision: yes"),
@@ -63,7 +66,11 @@ const std::vector<BadInput> bad_flexibles{
      pin_to + "found sheet, a name that no entry of bodies has, expected " + single_body},
     {"pin_to_one_of_two", with_pin_to("to: twin"), pin_to + "found twin, the name of 2 entries, expected " + single_body},
     {"pin_to_a_generator", with_pin_to("to: bricks"),
-     pin_to + "found bricks, an entry with a generator, expected " + single_body},
+     pin_to + "found bricks, an entry of 2 bodies, expected one of them, as bricks[0]"},
+    {"pin_beyond_a_generator", with_pin_to("to: 'bricks[2]'"), pin_to + "found 'bricks[2]' of 2, expected a number below 2"},
+    {"pin_to_half_a_number", with_pin_to("to: 'bricks[1'"),
+     pin_to + "found 'bricks[1', a name that no entry of bodies has, expected " + single_body},
+    {"pin_to_no_number", with_pin_to("to: 'bricks[x]'"), pin_to + "found 'bricks[x]', expected " + single_body},
     {"pin_to_a_plane", with_pin_to("to: ground"), pin_to + "found ground, a plane, expected a body that is no plane"},
     {"pin_beyond_the_bodies", with_pin_to("to: 5"), pin_to + "found 5, expected an integer <= 4"},
     {"pin_to_a_list", with_pin_to("to: [1, 2]"), pin_to + "found [1, 2], expected " + single_body},
