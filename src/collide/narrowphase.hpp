@@ -62,8 +62,8 @@ void tidy(PairManifold& manifold, double margin);
 // A bound on it for any normal, before there is one.
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings);
 
-// Calls f for each manifold of the two that has points, in the order of their parts: of simple shapes one, and those of their cores
-// (cores.hpp) where they are fast; of compounds and meshes the same of each two parts or triangles that are near each other.
+// Calls f for each manifold of the two that has points, in the order of their parts: of simple shapes one, and those of their
+// cores (cores.hpp) where they are fast; of compounds and meshes the same of each two parts or triangles near each other.
 template <class F>
 void collide_parts(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f);
 void collide_composites(const Proxy& a, const Proxy& b, const CollideSettings& settings,
