@@ -159,9 +159,7 @@ void collide_composites(const Proxy& a, const Proxy& b, const CollideSettings& s
     if (other.kind == ShapeKind::plane) return;
     return OnMesh(other, mesh_a ? a : b, settings).run(mesh_a, f);
   }
-  PairManifold found;
-  collide_pair(a, b, settings, found);
-  if (found.count > 0) f(found);
+  collide_simple(a, b, settings, f);
 }
 
 }  // namespace unibody

@@ -62,8 +62,8 @@ void tidy(PairManifold& manifold, double margin);
 // A bound on it for any normal, before there is one.
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings);
 
-// Calls f for each manifold of the two that has points, in the order of their parts: one for simple shapes; of compounds and
-// meshes one of each two parts or triangles that are near each other.
+// Calls f for each manifold of the two that has points, in the order of their parts: of simple shapes one, and those of their
+// cores (cores.hpp) where they are fast; of compounds and meshes the same of each two parts or triangles near each other.
 template <class F>
 void collide_parts(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f);
 void collide_composites(const Proxy& a, const Proxy& b, const CollideSettings& settings,
@@ -75,12 +75,22 @@ void for_each_part(const Proxy& whole, const std::function<void(const Proxy&)>& 
 // The manifold of two simple shapes, a.id < b.id; count 0 when there is none. Points in ascending feature, in world coordinates.
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& manifold);
 
+// The manifold of a's core (cores.hpp) and b, whose normal is from b to a; count 0 where there is none.
+void collide_core(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& manifold);
+
 template <class F>
-void collide_parts(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f) {
-  if (is_composite(a.kind) || is_composite(b.kind)) return collide_composites(a, b, settings, f);
+void collide_simple(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f) {
   PairManifold found;
   collide_pair(a, b, settings, found);
   if (found.count > 0) f(found);
+  if (collide_core(a, b, settings, found); found.count > 0) f(found);
+  if (collide_core(b, a, settings, found); found.count > 0) found.normal = -found.normal, f(found);
+}
+
+template <class F>
+void collide_parts(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f) {
+  if (is_composite(a.kind) || is_composite(b.kind)) return collide_composites(a, b, settings, f);
+  collide_simple(a, b, settings, f);
 }
 
 }  // namespace unibody

@@ -47,8 +47,8 @@ void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t
                          const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
                          std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts,
                          const SolverSettings& settings, double step) {
-  contacts_ = &contacts, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction, scaling_ = settings.scaling,
-  step_ = step;
+  contacts_ = &contacts, world_ = &world, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction,
+  scaling_ = settings.scaling, step_ = step;
   blocks.clear(), sources.clear(), points.clear(), normals.clear(), tangents.clear(), tangent_impulses.clear();
   inertias.clear(), group_end_.clear(), bouncing_.clear(), before_ = {};
   couplings.clear(), normal_momenta.clear(), tangent_momenta.clear();

@@ -137,6 +137,10 @@ class ContactBatch {
   // few the iterations. Where the rows hold nothing changes.
   void settle(std::size_t homes, std::size_t first_static, std::span<SolverBody> bodies);
 
+  // Ends a stage of any solver, after that: a home body whose centre would yet go through a static plane or convex solid that it
+  // touches is stopped before it, in its linear velocity along the normal alone. Where it holds nothing changes.
+  void hold_centres(std::size_t homes, std::size_t first_static, std::span<SolverBody> bodies) const;
+
   // Natural residual (m): max K |lambda - Proj(lambda - K^-1 r)|. Zero exactly at a solution.
   double residual(std::span<const SolverBody> bodies) const;
 
@@ -191,6 +195,7 @@ class ContactBatch {
   template <class F>
   void for_each_point(const Lane& at, F&& f) const;
   void start_bounces();
+  bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
   void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const World& world);
@@ -201,6 +206,7 @@ class ContactBatch {
   std::pmr::vector<Lane> bouncing_;       // whose manifolds have points that bounce
   std::span<const Impulse> before_;  // of all points: the velocity stage's multipliers where lambda leaves them out; else empty
   const Contacts* contacts_ = nullptr;
+  const World* world_ = nullptr;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
   bool bias_is_gap_ = false;                                        // just built: Point::bias holds the gap

@@ -1,6 +1,10 @@
-// The end of a stage of a Jacobi solver: no body sinks through what does not move.
+// The end of a stage: no body sinks through what does not move.
 
+#include <algorithm>
+
+#include "collide/cores.hpp"
 #include "constraints/contact_rows.hpp"
+#include "world/world.hpp"
 
 namespace unibody {
 
@@ -91,6 +95,64 @@ void ContactBatch::settle(std::size_t homes, std::size_t first_static, std::span
         sideways.lambda_s[l] = lone.tangent_impulses[k].lambda_s[l], sideways.lambda_t[l] = lone.tangent_impulses[k].lambda_t[l];
       }
     }
+}
+
+namespace {
+
+// Whether the body's centre, at the velocities to come, goes into the static body.
+bool goes_into(const World& world, std::size_t body, const Vec3& velocity, std::size_t other, const Vec3& velocity_of_other,
+               double step) {
+  CollideSettings settings;
+  settings.step = step;
+  Proxy a = make_proxy(world, body, settings), b = make_proxy(world, other, settings);
+  a.velocity = velocity, a.speed = velocity.norm();
+  b.velocity = velocity_of_other, b.speed = velocity_of_other.norm();
+  return centre_meets(a, b, step);
+}
+
+}  // namespace
+
+// Heights (m) are the centre's above the static body's surface, along the manifold's normal. A centre that is behind it already
+// goes no further in.
+bool ContactBatch::hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const {
+  const auto own = static_cast<std::size_t>(is_a ? m.slot_a : m.slot_b);
+  const auto other = static_cast<std::size_t>(is_a ? m.slot_b : m.slot_a);
+  if (bodies[own].inverse_mass <= 0) return false;
+  const World& world = *world_;
+  const Vec3 out = is_a ? m.normal : Vec3(-m.normal);
+  const ContactPoint& point = contacts_->points[m.first];
+  const double closed = m.time * std::max(0.0, -out.dot(world.velocity[own] - world.velocity[other]));
+  const Vec3 to_centre = -arm_of(m, point, world.position[own], world.velocity[own]);
+  const double height = out.dot(to_centre) + 0.5 * (point.gap - closed) + closed;
+
+  Eigen::Map<Vec3> velocity(bodies[own].v);
+  const Vec3 arm = arm_of(m, point, world.position[other], world.velocity[other]);
+  const Vec3 surface = Eigen::Map<const Vec3>(bodies[other].v) + Eigen::Map<const Vec3>(bodies[other].w).cross(arm);
+  const double parting = out.dot(velocity - surface);
+  if (height + step_ * parting >= std::min(height, 0.0)) return false;
+  const bool is_plane = world.properties[other].shape.kind == ShapeKind::plane;
+  if (!is_plane && !goes_into(world, own, velocity, other, surface, step_)) return false;
+  if (stop) return velocity = surface, true;
+  const double kept = std::min(height, 0.25 * smallest_size(world.properties[own].shape));
+  velocity += ((kept - height) / step_ - parting) * out;
+  return true;
+}
+
+void ContactBatch::hold_centres(std::size_t homes, std::size_t first_static, std::span<SolverBody> bodies) const {
+  constexpr int most_rounds = 32;  // in a narrow wedge each side sends the centre to the other: then it is stopped
+  const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < homes; };
+  bool held = true;
+  for (int round = 0; held && round < most_rounds; ++round) {
+    held = false;
+    for (const Block& block : blocks)
+      for (std::size_t l = 0; l < lanes; ++l) {
+        const Slot a = block.slot_a[l], b = block.slot_b[l];
+        if (block.manifold[l] < 0 || is_home(a) == is_home(b)) continue;
+        if (static_cast<std::size_t>(is_home(a) ? b : a) < first_static) continue;
+        const Manifold& m = contacts_->manifolds[static_cast<std::size_t>(block.manifold[l])];
+        held = hold_centre(m, is_home(a), round == most_rounds - 1, bodies) || held;
+      }
+  }
 }
 
 }  // namespace unibody

@@ -67,6 +67,7 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
     MPI_Allreduce(&change, &report.residual, 1, MPI_DOUBLE, MPI_MAX, cut.comm());
     report.converged = report.residual <= tolerance;
   }
+  system.contacts.hold_centres(system.homes, system.first_static, system.bodies);
   cut.exchange(system.bodies);
   return report;
 }

@@ -94,7 +94,10 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
     if (system.constraints) system.constraints->sweep_jacobi(system.start(), system.bodies, system.impulses, beta, sums);
     reduction.start(sums);
     system.apply_wrenches();
-    if (last) system.contacts.settle(system.homes, system.first_static, system.bodies);
+    if (last) {
+      system.contacts.settle(system.homes, system.first_static, system.bodies);
+      system.contacts.hold_centres(system.homes, system.first_static, system.bodies);
+    }
     cut.exchange(system.bodies);
     if (system.constraints) system.move_places(system.homes);
     ++report.iterations;

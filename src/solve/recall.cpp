@@ -71,8 +71,12 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
     if (k == old.size()) break;
     if (std::pair(old[k].id_a, old[k].id_b) != key) continue;
     std::array<int, 8> matches{};
-    if (key != last) used.assign(multipliers.places_of(k).size(), false), last = key;
-    if (!has_one_point(world, m)) match(world, contacts, m, multipliers.places_of(k), used, matches);
+    const bool first = key != last;  // of the pair's manifolds
+    if (first) used.assign(multipliers.places_of(k).size(), false), last = key;
+    if (!has_one_point(world, m))
+      match(world, contacts, m, multipliers.places_of(k), used, matches);
+    else if (!first)
+      matches.fill(-1);  // a core's, beside the one point
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
     for (std::uint32_t p = 0; p < m.count; ++p) {
       if (matches[p] < 0) continue;
