@@ -87,8 +87,8 @@ struct SolverSettings {
   // s, time constant rho_c at which penetration is taken out; 0: all in one step; -1: one frame, but 0 of faces and edges of
   // surfaces
   double recovery_time = -1;
-  double recovery_speed = -1;     // m/s, bound on the speed at which penetration is taken out; 0: unbounded; -1: by size
-  double margin = -1;             // m, contacts are made at gaps below this plus what bodies can travel in the step; -1: by size
+  double recovery_speed = -1;  // m/s, bound on the speed at which penetration is taken out; 0: unbounded; -1: by size
+  double margin = -1;          // m, contacts are made at gaps below this plus what bodies can travel in the step; -1: by size
 };
 
 }  // namespace unibody
