@@ -10,8 +10,6 @@ namespace unibody {
 
 namespace {
 
-constexpr std::uint32_t core_feature = 0xffffffff;
-
 bool has_core(const Proxy& p) { return p.dynamic && p.kind != ShapeKind::plane && !is_round(p.shape()); }
 
 Proxy ball_at_centre(const Proxy& whole, double radius, bool planar) {

@@ -15,6 +15,8 @@
 
 namespace unibody {
 
+constexpr std::uint32_t core_feature = 0xffffffff;  // of a core's contact point; its manifold follows that of the pair as a whole
+
 // Whether the path of a's centre in the step, straight at the present velocities, goes into b, which is not a mesh; b's turning
 // left aside.
 bool centre_meets(const Proxy& a, const Proxy& b, double step);

@@ -203,8 +203,10 @@ TEST(NarrowPhase, OrderOfManifoldsAndFeatures) {
   for (std::size_t i = 0; i < c.manifolds.size(); ++i) {
     const Manifold& m = c.manifolds[i];
     EXPECT_LT(m.id_a, m.id_b);
+    const bool of_core = c.points[m.first].feature == core_feature;  // after that of the same pair as a whole
     if (i > 0) {
-      EXPECT_LT(std::pair(c.manifolds[i - 1].id_a, c.manifolds[i - 1].id_b), std::pair(m.id_a, m.id_b));
+      const auto before = std::pair(c.manifolds[i - 1].id_a, c.manifolds[i - 1].id_b), own = std::pair(m.id_a, m.id_b);
+      EXPECT_TRUE(before < own || (of_core && before == own));
     }
     EXPECT_EQ(m.first, next);
     EXPECT_TRUE(m.count >= 1 && m.count <= 8);
