@@ -151,7 +151,7 @@ class KnownCases(unittest.TestCase):
     # AJ takes 11 ns and 2.2 ms for 50 iterations, GS 8 ns and 1.6 ms, two ranks 1.9 times less; all stretch by .5 / (iterations of a frame).
     def test_verdicts_on_cloths(self):
         found = {}
-        for name, _, iterations, substeps in cloth.settings_of_cloth():
+        for name, _, iterations, substeps, _ in cloth.settings_of_cloth():
             each = 8 if name.startswith("GS") else 11
             for ranks, gain in ((1, 1), (2, 1.9)):
                 found[name, ranks] = (each * iterations * substeps / 250 / gain, each, .5 / (iterations * substeps), 5 / (iterations * substeps))
@@ -162,12 +162,12 @@ class KnownCases(unittest.TestCase):
         paper = f"{11 / 8 / 1.9:.3g}"  # asked for: 1 / 2.33
         self.assertEqual(verdicts(50), [
             ("GS 10", paper, "MISSED"), ("GS 20", paper, "MISSED"), ("GS 50", paper, "MISSED"),
-            ("GS 50", "1", "MISSED"),    # .0117: GS 50 itself is the fastest; asked for: .5
-            ("GS 10x1", "-", "MISSED"),  # .0074: nothing gets there
+            ("GS 50 cold", "1", "MISSED"),    # .0117: GS 50 itself is the fastest; asked for: .5
+            ("GS 10x1 cold", "-", "MISSED"),  # .0074: nothing gets there
             ("", "11", "MISSED"), ("AJ 50 on 1 rank", "1.9", "met")])
         self.assertEqual(verdicts(150)[2:], [
-            ("GS 50", paper, ""), ("GS 50", "0.2", "met"),  # .058: GS 10
-            ("GS 10x1", "2", "MISSED"), ("GS 10", "1", "met"), ("AJ 50 on 1 rank", "1.9", "met")])
+            ("GS 50", paper, ""), ("GS 50 cold", "0.2", "met"),  # .058: GS 10
+            ("GS 10x1 cold", "2", "MISSED"), ("GS 10 cold", "1", "met"), ("AJ 50 on 1 rank", "1.9", "met")])
 
     def test_what_of_the_rivals_is_told(self):
         def row(program, settings, ms, error):
