@@ -335,11 +335,11 @@ void Simulation::finalise() {
 
 std::size_t Simulation::bytes() const {
   return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
-         bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(multipliers.manifolds) +
-         bytes_of(multipliers.points) + bytes_of(multipliers.places) + bytes_of(contacts.manifolds) + bytes_of(contacts.points) +
-         bytes_of(contacts.surface) + bytes_of(attached_) + drag_.bytes() + surfaces_.bytes() + halo_.bytes() + scratch_.bytes() +
-         constraint_batches_->bytes() + joint_batch_.bytes() + bytes_of(joints) + bytes_of(joint_impulses) +
-         bytes_of(joint_slots_);
+         bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(world.held_orientation) +
+         bytes_of(multipliers.manifolds) + bytes_of(multipliers.points) + bytes_of(multipliers.places) +
+         bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(attached_) +
+         drag_.bytes() + surfaces_.bytes() + halo_.bytes() + scratch_.bytes() + constraint_batches_->bytes() +
+         joint_batch_.bytes() + bytes_of(joints) + bytes_of(joint_impulses) + bytes_of(joint_slots_);
 }
 
 }  // namespace unibody

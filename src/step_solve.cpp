@@ -229,9 +229,11 @@ Stages Simulation::stages() const {
   return has_constraints() && !solver_.sweeps_by_colour ? Stages::position : Stages::two;
 }
 
+// Links and joints have the position stage alone: half of the iterations are for it, whatever contacts would do with fewer.
 Split Simulation::split() const {
   const SolverSettings& settings = scene_.solver;
-  const Split split = solver_.split(settings.iterations);
+  Split split = solver_.split(settings.iterations);
+  if (has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
   return {settings.velocity_share >= 0 ? settings.velocity_share : split.velocity_share,
           settings.leak >= 0 ? settings.leak : split.leak};
 }

@@ -273,7 +273,8 @@ void check_form(const Value& root, const Scene& scene) {
 Id Scene::body_count() const { return groups.empty() ? 0 : groups.back().first + groups.back().count; }
 
 bool Scene::has_rotations() const {
-  return std::any_of(groups.begin(), groups.end(), [](const BodyGroup& g) { return g.rotates; });
+  const auto is_fixed = [](const BodyGroup& g) { return g.is_static && g.make(0).properties.motion == Motion::fixed; };
+  return std::any_of(groups.begin(), groups.end(), [&](const BodyGroup& g) { return g.rotates && !is_fixed(g); });
 }
 
 Body Scene::body(Id id) const {

@@ -109,7 +109,7 @@ struct Scene {
   std::vector<std::string> notes;  // what a person should know of what was read
 
   Id body_count() const;
-  bool has_rotations() const;          // false: all bodies are particles
+  bool has_rotations() const;          // false: all bodies but fixed ones are particles
   Body body(Id id) const;              // id in [0, body_count())
   std::string body_name(Id id) const;  // "crate" or "pile[17]"; "body 17" where the entry has no name
   double friction_of(int material_a, int material_b) const {

@@ -14,7 +14,7 @@ namespace unibody {
 
 struct World {
   std::size_t homes = 0, guests = 0;
-  bool has_rotations = true;  // false: all bodies are particles, and the two arrays of rotation are empty
+  bool has_rotations = true;  // false: nothing turns, and the two arrays of rotation are empty
 
   std::vector<Id> id;
   PropertyTable properties;
@@ -22,6 +22,7 @@ struct World {
   std::vector<Quat> orientation;       // body -> world, unit
   std::vector<Vec3> velocity;          // m/s
   std::vector<Vec3> angular_velocity;  // rad/s, world frame
+  std::vector<Quat> held_orientation;  // of statics, from first_static() on, where nothing turns; else empty
 
   std::size_t size() const { return id.size(); }
   std::size_t first_static() const { return homes + guests; }
@@ -43,20 +44,30 @@ struct World {
     return -1;
   }
 
-  Quat orientation_of(std::size_t slot) const { return has_rotations ? orientation[slot] : Quat::Identity(); }
+  Quat orientation_of(std::size_t slot) const {
+    if (has_rotations) return orientation[slot];
+    return slot < first_static() ? Quat::Identity() : held_orientation[slot - first_static()];
+  }
   Vec3 angular_velocity_of(std::size_t slot) const { return has_rotations ? angular_velocity[slot] : Vec3(Vec3::Zero()); }
   BodyState state(std::size_t slot) const {
     return {position[slot], orientation_of(slot), velocity[slot], angular_velocity_of(slot)};
   }
   void set_state(std::size_t slot, const BodyState& s) {
     position[slot] = s.position, velocity[slot] = s.velocity;
-    if (has_rotations) orientation[slot] = s.orientation, angular_velocity[slot] = s.angular_velocity;
+    if (has_rotations)
+      orientation[slot] = s.orientation, angular_velocity[slot] = s.angular_velocity;
+    else if (slot >= first_static())
+      held_orientation[slot - first_static()] = s.orientation;
   }
   Body body(std::size_t slot) const { return {id[slot], properties[slot], state(slot)}; }
 
+  // After `homes` and `guests` are set.
   void resize(std::size_t n) {
     id.resize(n), properties.resize(n), position.resize(n), velocity.resize(n);
-    if (has_rotations) orientation.resize(n), angular_velocity.resize(n);
+    if (has_rotations)
+      orientation.resize(n), angular_velocity.resize(n);
+    else
+      held_orientation.resize(n - first_static(), Quat::Identity());
   }
   void set(std::size_t slot, const Body& b) {
     id[slot] = b.id, properties.set(slot, b.properties);

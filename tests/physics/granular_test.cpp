@@ -79,7 +79,8 @@ TEST(Granular, AGrainSticksOrSlides) {
   }
 }
 
-// On a pinned sheet instead of a plane, which has an orientation, nothing in the scene turns, and no room is taken for it.
+// On a pinned sheet, a plane and a leaning wall nothing in the scene turns, and no room is taken for it; what stands keeps its
+// orientation. A box that turns, if only by itself, takes room for all.
 TEST(Granular, ParticlesAloneHaveNoRotations) {
   const std::string grains =
       "bodies:\n  - points: [[0.2, 0.1, 0.055], [-0.2, 0.1, 0.055]]\n    shape: {particle: {radius: 0.05}}\n    mass: 1\n";
@@ -88,13 +89,36 @@ TEST(Granular, ParticlesAloneHaveNoRotations) {
       "1, "
       "1]}}]}\n";
   const std::string plane = "  - shape: {plane: {normal: [0, 0, 1]}}\n    position: [0, 0, -9]\n";
-  for (const bool turns : {false, true}) {
-    Experiment run(scene_from_text(grains + (turns ? plane : "") + sheet));
+  const std::string turning =
+      "  - shape: {box: {size: [1, 1, 1]}}\n    motion: kinematic\n    angular_velocity: [1, 0, 0]\n    position: [0, 0, -5]\n";
+  for (const std::string& more : {std::string(), plane, plane + turning}) {
+    Experiment run(scene_from_text(grains + more + sheet));
+    const bool turns = more.size() > plane.size();
     EXPECT_EQ(run.world().has_rotations, turns);
     EXPECT_EQ(run.world().orientation.empty() && run.world().angular_velocity.empty(), !turns);
     run.steps(50);
     for (const Id id : {0, 1}) EXPECT_LT((run.position(id) - Vec3(id == 0 ? 0.2 : -0.2, 0.1, 0.055)).norm(), 1e-5);
   }
+}
+
+// Between a plane that leans and a box turned by 45 degrees, a grain falls into the groove and touches both.
+TEST(Granular, WhatStandsIsTurnedWhereNothingTurns) {
+  Experiment run(scene_from_text(R"(
+materials: {glass: {friction: 0}}
+bodies:
+  - shape: {plane: {normal: [0.6, 0, 0.8]}}
+  - shape: {box: {size: [1, 1, 1]}}
+    motion: fixed
+    position: [1, 0, -0.75]
+    orientation: {axis: [0, 1, 0], angle: 45}
+  - {shape: {particle: {radius: 0.05}}, mass: 1, position: [0.6, 0, 0]}
+)"));
+  EXPECT_FALSE(run.world().has_rotations);
+  run.seconds(3);
+  const Vec3 at = run.position(2), side = Vec3(-1, 0, 1) / std::sqrt(2), middle(1, 0, -0.75);
+  EXPECT_NEAR(Vec3(0.6, 0, 0.8).dot(at), radius, 1e-6);
+  EXPECT_NEAR(side.dot(at - middle), 0.5 + radius, 1e-6);
+  EXPECT_LT(run.kinetic_energy(), 1e-9);
 }
 
 }  // namespace unibody::small_worlds
