@@ -92,6 +92,8 @@ double drape(double rigidity, double scale = 1) {
 // Stiffer cloths throw a larger shadow; one that is stiff for its weight lies as a disc.
 TEST(Drape, CoefficientGrowsWithTheRigidity) {
   const double limp = drape(3e-5), middling = drape(1e-4), stiff = drape(1e-3);
+  RecordProperty("nodes", static_cast<int>(Ring().places.size()));
+  RecordProperty("coefficients", std::to_string(limp) + ", " + std::to_string(middling) + ", " + std::to_string(stiff));
   EXPECT_GT(limp, 0.5);
   EXPECT_GT(middling, limp + 0.05);
   EXPECT_GT(stiff, middling + 0.05);
