@@ -35,7 +35,7 @@ struct StepWishes {
 
 struct StepReport {
   int iterations = 0;
-  double residual = 0;                                               // m, natural residual at the end of the step, max over ranks
+  double residual = 0;                                               // m, natural residual, of two stages the larger; max over ranks
   bool converged = false;                                            // the residual is within the tolerance
   std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
   double attachment_residual = 0;                                    // m, the same of attachments
@@ -101,7 +101,8 @@ class Simulation {
   Stage stage(Stage::Kind kind) const;
   Stage stage_of_surfaces(Stage stage) const;
   SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
-  void measure_solution(StepReport& report);
+  double contact_residual() const;
+  void measure_solution(StepReport& report, double left_by_velocities = 0);
   std::vector<ContactBatch::Impulse> total_impulses(std::span<const ContactBatch::Impulse> kept, bool apart) const;
   StepError estimate_error(const SolvedStep& solved);
   ConvergedStep converged_step(const SolvedStep& solved);

@@ -268,19 +268,20 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   StepReport report;
   warm_start(stages() != Stages::position ? 1 : contact_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
-  double leak = 0;
+  double leak = 0, left_by_velocities = 0;
   if (two_stages) {
     const int first = std::clamp(static_cast<int>(split().velocity_share * settings.iterations), 1, settings.iterations - 1);
     const SolveReport velocity = run_stage(Stage::Kind::velocity, solver_.solve, first, tolerance_);
     report.iterations = velocity.iterations;
     if (!velocity.converged) leak = split().leak;
+    if (stages() == Stages::two) left_by_velocities = contact_residual();
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
     system_.rolling.keep_impulses(stages() == Stages::joint);
     system_.surface.keep_impulses(stages() == Stages::joint);
   }
   report.iterations +=
       run_stage(Stage::Kind::position, solver_.solve, settings.iterations - report.iterations, tolerance_).iterations;
-  measure_solution(report);
+  measure_solution(report, left_by_velocities);
   if (wished) {
     solved.solved.assign(system_.bodies.begin(), system_.bodies.end());
     solved.impulses = total_impulses(impulses, two_stages && stages() != Stages::joint);
@@ -341,8 +342,15 @@ bool Simulation::any_over_ranks(bool here) const {
   return any != 0;
 }
 
-// The largest over all ranks, of everything in one message.
-void Simulation::measure_solution(StepReport& report) {
+// Natural residual (m) of the stage that was run last, on this rank.
+double Simulation::contact_residual() const {
+  return std::max({system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies),
+                   system_.rolling.residual(system_.contacts, system_.bodies)});
+}
+
+// The largest over all ranks, of everything in one message. What a velocity stage left counts too: the position stage starts
+// anew, and would hide it.
+void Simulation::measure_solution(StepReport& report, double left_by_velocities) {
   constexpr std::size_t types = ConstraintTypes::size;
   std::array<double, types + 3> largest{};  // of each type, of attachments, joints, and contacts
   double &of_attachments = largest[types], &of_joints = largest[types + 1], &of_contacts = largest[types + 2];
@@ -350,8 +358,7 @@ void Simulation::measure_solution(StepReport& report) {
     std::ranges::copy(constraint_batches_->residuals(system_.start(), system_.bodies), largest.begin());
   if (has_attachments()) of_attachments = system_.attachment_rows.residual(system_.bodies);
   if (has_joints()) of_joints = joint_batch_.residual(system_.bodies);
-  of_contacts = std::max({system_.contacts.residual(system_.bodies), system_.surface.residual(system_.bodies),
-                          system_.rolling.residual(system_.contacts, system_.bodies)});
+  of_contacts = std::max(contact_residual(), left_by_velocities);
   MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, halo_.comm());
   std::copy_n(largest.begin(), types, report.constraint_residuals.begin());
   report.attachment_residual = of_attachments, report.joint_residual = of_joints;

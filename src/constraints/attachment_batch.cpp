@@ -41,11 +41,13 @@ Vec3 AttachmentBatch::defect(const Row& row, std::span<const SolverBody> bodies)
   return row.bias + v + w.cross(row.arm) - of_node;
 }
 
-void AttachmentBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums) {
+void AttachmentBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
+                                   SweepSums& sums) {
   const double per_unit = 1 / sums.unit;
   for (Row& row : rows_) {
     const Vec3 r = defect(row, bodies), step = -(row.inverse * r);
-    const Vec3 next = row.y + step, forward = next - row.lambda, y = next + beta * forward, moved = y - row.y;
+    const Vec3 next = row.y + step, forward = next - row.lambda, y = next + beyond.momentum * forward + beyond.overshoot * step,
+               moved = y - row.y;
     row.lambda = next, row.y = y;
     const double gradient = r.dot(forward), progress = -r.dot(step);
     sums.largest = std::max(sums.largest, std::max(std::abs(gradient), progress));

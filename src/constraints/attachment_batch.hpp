@@ -33,7 +33,7 @@ class AttachmentBatch {
              std::size_t homes);
 
   // One Jacobi sweep, as ConstraintBatch's.
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums);
+  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
 
   // Natural residual (m): the largest component of h r.
   double residual(std::span<const SolverBody> bodies) const;

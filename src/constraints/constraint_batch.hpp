@@ -27,13 +27,14 @@ namespace unibody {
 
 // What a Jacobi sweep over blocks of four adds up: see SweepSums.
 struct SweepTotals {
-  SweepTotals(double beta, double unit) : momentum(broadcast(beta)), per_unit(1 / unit) {}
+  SweepTotals(const Extrapolation& beyond, double unit)
+      : momentum(broadcast(beyond.momentum)), overshoot(broadcast(beyond.overshoot)), per_unit(1 / unit) {}
   void add_to(SweepSums& sums, double step) const {
     for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
     sums.change = std::max(sums.change, step * horizontal_max(change));
     sums.largest = std::max(sums.largest, horizontal_max(largest));
   }
-  Vec4d momentum;
+  Vec4d momentum, overshoot;
   double per_unit;
   Vec4d change{}, largest{};
   Mask4 gradient{}, progress{};
@@ -68,9 +69,9 @@ class ConstraintBatch {
   // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies: a warm start.
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
 
-  // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate with `beta`, add to `impulses`.
-  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
-                    SweepSums& sums);
+  // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate, add to `impulses`.
+  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                    const Extrapolation& beyond, SweepSums& sums);
 
   // One Gauss-Seidel pass over a group, whose constraints share no moving body. Returns the largest change (m).
   double relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
@@ -143,7 +144,8 @@ class ConstraintBatch {
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
   template <Law law, bool total>
-  void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta, SweepSums& sums);
+  void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, const Extrapolation& beyond,
+             SweepSums& sums);
   template <Law law, bool total>
   double relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 

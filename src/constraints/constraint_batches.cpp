@@ -81,8 +81,8 @@ void ConstraintBatches::add_impulses(const StepStart& start, std::span<const Sol
 }
 
 void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
-                                     double beta, SweepSums& sums) {
-  for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, impulses, beta, sums); });
+                                     const Extrapolation& beyond, SweepSums& sums) {
+  for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, impulses, beyond, sums); });
 }
 
 std::size_t ConstraintBatches::group_count() const {

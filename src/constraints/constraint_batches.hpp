@@ -44,8 +44,8 @@ class ConstraintBatches {
   void set_multipliers(const ConstraintMultipliers& multipliers, double share);
   void get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const;
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
-  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
-                    SweepSums& sums);
+  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                    const Extrapolation& beyond, SweepSums& sums);
 
   // Groups of all types, one after the other: between two of them the shared bodies are exchanged.
   std::size_t group_count() const;

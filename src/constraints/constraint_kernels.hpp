@@ -208,13 +208,13 @@ void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const So
 // divisions of one block are under way while the next is read.
 template <ConstraintType C>
 template <typename ConstraintBatch<C>::Law law, bool total>
-void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, double beta,
-                               SweepSums& sums) {
+void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                               const Extrapolation& beyond, SweepSums& sums) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> r, step;
   const double h = start.step;  // a copy: no store of the loop can change it
   const Vec4d over_step = broadcast(1 / h);
-  SweepTotals totals(beta, sums.unit);
+  SweepTotals totals(beyond, sums.unit);
   for (std::size_t first = 0; first < blocks_.size(); first += ahead) {
     const std::size_t count = std::min(ahead, blocks_.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
@@ -233,7 +233,7 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
   totals.add_to(sums, h);
 }
 
-// y becomes new + beta (new - old), new = y + step. Returns the change of y.
+// y becomes new + momentum (new - old) + overshoot step, new = y + step. Returns the change of y.
 template <ConstraintType C>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r, Solution step,
                                                                              SweepTotals& totals) {
@@ -251,7 +251,7 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
       totals.change = max(totals.change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
     }
     lambda_[b][k] = next;
-    const Vec4d y = next + totals.momentum * forward;
+    const Vec4d y = next + totals.momentum * forward + totals.overshoot * step[k];
     moved[k] = y - y_[b][k];
     y_[b][k] = y;
   }
@@ -263,18 +263,18 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
 
 template <ConstraintType C>
 void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
-                                      double beta, SweepSums& sums) {
+                                      const Extrapolation& beyond, SweepSums& sums) {
   if (y_.empty()) y_ = lambda_;
   take_inverses(start);
   const bool soft = !softness_.empty(), total = form_ == Form::total;
   if (start.is_linear())
-    sweep<Law::linear, false>(start, bodies, impulses, beta, sums);
+    sweep<Law::linear, false>(start, bodies, impulses, beyond, sums);
   else if (total)
-    soft ? sweep<Law::soft, true>(start, bodies, impulses, beta, sums)
-         : sweep<Law::stiff, true>(start, bodies, impulses, beta, sums);
+    soft ? sweep<Law::soft, true>(start, bodies, impulses, beyond, sums)
+         : sweep<Law::stiff, true>(start, bodies, impulses, beyond, sums);
   else
-    soft ? sweep<Law::soft, false>(start, bodies, impulses, beta, sums)
-         : sweep<Law::stiff, false>(start, bodies, impulses, beta, sums);
+    soft ? sweep<Law::soft, false>(start, bodies, impulses, beyond, sums)
+         : sweep<Law::stiff, false>(start, bodies, impulses, beyond, sums);
 }
 
 // In two passes, as in sweep(): the blocks of a group have no moving body in common.

@@ -124,9 +124,9 @@ class ContactBatch {
   // linearisation.
   void reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage);
 
-  // One Jacobi sweep over all blocks in key order: evaluate, project, extrapolate with `beta`, add the impulses to `wrenches`.
+  // One Jacobi sweep over all blocks in key order: evaluate, project, extrapolate, add the impulses to `wrenches`.
   // counted[m]: whether this rank counts manifold m in the sums (a manifold across a cut is evaluated twice, counted once).
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums,
+  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums,
                     std::span<const std::uint8_t> counted);
 
   // One Gauss-Seidel pass over a group: each manifold changes its bodies at once. Returns the largest change (m).

@@ -42,11 +42,11 @@ struct SweepTerms {
 
 template <FrictionModel model, bool tangential>
 SweepTerms sweep_block(const Block& block, const Point* points, Normal* normals, NormalMomentum* normal_momenta,
-                       const Tangents* tangents, TangentImpulse* tangent_impulses, TangentMomentum* tangent_momenta, double beta,
-                       std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
+                       const Tangents* tangents, TangentImpulse* tangent_impulses, TangentMomentum* tangent_momenta,
+                       const Extrapolation& beyond, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
   const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
-  const Vec4d zero = broadcast(0), momentum = broadcast(beta);
+  const Vec4d zero = broadcast(0), momentum = broadcast(beyond.momentum), overshoot = broadcast(beyond.overshoot);
   Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
   SweepTerms sums;
   for (std::uint32_t k = 0; k < block.count; ++k) {
@@ -62,7 +62,7 @@ SweepTerms sweep_block(const Block& block, const Point* points, Normal* normals,
 
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
       const Vec4d step = new_lambda - y, forward = new_lambda - lambda, scaled = scale * step;
-      const Vec4d new_y = new_lambda + momentum * forward;
+      const Vec4d new_y = new_lambda + momentum * forward + overshoot * step;
       sums.gradient += r * forward;
       sums.progress += scaled * step;
       sums.change = max(sums.change, abs(scaled));
@@ -136,8 +136,8 @@ double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBo
   });
 }
 
-void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums,
-                                std::span<const std::uint8_t> counted) {
+void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
+                                SweepSums& sums, std::span<const std::uint8_t> counted) {
   const double per_unit = 1 / sums.unit;
   with_model(friction_, [&]<FrictionModel model>() {
     Vec4d change = broadcast(0), largest = broadcast(0);
@@ -147,11 +147,11 @@ void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wr
       ask_for<const SolverBody>(blocks, i, bodies), ask_for<Wrench>(blocks, i, wrenches);
       const std::uint32_t p = block.first_point;
       const std::int32_t t = block.first_tangent;
-      const SweepTerms terms = t < 0
-                                   ? sweep_block<model, false>(block, &points[p], &normals[p], &normal_momenta[p], nullptr,
-                                                               nullptr, nullptr, beta, bodies, wrenches)
-                                   : sweep_block<model, true>(block, &points[p], &normals[p], &normal_momenta[p], &tangents[t],
-                                                              &tangent_impulses[t], &tangent_momenta[t], beta, bodies, wrenches);
+      const SweepTerms terms =
+          t < 0 ? sweep_block<model, false>(block, &points[p], &normals[p], &normal_momenta[p], nullptr, nullptr, nullptr, beyond,
+                                            bodies, wrenches)
+                : sweep_block<model, true>(block, &points[p], &normals[p], &normal_momenta[p], &tangents[t], &tangent_impulses[t],
+                                           &tangent_momenta[t], beyond, bodies, wrenches);
       change = max(change, terms.change);
       largest = max(largest, max(abs(terms.gradient), terms.progress));
       Mask4 counts;

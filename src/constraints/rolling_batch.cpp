@@ -107,14 +107,15 @@ Vec3 RollingBatch::torque_of(const Row& row, const Torque& lambda) {
 }
 
 void RollingBatch::sweep_jacobi(const ContactBatch& batch, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
-                                double beta, SweepSums& sums, std::span<const std::uint8_t> counted) {
+                                const Extrapolation& beyond, SweepSums& sums, std::span<const std::uint8_t> counted) {
   const double per_unit = 1 / sums.unit;
   for (Row& row : rows_) {
     const Torque r = rates(row, bodies), next = project_step(row, row.scale, row.y, r, batch);
     Torque moved;
     double gradient = 0, progress = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-      const double step = next[k] - row.y[k], forward = next[k] - row.lambda[k], y = next[k] + beta * forward;
+      const double step = next[k] - row.y[k], forward = next[k] - row.lambda[k],
+                   y = next[k] + beyond.momentum * forward + beyond.overshoot * step;
       const double scaled = row.scale[k == 0 ? 0 : 1] * step;
       gradient += r[k] * forward, progress += scaled * step;
       sums.change = std::max(sums.change, step_ * row.lever * std::abs(scaled));

@@ -38,8 +38,8 @@ class RollingBatch {
              std::span<const std::int32_t> counts, double scaling, double step);
 
   // After a sweep or pass of `batch`, whose normal multipliers are the bound: as its own. relax() returns the largest change (m).
-  void sweep_jacobi(const ContactBatch& batch, std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta,
-                    SweepSums& sums, std::span<const std::uint8_t> counted);
+  void sweep_jacobi(const ContactBatch& batch, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
+                    const Extrapolation& beyond, SweepSums& sums, std::span<const std::uint8_t> counted);
   double relax(std::size_t group, const ContactBatch& batch, std::span<SolverBody> bodies);
 
   // Between the stages: as ContactBatch's. join_stages(): works on the multipliers of both stages from now on.

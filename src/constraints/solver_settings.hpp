@@ -22,6 +22,11 @@ inline constexpr std::array<std::string_view, 2> gap_names{"frozen", "reevaluate
 enum class Stages { automatic, two, joint, position };
 inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "joint", "position"};
 
+// How accelerated_jacobi extrapolates: optimized, the optimized gradient method of Kim and Fessler (2016), which takes the step
+// itself further as well; nesterov, the paper's.
+enum class Acceleration { optimized, nesterov };
+inline constexpr std::array<std::string_view, 2> acceleration_names{"optimized", "nesterov"};
+
 enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
 
@@ -61,6 +66,7 @@ struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
   double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: by the smallest body's size
+  Acceleration acceleration = Acceleration::optimized;
   Level level = Level::position;
   double stabilisation = 0.4;  // velocity level: gamma, share of an error of position that a step takes out; [0, 1]
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.

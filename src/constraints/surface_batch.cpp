@@ -134,9 +134,10 @@ SurfaceBatch::Impulse SurfaceBatch::stepped(const Block& block, const Velocity& 
 }
 
 template <FrictionModel model>
-void SurfaceBatch::sweep(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums) {
+void SurfaceBatch::sweep(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
+                         SweepSums& sums) {
   const double per_unit = 1 / sums.unit;
-  const Vec4d momentum = broadcast(beta);
+  const Vec4d momentum = broadcast(beyond.momentum), overshoot = broadcast(beyond.overshoot);
   Vec4d change = broadcast(0), largest = broadcast(0);
   Mask4 gradient_units{}, progress_units{};
   for (Block& block : blocks_) {
@@ -145,7 +146,7 @@ void SurfaceBatch::sweep(std::span<const SolverBody> bodies, std::span<Wrench> w
     const Impulse next = stepped<model>(block, u, block.y, block.normal.inverse, block.tangential.inverse);
     Vec4d gradient = broadcast(0), progress = broadcast(0);
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d to, Vec4d r, Vec4d scale) {
-      const Vec4d step = to - y, forward = to - lambda, scaled = scale * step, new_y = to + momentum * forward;
+      const Vec4d step = to - y, forward = to - lambda, scaled = scale * step, new_y = to + momentum * forward + overshoot * step;
       gradient += r * forward, progress += scaled * step;
       change = max(change, abs(scaled));
       const Vec4d moved = new_y - y;
@@ -171,8 +172,9 @@ void SurfaceBatch::sweep(std::span<const SolverBody> bodies, std::span<Wrench> w
   sums.largest = std::max(sums.largest, horizontal_max(largest));
 }
 
-void SurfaceBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums) {
-  with_model(friction_, [&]<FrictionModel model>() { sweep<model>(bodies, wrenches, beta, sums); });
+void SurfaceBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
+                                SweepSums& sums) {
+  with_model(friction_, [&]<FrictionModel model>() { sweep<model>(bodies, wrenches, beyond, sums); });
 }
 
 double SurfaceBatch::residual(std::span<const SolverBody> bodies) const {

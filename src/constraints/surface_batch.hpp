@@ -44,7 +44,7 @@ class SurfaceBatch {
   void join_stages();
 
   // One Jacobi sweep, as ContactBatch's.
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums);
+  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
 
   // Natural residual (m).
   double residual(std::span<const SolverBody> bodies) const;
@@ -85,7 +85,7 @@ class SurfaceBatch {
   template <FrictionModel model>
   static Impulse stepped(const Block& block, const Velocity& u, const Impulse& from, Vec4d inverse_n, Vec4d inverse_t);
   template <FrictionModel model>
-  void sweep(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums);
+  void sweep(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
 
   std::pmr::vector<Block> blocks_;
   FrictionModel friction_ = FrictionModel::disc;

@@ -52,6 +52,11 @@ struct StepStart {
   bool is_linear() const { return stabilisation >= 0; }
 };
 
+// Where the next Jacobi sweep starts: new + momentum (new - old multiplier) + overshoot (new - where this sweep started).
+struct Extrapolation {
+  double momentum = 0, overshoot = 0;
+};
+
 // What one sweep tells the solver. Maxima and fixed-point sums: the same whatever the order or the number of ranks.
 struct SweepSums {
   std::int64_t gradient = 0;  // sum r . (new - old multiplier), the gradient restart test, in units of `unit`

@@ -290,7 +290,8 @@ void JointBatch::add_impulses(std::span<const SolverBody> bodies, std::span<Wren
     });
 }
 
-void JointBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums) {
+void JointBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
+                              SweepSums& sums) {
   const double per_unit = 1 / sums.unit;
   solve_trees(bodies, true);
   for (Part& part : parts_)
@@ -299,7 +300,8 @@ void JointBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wren
       std::array<double, T::rows> moved;
       double gradient = 0, progress = 0;
       for (std::size_t k = 0; k < T::rows; ++k) {
-        const double next = step.next[k], forward = next - part.lambda[k], y = next + beta * forward;
+        const double next = step.next[k], forward = next - part.lambda[k],
+                     y = next + beyond.momentum * forward + beyond.overshoot * (next - part.y[k]);
         gradient += step.defect[k] * forward, progress += step.defect[k] * (part.y[k] - next);
         if (next != part.y[k]) sums.change = std::max(sums.change, step_ * length_of<T>(part, k, step.defect[k]));
         moved[k] = y - part.y[k];

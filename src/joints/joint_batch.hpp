@@ -60,7 +60,7 @@ class JointBatch {
   void add_impulses(std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
 
   // One Jacobi sweep, as ConstraintBatch's.
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, double beta, SweepSums& sums);
+  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
 
   // One Gauss-Seidel pass over a colour: each joint changes its bodies at once. Returns the largest change (m).
   std::size_t colour_count() const { return colour_end_.size(); }

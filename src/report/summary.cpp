@@ -61,6 +61,7 @@ Json settings_json(const Scene& scene, const SolverSettings& s) {
   const auto name = [](const auto& names, auto value) { return Json(names[static_cast<std::size_t>(value)]); };
   Json solver = Json::object();
   solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
+  if (s.name == "accelerated_jacobi") solver.set("acceleration", name(acceleration_names, s.acceleration));
   solver.set("level", name(level_names, s.level));
   if (s.level == Level::velocity) solver.set("stabilisation", s.stabilisation);
   solver.set("stages", name(stages_names, s.stages))

@@ -68,6 +68,10 @@ const Field<SolverSettings> solver_fields[] = {
      }},
     {"iterations", [](const Value& v, SolverSettings& s) { s.iterations = static_cast<int>(v.integer(1, 1'000'000'000)); }},
     {"tolerance", [](const Value& v, SolverSettings& s) { s.tolerance = number_or_auto(v, not_negative, "m"); }},
+    {"acceleration",
+     [](const Value& v, SolverSettings& s) {
+       s.acceleration = static_cast<Acceleration>(v.choice(names_of(acceleration_names)));
+     }},
     {"level", [](const Value& v, SolverSettings& s) { s.level = static_cast<Level>(v.choice(names_of(level_names))); }},
     {"stabilisation",
      [](const Value& v, SolverSettings& s) {

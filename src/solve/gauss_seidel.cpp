@@ -45,9 +45,9 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
           cut.exchange(system.bodies);
           SweepSums sums;
           if (of_surfaces)
-            system.surface.sweep_jacobi(system.bodies, system.wrenches, 0, sums);
+            system.surface.sweep_jacobi(system.bodies, system.wrenches, {}, sums);
           else
-            system.attachments->sweep_jacobi(system.bodies, system.wrenches, 0, sums);
+            system.attachments->sweep_jacobi(system.bodies, system.wrenches, {}, sums);
           system.apply_wrenches();
           change = std::max(change, sums.change);
         }

@@ -1,7 +1,7 @@
 // Jacobi and accelerated Jacobi (paper, Algorithm 1, with the signs and the scaling corrected).
 //
 // Every contact reads the velocities of the last iteration and all of them move at once. The masses are split among the contacts
-// of a body, so a step length of 1 is safe; with Nesterov's momentum the error falls as 1/k^2 rather than 1/k.
+// of a body, so a step length of 1 is safe; with momentum the error falls as 1/k^2 rather than 1/k.
 
 #include <mpi.h>
 
@@ -65,33 +65,33 @@ double unit_for(double largest) { return largest > 0 && std::isfinite(largest) ?
 SolveReport iterate(System& system, const Cut& cut, int iterations, double tolerance, bool accelerated) {
   SolveReport report;
   Reduction reduction(cut.comm());
-  Momentum momentum;
+  Momentum momentum(system.acceleration);
   double unit = 1;
   bool last = iterations < 1;
   if (system.constraints) system.move_places();
   for (int k = 0; !last; ++k) {
-    double beta = 0;
+    Extrapolation beyond;
     if (k > 0) {
       const SweepSums& sums = reduction.wait();
       report.residual = sums.change;
       report.converged = sums.change <= tolerance;
-      if (accelerated) beta = momentum.next(sums, k > 1);
+      if (accelerated) beyond = momentum.next(sums, k > 1);
       if (k == 1) unit = unit_for(sums.largest);
     } else if (accelerated) {
-      beta = momentum.next({}, false);
+      beyond = momentum.next({}, false);
     }
     last = k == iterations - 1 || report.converged;
-    if (last) beta = 0;  // what is applied in the end must lie in the cone
+    if (last) beyond = {};  // what is applied in the end must lie in the cone
 
     if (system.before_iteration) system.before_iteration();
     SweepSums sums;
     sums.unit = unit;
-    system.contacts.sweep_jacobi(system.bodies, system.wrenches, beta, sums, system.counted);
-    system.rolling.sweep_jacobi(system.contacts, system.bodies, system.wrenches, beta, sums, system.counted);
-    system.surface.sweep_jacobi(system.bodies, system.wrenches, beta, sums);
-    if (system.attachments) system.attachments->sweep_jacobi(system.bodies, system.wrenches, beta, sums);
-    if (system.joints) system.joints->sweep_jacobi(system.bodies, system.wrenches, beta, sums);
-    if (system.constraints) system.constraints->sweep_jacobi(system.start(), system.bodies, system.impulses, beta, sums);
+    system.contacts.sweep_jacobi(system.bodies, system.wrenches, beyond, sums, system.counted);
+    system.rolling.sweep_jacobi(system.contacts, system.bodies, system.wrenches, beyond, sums, system.counted);
+    system.surface.sweep_jacobi(system.bodies, system.wrenches, beyond, sums);
+    if (system.attachments) system.attachments->sweep_jacobi(system.bodies, system.wrenches, beyond, sums);
+    if (system.joints) system.joints->sweep_jacobi(system.bodies, system.wrenches, beyond, sums);
+    if (system.constraints) system.constraints->sweep_jacobi(system.start(), system.bodies, system.impulses, beyond, sums);
     reduction.start(sums);
     system.apply_wrenches();
     if (last) {

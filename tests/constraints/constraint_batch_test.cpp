@@ -38,7 +38,7 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   std::vector<Vec4d> impulses(3, Vec4d{});
   SweepSums sums;
   std::vector<Vec4d> now = moved(places, bodies, step);
-  batch.sweep_jacobi(start(now), bodies, impulses, 0.5, sums);
+  batch.sweep_jacobi(start(now), bodies, impulses, {0.5}, sums);
   EXPECT_EQ(sums.largest, 0);
   EXPECT_EQ(sums.change, 0);
   EXPECT_EQ(batch.relax(0, start(), bodies), 0);
@@ -46,7 +46,7 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
 
   bodies[1].v[0] = 0.1;  // now there is something to see
   now = moved(places, bodies, step);
-  batch.sweep_jacobi(start(now), bodies, impulses, 0.5, sums);
+  batch.sweep_jacobi(start(now), bodies, impulses, {0.5}, sums);
   EXPECT_GT(sums.largest, 0);
   EXPECT_GT(batch.residual(start(), bodies), 0);
 }
@@ -76,7 +76,7 @@ TEST(ConstraintBatch, AStiffConstraintIsTheSameBesideASoftOne) {
       std::vector<Vec4d> impulses(5, Vec4d{});
       SweepSums sums;
       const auto now = moved(places, bodies, 0.007);
-      batch.sweep_jacobi({places, 0.007, now}, bodies, impulses, 0.3, sums);
+      batch.sweep_jacobi({places, 0.007, now}, bodies, impulses, {0.3, 0.2}, sums);
       for (int d = 0; d < 3; ++d) {
         bodies[0].v[d] += bodies[0].inverse_mass * impulses[0][static_cast<std::size_t>(d)];
         found.push_back(impulses[0][static_cast<std::size_t>(d)]);

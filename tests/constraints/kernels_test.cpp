@@ -119,7 +119,7 @@ TEST(ContactKernels, JacobiSweepIsThePlainOne) {
       const auto points = bench->contacts.points.size();
       std::vector<Vec3> lambda(points, Vec3::Zero()), y = lambda;
       Eigen::VectorXd u = dense.u;
-      for (const double beta : {0.0, 0.3, 0.7, 0.0}) {
+      for (const Extrapolation beyond : {Extrapolation{}, {0.3}, {0.7, 0.6}, {}}) {
         const Eigen::VectorXd rows = dense.D * u;
         Eigen::VectorXd dy(3 * static_cast<Eigen::Index>(points));
         double gradient = 0, progress = 0;
@@ -127,7 +127,7 @@ TEST(ContactKernels, JacobiSweepIsThePlainOne) {
           const auto row = 3 * static_cast<Eigen::Index>(p);
           const double bias = bias_plain(bench->contacts.points[p].gap);
           const Vec3 next = step_plain(model, y[p], rows.segment<3>(row), bias, mu_of(*bench, p), inverse[row], inverse[row + 1]);
-          const Vec3 next_y = next + beta * (next - lambda[p]);
+          const Vec3 next_y = next + beyond.momentum * (next - lambda[p]) + beyond.overshoot * (next - y[p]);
           gradient += (rows.segment<3>(row) + Vec3(bias, 0, 0)).dot(next - lambda[p]);
           for (int d = 0; d < 3; ++d)
             if (inverse[row + d] > 0) progress += std::pow(next[d] - y[p][d], 2) / inverse[row + d];
@@ -138,7 +138,7 @@ TEST(ContactKernels, JacobiSweepIsThePlainOne) {
 
         SweepSums sums;
         sums.unit = 0x1p-30;
-        bench->system.contacts.sweep_jacobi(bench->system.bodies, bench->system.wrenches, beta, sums, bench->system.counted);
+        bench->system.contacts.sweep_jacobi(bench->system.bodies, bench->system.wrenches, beyond, sums, bench->system.counted);
         bench->system.apply_wrenches();
         EXPECT_NEAR(static_cast<double>(sums.progress) * sums.unit, progress, 1e-8 + 1e-12 * progress);
         EXPECT_NEAR(static_cast<double>(sums.gradient) * sums.unit, gradient, 1e-8 + 1e-12 * std::abs(gradient));

@@ -149,7 +149,7 @@ Eigen::Vector3d inverse_scale_of(SurfaceBench& bench, SurfaceContact c) {
     for (int d = 0; d < 3 && tangential; ++d)
       bench.system.bodies[static_cast<std::size_t>(c.slots[0])].v[d] = -s[d] / c.weights[0];
     SweepSums sums;
-    bench.system.surface.sweep_jacobi(bench.system.bodies, bench.system.wrenches, 0, sums);
+    bench.system.surface.sweep_jacobi(bench.system.bodies, bench.system.wrenches, {}, sums);
     const Vec4d f = bench.system.wrenches[static_cast<std::size_t>(c.slots[0])].force;
     const Vec3 impulse = Vec3(f[0], f[1], f[2]) / c.weights[0];
     if (tangential)

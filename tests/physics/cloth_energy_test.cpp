@@ -49,6 +49,7 @@ TEST(ClothEnergy, UnconvergedStretchIsThatOfThePrototype) {
                         {.5, 50, .0047, .057}}) {
     Scene scene = hanging(10, 50);
     scene.solver.warm_start = c.warm, scene.solver.iterations = c.iterations;
+    scene.solver.acceleration = Acceleration::nesterov;
     Experiment run(std::move(scene));
     run.steps(300);
     const Stretch stretch = stretch_of(run);

@@ -51,7 +51,7 @@ TEST(ReadScene, TimeOutputAndTopLevelKeys) {
 TEST(ReadScene, EverySolverKey) {
   const Scene scene = scene_from(
       "solver: {name: gauss_seidel, iterations: 12, tolerance: 1e-6, stages: position, warm_start: 0.25,\n"
-      "  velocity_share: 0.75, leak: 0.3, friction: saxce, gap: reevaluated, order: sequential, scaling: 0.8,\n"
+      "  velocity_share: 0.75, leak: 0.3, friction: saxce, gap: reevaluated, order: sequential, scaling: 0.8, acceleration: nesterov,\n"
       "  recovery_time: 0.032, recovery_speed: 0, margin: 0.004}\n" +
       ball);
   const SolverSettings& s = scene.solver;
@@ -65,6 +65,7 @@ TEST(ReadScene, EverySolverKey) {
   EXPECT_EQ(s.friction, FrictionModel::saxce);
   EXPECT_EQ(s.gap, Gap::reevaluated);
   EXPECT_EQ(s.order, Order::sequential);
+  EXPECT_EQ(s.acceleration, Acceleration::nesterov);
   EXPECT_EQ(s.scaling, 0.8);
   EXPECT_EQ(s.recovery_time, 0.032);
   EXPECT_EQ(s.recovery_speed, 0);
@@ -75,6 +76,7 @@ TEST(ReadScene, EverySolverKey) {
           "  margin: auto}\n" +
           ball)
           .solver;
+  EXPECT_EQ(a.acceleration, Acceleration::optimized);
   EXPECT_EQ(a.tolerance, -1);
   EXPECT_EQ(a.velocity_share, -1);
   EXPECT_EQ(a.leak, -1);

@@ -70,6 +70,7 @@ struct IterativeStep {
     batches.build(set, world, static_cast<Slot>(world.size()), solver.sweeps_by_colour, settings, colours);
     std::vector<std::int32_t> counts(world.size() + 1, 0);
     batches.count(counts);
+    bench.system.acceleration = settings.acceleration;
     bench.system.homes = world.homes, bench.system.step = h, bench.system.constraints = &batches;
     bench.system.places.resize(world.size() + 1, Vec4d{});
     for (std::size_t i = 0; i < world.size(); ++i) {

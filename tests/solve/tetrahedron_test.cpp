@@ -86,9 +86,11 @@ struct Cantilever {
     World& world = experiment->world();
     for (std::size_t i = 0; i < world.homes; ++i) world.velocity[i] = Vec3(0, 0, -2 * world.position[i].x());
   }
-  std::vector<Vec3> step(const char* solver, Form form, int iterations, Order order = Order::coloured) const {
+  // Nesterov's momentum, of which the prototype's figures are, unless said otherwise.
+  std::vector<Vec3> step(const char* solver, Form form, int iterations, Order order = Order::coloured,
+                         Acceleration acceleration = Acceleration::nesterov) const {
     SolverSettings settings;
-    settings.form = form, settings.order = order;
+    settings.form = form, settings.order = order, settings.acceleration = acceleration;
     const World& world = experiment->simulation->world;
     IterativeStep step(world, experiment->simulation->constraints, scene.gravity, h, solver, settings);
     step.iterate(iterations);
@@ -140,8 +142,8 @@ TEST(Tetrahedron, ACantileversStepIsImplicitEuler) {
 TEST(Tetrahedron, StiffRubberNeedsHundredsOfIterations) {
   const Cantilever beam(5e8, 0.2);
   const auto exact = beam.step("gauss_seidel", Form::total, 30000);
-  const auto error = [&](const char* solver, Form form, int iterations) {
-    const auto found = beam.step(solver, form, iterations);
+  const auto error = [&](const char* solver, Form form, int iterations, Acceleration acceleration = Acceleration::nesterov) {
+    const auto found = beam.step(solver, form, iterations, Order::coloured, acceleration);
     double worst = 0;
     for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (found[i] - exact[i]).lpNorm<Eigen::Infinity>());
     return worst;
@@ -153,6 +155,7 @@ TEST(Tetrahedron, StiffRubberNeedsHundredsOfIterations) {
   EXPECT_NEAR(error("accelerated_jacobi", Form::incremental, 50), 1.4e-2, 0.05e-2);
   EXPECT_LT(error("accelerated_jacobi", Form::incremental, 200), 4e-4);
   EXPECT_LT(error("accelerated_jacobi", Form::incremental, 500), 3e-5);
+  EXPECT_LT(error("accelerated_jacobi", Form::incremental, 50, Acceleration::optimized), 1.4e-2 / 2);
   // The prototype's sweeps alternate their direction and leave 1.6e-2 and 4.0e-4; always forwards they get further.
   EXPECT_LT(error("gauss_seidel", Form::incremental, 50), 1.6e-2);
   EXPECT_LT(error("gauss_seidel", Form::incremental, 500), 4.0e-4);
