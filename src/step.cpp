@@ -310,7 +310,7 @@ std::vector<JointState> Simulation::joint_states() const {
 }
 
 void Simulation::fill_places(std::span<const std::int32_t> counts) {
-  system_.step = step_, system_.acceleration = scene_.solver.acceleration;
+  system_.step = step_;
   system_.stabilisation = at_velocity_level() ? scene_.solver.stabilisation : -1;
   system_.places.clear();
   if (constraints_of_all_ == 0) return;

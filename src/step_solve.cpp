@@ -148,6 +148,10 @@ SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int it
   system_.joints = kind == Stage::Kind::position && has_joints() ? &joint_batch_ : nullptr;
   const bool reevaluates = kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated;
   const bool bounces = any_bounces();
+  const bool linear = !system_.constraints && !system_.attachments && !system_.joints && !reevaluates && !bounces;
+  system_.acceleration = scene_.solver.acceleration;
+  if (system_.acceleration == Acceleration::automatic)
+    system_.acceleration = linear && scene_.solver.scaling == 1 ? Acceleration::optimized : Acceleration::nesterov;
   if (reevaluates || bounces)
     system_.before_iteration = [this, stage, reevaluates, bounces] {
       if (reevaluates) system_.contacts.reevaluate(world, system_.bodies, stage);

@@ -23,9 +23,10 @@ enum class Stages { automatic, two, joint, position };
 inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "joint", "position"};
 
 // How accelerated_jacobi extrapolates: optimized, the optimized gradient method of Kim and Fessler (2016), which takes the step
-// itself further as well; nesterov, the paper's.
-enum class Acceleration { optimized, nesterov };
-inline constexpr std::array<std::string_view, 2> acceleration_names{"optimized", "nesterov"};
+// itself further as well; nesterov, the paper's; automatic: optimized in stages whose rows are all linear, at the
+// scaling that bounds them (momentum.hpp).
+enum class Acceleration { automatic, optimized, nesterov };
+inline constexpr std::array<std::string_view, 3> acceleration_names{"auto", "optimized", "nesterov"};
 
 enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
@@ -66,7 +67,7 @@ struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
   double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: by the smallest body's size
-  Acceleration acceleration = Acceleration::optimized;
+  Acceleration acceleration = Acceleration::nesterov;
   Level level = Level::position;
   double stabilisation = 0.4;  // velocity level: gamma, share of an error of position that a step takes out; [0, 1]
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.

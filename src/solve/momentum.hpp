@@ -4,8 +4,9 @@
 // The optimized gradient method (Kim & Fessler, Optimized first-order methods for smooth convex minimization, 2016) has
 // Nesterov's sequence, and goes beyond the step itself by theta_{k+1} / theta_k as well. Its bound on the error is half of his: a
 // soft mode gets as far in k iterations as with his in sqrt(2) k, for one more product a row. Here a share s of that: the whole
-// of it would let the stiffest modes, on the bound of the scaling, swing on, and grow where rows that turn within the step pass
-// the bound; with s they may pass it by (1 - s) / (3 + s).
+// of it would let the stiffest modes, on the bound of the scaling, swing on, and grow where they pass the bound. With s they may
+// pass it by (1 - s) / (3 + s), with Nesterov's momentum by a third. Rows that are linear in a stage never do; links that turn
+// within an unconverged step do by more than s allows.
 #pragma once
 
 #include <cmath>

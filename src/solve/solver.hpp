@@ -60,7 +60,7 @@ struct System {
   std::pmr::vector<Vec4d> moved_places;  // x + h v of each body, kept by sweeps of constraints; else empty
   double step = 0.016;                   // s
   double stabilisation = -1;             // see StepStart
-  Acceleration acceleration{};
+  Acceleration acceleration = Acceleration::nesterov;  // of this stage: not automatic
   bool rotates = true;                     // some body can turn: torques count
   std::pmr::vector<std::uint8_t> counted;  // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen

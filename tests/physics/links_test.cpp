@@ -84,7 +84,7 @@ TEST(Chain, CarriesAMillionTimesItsLinks) {
 // With too few iterations the chain gives, and the report says so: its residual is the error of length, in metres.
 TEST(Chain, TooFewIterationsAreOwnedUpTo) {
   for (const char* solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"}) {
-    Experiment run(loaded_chain(1e3, solver, 50));
+    Experiment run(loaded_chain(1e3, solver, 100));
     run.steps(60);
     const ChainState state = state_of(run, 1e3);
     EXPECT_GT(state.stretch, 1e-2) << solver;

@@ -193,7 +193,7 @@ TEST(Stack, IterationsGrowWithTheHeightAndWithItsSquare) {
   };
   double before = 0;
   for (const int n : {5, 10, 20, 40}) {
-    const double now = iterations("jacobi", n, {});
+    const double now = iterations("jacobi", n, Acceleration::automatic);
     RecordProperty("jacobi_" + std::to_string(n), std::to_string(now));
     if (n > 10) {  // the asymptotic law; where n is small, the count's own logarithm and steps still tell
       EXPECT_GT(std::log2(now / before), 1.7) << n;
