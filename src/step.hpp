@@ -35,8 +35,8 @@ struct StepWishes {
 
 struct StepReport {
   int iterations = 0;
-  double residual = 0;                                               // m, natural residual, of two stages the larger; max over ranks
-  bool converged = false;                                            // the residual is within the tolerance
+  double residual = 0;     // m, natural residual, of two stages the larger; max over ranks
+  bool converged = false;  // the residual is within the tolerance
   std::array<double, ConstraintTypes::size> constraint_residuals{};  // m, of each type of constraint beside contacts
   double attachment_residual = 0;                                    // m, the same of attachments
   double joint_residual = 0;                                         // m, the same of joints

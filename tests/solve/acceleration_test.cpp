@@ -27,7 +27,7 @@ void expect_automatic(const std::string& scene, Is expected, const std::string& 
   EXPECT_EQ(found, expected == Is::optimized ? optimized : nesterov) << scene << more;
 }
 
-const std::string box = "shape: {box: {size: [0.3, 0.3, 0.3]}}, mass: 1, orientation: {axis: [1, 2, 0], angle: 5}";
+const std::string box = "shape: {box: {size: [0.3, 0.3, 0.3]}}, mass: 1, orientation: {axis: [0.6, 0.8, 0], angle: 5}";
 const std::string boxes = "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n  - {name: lower, " + box +
                           ", position: [0, 0, 0.2]}\n  - {name: upper, " + box + ", position: [0.05, 0, 0.55]}\n";
 
