@@ -20,7 +20,8 @@ std::string settings_of(const Scene& scene) {
        << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' '
        << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time << ' ' << s.recovery_speed << ' ' << s.margin
        << '\n';
-  if (s.acceleration != Acceleration::nesterov) text << "acceleration " << static_cast<int>(s.acceleration) << '\n';
+  if (s.acceleration != Acceleration::automatic) text << "acceleration " << static_cast<int>(s.acceleration) << '\n';
+  if (s.mass_sharing != MassSharing::directions) text << "mass sharing " << static_cast<int>(s.mass_sharing) << '\n';
   if (s.joints == JointSolve::direct) text << "trees\n";
   if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
   return text.str();

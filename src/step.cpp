@@ -230,7 +230,7 @@ void Simulation::build_system() {
   for (std::size_t m = 0; m < n; ++m) system_.counted[m] = counts_here(world, contacts.manifolds[m]);
   std::pmr::vector<std::uint32_t> order(n, &scratch_);
   std::iota(order.begin(), order.end(), 0);
-  std::pmr::vector<std::int32_t> counts(&scratch_);
+  std::pmr::vector<std::int32_t>& counts = system_.counts;
   std::vector<std::uint32_t> groups;
   const std::vector<RollingContact> rolling = rolling_contacts();
   if (!solver_.sweeps_by_colour) {
@@ -253,7 +253,7 @@ void Simulation::build_system() {
     by_colour_and_length(colouring, order, groups);
     cut_.set_colours(colouring.colour, colouring.colours);
   }
-  fill_places(counts);
+  fill_places();
   system_.contacts.build(contacts, order, groups, world, system_.bodies, system_.inertia, system_.isotropic, counts,
                          scene_.solver, step_);
   system_.rolling.build(rolling, contacts, system_.contacts, world, system_.bodies, system_.inertia, system_.isotropic, counts,
@@ -309,7 +309,7 @@ std::vector<JointState> Simulation::joint_states() const {
   return states;
 }
 
-void Simulation::fill_places(std::span<const std::int32_t> counts) {
+void Simulation::fill_places() {
   system_.step = step_;
   system_.stabilisation = at_velocity_level() ? scene_.solver.stabilisation : -1;
   system_.places.clear();
@@ -317,9 +317,31 @@ void Simulation::fill_places(std::span<const std::int32_t> counts) {
   system_.places.resize(world.size() + 1, Vec4d{});
   for (std::size_t i = 0; i < world.size(); ++i) {
     const Vec3& x = world.position[i];
-    const double sharers = counts.empty() ? 1 : counts[i];
-    system_.places[i] = Vec4d{x.x(), x.y(), x.z(), sharers * system_.bodies[i].inverse_mass};
+    system_.places[i] = Vec4d{x.x(), x.y(), x.z(), system_.counts.empty() ? system_.bodies[i].inverse_mass : 0};
   }
+  if (system_.counts.empty()) return;
+  share_masses(system_.start());
+  if (scene_.solver.mass_sharing == MassSharing::count) return;
+  system_.share_masses = [this] {
+    StepStart now = system_.start();
+    now.places = now.moved_places;
+    share_masses(now);
+    constraint_batches_->forget_inverses();
+    system_.move_places();
+  };
+}
+
+// Among each body's constraints as they are there; what a body is divided by becomes no less within a step.
+void Simulation::share_masses(const StepStart& there) {
+  const Scratch::Frame frame(scratch_);
+  std::pmr::vector<double> sharers(world.size() + 1, 0.0, &scratch_);
+  if (scene_.solver.mass_sharing == MassSharing::count)
+    std::copy(system_.counts.begin(), system_.counts.end(), sharers.begin());
+  else
+    constraint_batches_->find_sharers(system_.counts, there, system_.bodies, std::span(sharers).first(world.homes), &scratch_);
+  cut_.exchange(std::span(sharers));
+  for (std::size_t i = 0; i < world.first_static(); ++i)
+    system_.places[i][3] = std::max(system_.places[i][3], sharers[i] * system_.bodies[i].inverse_mass);
 }
 
 // q = q_l (+) h v for home bodies, and for kinematic ones on every rank.

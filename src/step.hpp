@@ -91,7 +91,8 @@ class Simulation {
   void predict();
   void build_constraints();
   void build_system();
-  void fill_places(std::span<const std::int32_t> counts);
+  void fill_places();
+  void share_masses(const StepStart& there);
   StepReport solve(const StepWishes& wishes);
   StepReport solve_by_newton();
   void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;

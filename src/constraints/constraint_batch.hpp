@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "constraints/constraint_type.hpp"
+#include "constraints/direction_sum.hpp"
 #include "constraints/solver_settings.hpp"
 #include "constraints/system.hpp"
 
@@ -76,12 +77,18 @@ class ConstraintBatch {
   // One Gauss-Seidel pass over a group, whose constraints share no moving body. Returns the largest change (m).
   double relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 
+  // What is kept of the bodies' weights from pass to pass is taken anew.
+  void forget_inverses() { has_inverses_ = false; }
+
   // Natural residual (m): max (h + rho) |r|, zero exactly at a solution.
   double residual(const StepStart& start, std::span<const SolverBody> bodies) const;
 
   // Whether two bodies of a constraint move against each other, in a step at these velocities, by more than this share of their
   // distance at its start, or by what is no number.
   bool moves_beyond(double share, const StepStart& start, std::span<const SolverBody> bodies) const;
+
+  // Adds the directions of each constraint at the start of the step to the sums of its bodies.
+  void add_directions(const StepStart& start, std::span<const SolverBody> bodies, std::span<DirectionSum> sums) const;
 
   // For the next step, before set_multipliers().
   void set_form(Form form) { form_ = form; }
@@ -107,7 +114,7 @@ class ConstraintBatch {
   const std::vector<Block>& blocks() const { return blocks_; }
 
  private:
-  // What a pass knows of the bodies of a block. `weight`: n_b / m_b for Jacobi, 1 / m_b for Gauss-Seidel.
+  // What a pass knows of the bodies of a block. `weight`: c_b / m_b for Jacobi, 1 / m_b for Gauss-Seidel.
   struct Ends {
     std::array<Vec3x4, stencil> x, u;
     std::array<Vec4d, stencil> weight;
@@ -140,7 +147,7 @@ class ConstraintBatch {
   [[gnu::always_inline]] inline ImpulseRows take_impulses(std::size_t b, const Rows<stencil, rows>& at, const Solution& change,
                                                           const Solution& lambda);
   [[gnu::always_inline]] static inline void add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses);
-  void take_inverses(const StepStart& start);  // at the first pass of a step
+  void take_inverses(const StepStart& start);  // at the first pass of a step, and where they were forgotten
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
   template <Law law, bool total>

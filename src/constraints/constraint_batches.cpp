@@ -1,5 +1,6 @@
 #include "constraints/constraint_batches.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "world/world.hpp"
@@ -51,6 +52,19 @@ void ConstraintBatches::count(std::span<std::int32_t> counts) const {
   });
 }
 
+void ConstraintBatches::find_sharers(std::span<const std::int32_t> counts, const StepStart& start,
+                                     std::span<const SolverBody> bodies, std::span<double> sharers,
+                                     std::pmr::memory_resource* memory) const {
+  std::pmr::vector<DirectionSum> sums((counts.size() + lanes - 1) / lanes * lanes, DirectionSum{}, memory);
+  for_each_type(batches_, [&](auto, const auto& batch) { batch.add_directions(start, bodies, sums); });
+  for (std::size_t first = 0; first < sharers.size(); first += lanes) {
+    const std::size_t used = std::min(lanes, sharers.size() - first);
+    for (std::size_t l = 0; l < used; ++l) sums[first + l].add_any(counts[first + l] - sums[first + l].squares[3]);
+    const Vec4d most = largest_eigenvalues(std::span(sums).subspan(first).template first<lanes>());
+    for (std::size_t l = 0; l < used; ++l) sharers[first + l] = std::min<double>(counts[first + l], most[l]);
+  }
+}
+
 bool ConstraintBatches::empty() const {
   std::size_t n = 0;
   for_each_type(batches_, [&](auto, const auto& batch) { n += batch.size(); });
@@ -83,6 +97,10 @@ void ConstraintBatches::add_impulses(const StepStart& start, std::span<const Sol
 void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                      const Extrapolation& beyond, SweepSums& sums) {
   for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, impulses, beyond, sums); });
+}
+
+void ConstraintBatches::forget_inverses() {
+  for_each_type(batches_, [&](auto, auto& batch) { batch.forget_inverses(); });
 }
 
 std::size_t ConstraintBatches::group_count() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory_resource>
 #include <string_view>
 
 #include "constraints/constraint_batch.hpp"
@@ -22,6 +23,12 @@ class ConstraintBatches {
 
   // Adds one for each constraint to the counts of its bodies.
   void count(std::span<std::int32_t> counts) const;
+
+  // For each of the first `sharers.size()` bodies, all of whose constraints are here, the factor c_b by which the Jacobi solvers
+  // divide steps (see direction_sum.hpp), of constraints at start.places. counts: of constraints of all kinds, those of other
+  // kinds than these being taken to push along any direction.
+  void find_sharers(std::span<const std::int32_t> counts, const StepStart& start, std::span<const SolverBody> bodies,
+                    std::span<double> sharers, std::pmr::memory_resource* memory) const;
 
   // Calls f(slots) with the bodies of each constraint.
   template <typename F>
@@ -46,6 +53,9 @@ class ConstraintBatches {
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     const Extrapolation& beyond, SweepSums& sums);
+
+  // The bodies' weights have changed within the step.
+  void forget_inverses();
 
   // Groups of all types, one after the other: between two of them the shared bodies are exchanged.
   std::size_t group_count() const;

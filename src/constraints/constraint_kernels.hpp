@@ -100,7 +100,7 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std
   return r;
 }
 
-// The step -P^-1 r, P = sum over the bodies of weight D^T D, plus E / (h (h + rho)): with weight n_b / m_b it bounds the whole
+// The step -P^-1 r, P = sum over the bodies of weight D^T D, plus E / (h (h + rho)): with weight c_b / m_b it bounds the whole
 // system from above, with 1 / m_b it is the constraint's own block.
 template <ConstraintType C>
 template <bool soft>

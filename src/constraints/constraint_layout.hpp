@@ -80,6 +80,29 @@ void ConstraintBatch<C>::take_inverses(const StepStart& start) {
   }
 }
 
+// A constraint of one row pushes along its gradient; of one of more rows it is not asked which directions they leave out.
+template <ConstraintType C>
+void ConstraintBatch<C>::add_directions(const StepStart& start, std::span<const SolverBody> bodies,
+                                        std::span<DirectionSum> sums) const {
+  for (const Block& block : blocks_) {
+    if constexpr (rows > 1) {
+      for (const auto& slots : block.slot)
+        for (const Slot s : slots) sums[s].add_any(1);
+    } else {
+      Rows<stencil, rows> at;
+      C::evaluate(block.parameters, gather<Law::linear, false>(block, start, bodies).x, at);
+      const auto of = [&](const Vec3x4& d) {
+        return Directions(d, has_unit_gradients<C> ? broadcast(1) : inverse_or_zero(dot(d, d)));
+      };
+      Directions directions = of(at.gradient[0][0]);
+      for (std::size_t e = 0; e < stencil; ++e) {
+        if (!is_pair && e > 0) directions = of(at.gradient[0][e]);  // two bodies are pushed along one line
+        for (std::size_t l = 0; l < lanes; ++l) directions.add_to(sums[block.slot[e][l]], l);
+      }
+    }
+  }
+}
+
 template <ConstraintType C>
 std::size_t ConstraintBatch<C>::bytes() const {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };

@@ -28,6 +28,11 @@ inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "jo
 enum class Acceleration { automatic, optimized, nesterov };
 inline constexpr std::array<std::string_view, 3> acceleration_names{"auto", "optimized", "nesterov"};
 
+// What the Jacobi solvers divide the steps of cloths, threads and solids by at each body: directions, by how far its constraints
+// together may push it along one (direction_sum.hpp); count, the paper's, by their number.
+enum class MassSharing { directions, count };
+inline constexpr std::array<std::string_view, 2> mass_sharing_names{"directions", "count"};
+
 enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
 
@@ -67,7 +72,8 @@ struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
   double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: by the smallest body's size
-  Acceleration acceleration = Acceleration::nesterov;
+  Acceleration acceleration = Acceleration::automatic;
+  MassSharing mass_sharing = MassSharing::directions;
   Level level = Level::position;
   double stabilisation = 0.4;  // velocity level: gamma, share of an error of position that a step takes out; [0, 1]
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.

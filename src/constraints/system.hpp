@@ -41,10 +41,10 @@ struct alignas(64) Wrench {
   Vec4d force, torque;  // x, y, z, 0
 };
 
-// What a pass reads of the step: positions at its start with, as fourth component, n_b / m_b: the inverse mass times the
-// number of constraints that share it (Jacobi), and the step.
+// What a pass reads of the step: positions at its start with, as fourth component, c_b / m_b: the inverse mass times the factor
+// by which its constraints together may move it further than each alone (Jacobi; see direction_sum.hpp), and the step.
 struct StepStart {
-  std::span<const Vec4d> places;             // x_l, y_l, z_l (m), n_b / m_b (1/kg)
+  std::span<const Vec4d> places;             // x_l, y_l, z_l (m), c_b / m_b (1/kg)
   double step;                               // s
   std::span<const Vec4d> moved_places = {};  // the same at x_l + h v of the last sweep's velocities; for Jacobi sweeps alone
   double stabilisation = -1;                 // of the velocity level, whose rows are linear about x_l; else negative

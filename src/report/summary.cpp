@@ -62,6 +62,7 @@ Json settings_json(const Scene& scene, const SolverSettings& s) {
   Json solver = Json::object();
   solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
   if (s.name == "accelerated_jacobi") solver.set("acceleration", name(acceleration_names, s.acceleration));
+  if (s.name == "accelerated_jacobi" || s.name == "jacobi") solver.set("mass_sharing", name(mass_sharing_names, s.mass_sharing));
   solver.set("level", name(level_names, s.level));
   if (s.level == Level::velocity) solver.set("stabilisation", s.stabilisation);
   solver.set("stages", name(stages_names, s.stages))

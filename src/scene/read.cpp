@@ -72,6 +72,10 @@ const Field<SolverSettings> solver_fields[] = {
      [](const Value& v, SolverSettings& s) {
        s.acceleration = static_cast<Acceleration>(v.choice(names_of(acceleration_names)));
      }},
+    {"mass_sharing",
+     [](const Value& v, SolverSettings& s) {
+       s.mass_sharing = static_cast<MassSharing>(v.choice(names_of(mass_sharing_names)));
+     }},
     {"level", [](const Value& v, SolverSettings& s) { s.level = static_cast<Level>(v.choice(names_of(level_names))); }},
     {"stabilisation",
      [](const Value& v, SolverSettings& s) {

@@ -36,6 +36,7 @@ struct System {
         attachment_rows(memory),
         places(memory),
         moved_places(memory),
+        counts(memory),
         counted(memory) {}
 
   std::size_t homes = 0;
@@ -56,14 +57,17 @@ struct System {
   JointBatch* joints = nullptr;              // the same
   bool any_tree = false;                     // some of the scene's joints are solved as trees
   ConstraintBatches* constraints = nullptr;  // those beside the contacts, in stages that have them
-  std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and n_b / m_b; empty where contacts are all there is
+  std::pmr::vector<Vec4d> places;  // of each body at the start of the step, and c_b / m_b; empty where contacts are all there is
   std::pmr::vector<Vec4d> moved_places;                // x + h v of each body, kept by sweeps of constraints; else empty
+  std::pmr::vector<std::int32_t> counts;               // n_b of each body: its constraints of all kinds; empty for Gauss-Seidel
   double step = 0.016;                                 // s
   double stabilisation = -1;                           // see StepStart
   Acceleration acceleration = Acceleration::nesterov;  // of this stage: not automatic
   bool rotates = true;                                 // some body can turn: torques count
   std::pmr::vector<std::uint8_t> counted;              // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
+
+  std::function<void()> share_masses;  // of Jacobi solvers: c_b of where the constraints are now; may be empty
 
   StepStart start() const { return {places, step, moved_places, stabilisation}; }
 

@@ -193,7 +193,7 @@ class Restart(ProgramTest):
         for path, setting in ((other, []), (scene, ["gravity=[0, 0, -1.62]"]), (scene, ["solver.name=gauss_seidel"]),
                               (scene, ["solver.iterations=51"]), (scene, ["time.step=0.01"]), (scene, ["time.substeps=2"]),
                               (scene, ["materials.stone.friction=0.41"]), (scene, ["solver.friction=box"]),
-                              (scene, ["solver.acceleration=auto"]), (scene, ["solver.leak=0.25"]), (scene, ["solver.velocity_share=0.6"])):
+                              (scene, ["solver.acceleration=nesterov"]), (scene, ["solver.mass_sharing=count"]), (scene, ["solver.leak=0.25"]), (scene, ["solver.velocity_share=0.6"])):
             with self.subTest(path=path.name, setting=setting):
                 options = [word for text in setting for word in ("-set", text)]
                 run = unibody(path, "-output", self.folder / "rest", "-restart", checkpoint, *options, timeout=60)

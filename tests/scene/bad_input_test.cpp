@@ -94,6 +94,8 @@ const std::vector<BadInput> bad_values{
     {"leak", "solver: {leak: 2}\n", "FILE:1: key 'solver.leak': found 2, expected auto or a number in [0, 1]"},
     {"acceleration", "solver: {acceleration: fast}\n",
      "FILE:1: key 'solver.acceleration': found fast, expected auto, optimized or nesterov"},
+    {"mass_sharing", "solver: {mass_sharing: none}\n",
+     "FILE:1: key 'solver.mass_sharing': found none, expected directions or count"},
     {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected auto, two, joint or position"},
     {"too_few_iterations_for_two_stages", "solver:\n  iterations: 1\n",
      "FILE:2: key 'solver.iterations': found 1, expected an integer >= 2 (two stages; stages: position needs 1)"},

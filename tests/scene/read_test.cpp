@@ -52,7 +52,7 @@ TEST(ReadScene, EverySolverKey) {
   const Scene scene = scene_from(
       "solver: {name: gauss_seidel, iterations: 12, tolerance: 1e-6, stages: position, warm_start: 0.25,\n"
       "  velocity_share: 0.75, leak: 0.3, friction: saxce, gap: reevaluated, order: sequential, scaling: 0.8,\n"
-      "  acceleration: optimized,\n"
+      "  acceleration: optimized, mass_sharing: count,\n"
       "  recovery_time: 0.032, recovery_speed: 0, margin: 0.004}\n" +
       ball);
   const SolverSettings& s = scene.solver;
@@ -67,6 +67,7 @@ TEST(ReadScene, EverySolverKey) {
   EXPECT_EQ(s.gap, Gap::reevaluated);
   EXPECT_EQ(s.order, Order::sequential);
   EXPECT_EQ(s.acceleration, Acceleration::optimized);
+  EXPECT_EQ(s.mass_sharing, MassSharing::count);
   EXPECT_EQ(s.scaling, 0.8);
   EXPECT_EQ(s.recovery_time, 0.032);
   EXPECT_EQ(s.recovery_speed, 0);
@@ -88,7 +89,8 @@ TEST(ReadScene, EverySolverKey) {
   const SolverSettings v =
       scene_from("solver: {level: velocity, stabilisation: 0.3, warm_start: 1, iterations: 1}\n" + ball).solver;
   EXPECT_EQ(v.level, Level::velocity);
-  EXPECT_EQ(v.acceleration, Acceleration::nesterov);
+  EXPECT_EQ(v.acceleration, Acceleration::automatic);
+  EXPECT_EQ(v.mass_sharing, MassSharing::directions);
   EXPECT_EQ(v.stabilisation, 0.3);
   EXPECT_EQ(v.warm_start, 1);
 }

@@ -129,7 +129,7 @@ TEST(StepError, FallsWithIterations) {
 }
 
 TEST(StepError, IsTheDistanceToAnotherRunThatConverges) {
-  Experiment start(scene_from_text(with_solver(cubes, "iterations: 30")));
+  Experiment start(scene_from_text(with_solver(cubes, "iterations: 35")));
   start.steps(15);
   Experiment converged =
       from(start, with_solver(cubes, "name: accelerated_jacobi, tolerance: 0, stages: joint, iterations: 40000"));
