@@ -91,14 +91,14 @@ void ConstraintBatch<C>::add_directions(const StepStart& start, std::span<const 
     } else {
       Rows<stencil, rows> at;
       C::evaluate(block.parameters, gather<Law::linear, false>(block, start, bodies).x, at);
-      const auto of = [&](const Vec3x4& d) {
+      const auto of = [](const Vec3x4& d) {
         return Directions(d, has_unit_gradients<C> ? broadcast(1) : inverse_or_zero(dot(d, d)));
       };
-      Directions directions = of(at.gradient[0][0]);
-      for (std::size_t e = 0; e < stencil; ++e) {
-        if (!is_pair && e > 0) directions = of(at.gradient[0][e]);  // two bodies are pushed along one line
-        for (std::size_t l = 0; l < lanes; ++l) directions.add_to(sums[block.slot[e][l]], l);
-      }
+      std::array<Directions, is_pair ? 1 : stencil> directions;  // two bodies are pushed along one line
+      for (std::size_t e = 0; e < directions.size(); ++e) directions[e] = of(at.gradient[0][e]);
+      // Constraint after constraint, as in add(): for each body in their order, whatever block they are in.
+      for (std::size_t l = 0; l < lanes; ++l)
+        for (std::size_t e = 0; e < stencil; ++e) directions[is_pair ? 0 : e].add_to(sums[block.slot[e][l]], l);
     }
   }
 }

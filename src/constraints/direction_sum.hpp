@@ -23,6 +23,7 @@ struct DirectionSum {
 
 // What four gradients d add to the sums of their bodies: d d^T over_square, where that is 1 / |d|^2.
 struct Directions {
+  Directions() = default;
   Directions(const Vec3x4& d, Vec4d over_square) {
     const Vec3x4 n = d * over_square;
     squares = {d.x * n.x, d.y * n.y, d.z * n.z, broadcast(1)};
