@@ -317,31 +317,23 @@ void Simulation::fill_places() {
   system_.places.resize(world.size() + 1, Vec4d{});
   for (std::size_t i = 0; i < world.size(); ++i) {
     const Vec3& x = world.position[i];
-    system_.places[i] = Vec4d{x.x(), x.y(), x.z(), system_.counts.empty() ? system_.bodies[i].inverse_mass : 0};
+    system_.places[i] = Vec4d{x.x(), x.y(), x.z(), system_.bodies[i].inverse_mass};
   }
-  if (system_.counts.empty()) return;
-  share_masses(system_.start());
-  if (scene_.solver.mass_sharing == MassSharing::count) return;
-  system_.share_masses = [this] {
-    StepStart now = system_.start();
-    now.places = now.moved_places;
-    share_masses(now);
-    constraint_batches_->forget_inverses();
-    system_.move_places();
-  };
+  if (!system_.counts.empty()) share_masses();
 }
 
-// Among each body's constraints as they are there; what a body is divided by becomes no less within a step.
-void Simulation::share_masses(const StepStart& there) {
+// Among each body's constraints, for the Jacobi solvers.
+void Simulation::share_masses() {
   const Scratch::Frame frame(scratch_);
   std::pmr::vector<double> sharers(world.size() + 1, 0.0, &scratch_);
-  if (scene_.solver.mass_sharing == MassSharing::count)
+  if (scene_.solver.mass_sharing == MassSharing::count) {
     std::copy(system_.counts.begin(), system_.counts.end(), sharers.begin());
-  else
-    constraint_batches_->find_sharers(system_.counts, there, system_.bodies, std::span(sharers).first(world.homes), &scratch_);
-  cut_.exchange(std::span(sharers));
-  for (std::size_t i = 0; i < world.first_static(); ++i)
-    system_.places[i][3] = std::max(system_.places[i][3], sharers[i] * system_.bodies[i].inverse_mass);
+  } else {
+    const auto of_homes = std::span(sharers).first(world.homes);
+    constraint_batches_->find_sharers(system_.counts, system_.start(), system_.bodies, of_homes, &scratch_);
+    cut_.exchange(std::span(sharers));
+  }
+  for (std::size_t i = 0; i < world.first_static(); ++i) system_.places[i][3] *= sharers[i];
 }
 
 // q = q_l (+) h v for home bodies, and for kinematic ones on every rank.

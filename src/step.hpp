@@ -92,7 +92,7 @@ class Simulation {
   void build_constraints();
   void build_system();
   void fill_places();
-  void share_masses(const StepStart& there);
+  void share_masses();
   StepReport solve(const StepWishes& wishes);
   StepReport solve_by_newton();
   void by_colour_and_length(const Colouring& colouring, std::span<std::uint32_t> order, std::vector<std::uint32_t>& groups) const;

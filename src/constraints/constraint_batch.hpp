@@ -77,9 +77,6 @@ class ConstraintBatch {
   // One Gauss-Seidel pass over a group, whose constraints share no moving body. Returns the largest change (m).
   double relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 
-  // What is kept of the bodies' weights from pass to pass is taken anew.
-  void forget_inverses() { has_inverses_ = false; }
-
   // Natural residual (m): max (h + rho) |r|, zero exactly at a solution.
   double residual(const StepStart& start, std::span<const SolverBody> bodies) const;
 
@@ -147,7 +144,7 @@ class ConstraintBatch {
   [[gnu::always_inline]] inline ImpulseRows take_impulses(std::size_t b, const Rows<stencil, rows>& at, const Solution& change,
                                                           const Solution& lambda);
   [[gnu::always_inline]] static inline void add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses);
-  void take_inverses(const StepStart& start);  // at the first pass of a step, and where they were forgotten
+  void take_inverses(const StepStart& start);  // at the first pass of a step
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
   template <Law law, bool total>

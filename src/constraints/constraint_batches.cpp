@@ -61,7 +61,8 @@ void ConstraintBatches::find_sharers(std::span<const std::int32_t> counts, const
     const std::size_t used = std::min(lanes, sharers.size() - first);
     for (std::size_t l = 0; l < used; ++l) sums[first + l].add_any(counts[first + l] - sums[first + l].squares[3]);
     const Vec4d most = largest_eigenvalues(std::span(sums).subspan(first).template first<lanes>());
-    for (std::size_t l = 0; l < used; ++l) sharers[first + l] = std::min<double>(counts[first + l], most[l]);
+    for (std::size_t l = 0; l < used; ++l)
+      sharers[first + l] = std::clamp<double>(most[l], least_sharing * counts[first + l], counts[first + l]);
   }
 }
 
@@ -97,10 +98,6 @@ void ConstraintBatches::add_impulses(const StepStart& start, std::span<const Sol
 void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                      const Extrapolation& beyond, SweepSums& sums) {
   for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, impulses, beyond, sums); });
-}
-
-void ConstraintBatches::forget_inverses() {
-  for_each_type(batches_, [&](auto, auto& batch) { batch.forget_inverses(); });
 }
 
 std::size_t ConstraintBatches::group_count() const {

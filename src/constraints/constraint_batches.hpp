@@ -25,8 +25,8 @@ class ConstraintBatches {
   void count(std::span<std::int32_t> counts) const;
 
   // For each of the first `sharers.size()` bodies, all of whose constraints are here, the factor c_b by which the Jacobi solvers
-  // divide steps (see direction_sum.hpp), of constraints at start.places. counts: of constraints of all kinds, those of other
-  // kinds than these being taken to push along any direction.
+  // divide steps (see direction_sum.hpp). counts: of constraints of all kinds, those of other kinds than these being taken to
+  // push along any direction.
   void find_sharers(std::span<const std::int32_t> counts, const StepStart& start, std::span<const SolverBody> bodies,
                     std::span<double> sharers, std::pmr::memory_resource* memory) const;
 
@@ -53,9 +53,6 @@ class ConstraintBatches {
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     const Extrapolation& beyond, SweepSums& sums);
-
-  // The bodies' weights have changed within the step.
-  void forget_inverses();
 
   // Groups of all types, one after the other: between two of them the shared bodies are exchanged.
   std::size_t group_count() const;

@@ -62,9 +62,6 @@ class Reduction {
 // The sums' unit: 2^-30 of the largest term of the first sweep. Later terms are smaller as a rule; larger ones are clamped.
 double unit_for(double largest) { return largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) - 30) : 1; }
 
-// Links turn within a step, and the farther a solve is from its end the more: at these iterations masses are shared anew.
-bool shares_anew(int k) { return k == 16 || k == 64 || k == 256 || (k > 0 && k % 1024 == 0); }
-
 SolveReport iterate(System& system, const Cut& cut, int iterations, double tolerance, bool accelerated) {
   SolveReport report;
   Reduction reduction(cut.comm());
@@ -87,7 +84,6 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
     if (last) beyond = {};  // what is applied in the end must lie in the cone
 
     if (system.before_iteration) system.before_iteration();
-    if (system.constraints && system.share_masses && shares_anew(k)) system.share_masses();
     SweepSums sums;
     sums.unit = unit;
     system.contacts.sweep_jacobi(system.bodies, system.wrenches, beyond, sums, system.counted);

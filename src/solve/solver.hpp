@@ -67,8 +67,6 @@ struct System {
   std::pmr::vector<std::uint8_t> counted;              // of each manifold: this rank counts it in sums over all manifolds
   std::function<void()> before_iteration;  // re-evaluates the gaps at the present velocities; empty where they are frozen
 
-  std::function<void()> share_masses;  // of Jacobi solvers: c_b of where the constraints are now; may be empty
-
   StepStart start() const { return {places, step, moved_places, stabilisation}; }
 
   // Home bodies: u += W (wrench, impulse), and their moved_places follow. Clears both. Guests follow by the next exchange.

@@ -58,8 +58,8 @@ TEST(ClothEnergy, UnconvergedStretchIsThatOfThePrototype) {
   }
 }
 
-// Where the links of a node pull each way, dividing by their number makes steps half as long as they may be: accelerated by
-// momentum, what a soft mode is left goes by 1 over the length of a step.
+// Where the links of a node pull each way, dividing by three quarters of their number makes steps 4/3 as long: accelerated by
+// momentum, what is left of a soft mode goes by 1 over the length of a step.
 TEST(ClothEnergy, SharingByDirectionsLeavesLessStretch) {
   const auto rms = [](MassSharing sharing, int iterations) {
     Scene scene = hanging(10, 50);
@@ -70,8 +70,8 @@ TEST(ClothEnergy, SharingByDirectionsLeavesLessStretch) {
     for (int frame = 0; frame < 100; ++frame) run.step(), found.push_back(stretch_of(run).rms);
     return median_of(found);
   };
-  for (const int iterations : {10, 20, 50})
-    EXPECT_LT(rms(MassSharing::directions, iterations), 0.7 * rms(MassSharing::count, iterations)) << iterations;
+  for (const int iterations : {20, 50})
+    EXPECT_LT(rms(MassSharing::directions, iterations), 0.85 * rms(MassSharing::count, iterations)) << iterations;
 }
 
 // Gauss-Seidel on the cloth of which the PositionBasedDynamics library's Gauss-Seidel is known (one diagonal a cell, unit masses,
