@@ -99,7 +99,7 @@ def scenes(maker):
     if maker.size == 'full':
         found['50,000 spheres'] = (
             'spheres_5000',
-            heap(50000, 41, 4.74), frames,
+            heap(50000, 41, 4.74), 200,  # they lie after 90
             [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(maker), False)
     return found
 
