@@ -49,8 +49,8 @@ DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30),
 SPRINGS = {'3.7e4': '1e-3', '2e5': '4e-4', '1e6': '2e-4', '2e6': '1.333e-4'}
 
 
-def soft_spheres(maker, most=2):
-    stiffnesses = maker.pick(['3.7e4'], ['3.7e4', '2e6'], list(SPRINGS))
+def soft_spheres(maker, most=2, stiffnesses=tuple(SPRINGS)):
+    stiffnesses = maker.pick(['3.7e4'], ['3.7e4', '2e6'], stiffnesses)
     return [other(name, f'kn = {kn} N/m, dt = {SPRINGS[kn]} s', '--kn', kn, '--dt', SPRINGS[kn], '--ranks', ranks)
             for name in ('LIGGGHTS', 'LAMMPS') for kn in stiffnesses for ranks in range(1, most + 1)]
 
@@ -100,7 +100,7 @@ def scenes(maker):
         found['50,000 spheres'] = (
             'spheres_5000',
             heap(50000, 41, 4.74), 200,  # they lie after 90
-            [ours('gauss_seidel', 10), ours('gauss_seidel', 20), ours('gauss_seidel', 20, 1, 2)] + soft_spheres(maker), False)
+            PILE[:3] + [ours('gauss_seidel', 20, 1, 2)] + soft_spheres(maker, stiffnesses=('3.7e4', '2e5', '2e6')), False)
     return found
 
 
