@@ -111,7 +111,7 @@ def against_independent(paper, counts):
 def make(maker):
     counts = maker.pick((1, 3), (1, 5, 10, 20, 50), (1, 2, 3, 5, 7, 10, 14, 20, 28, 35, 50))
     frames = maker.pick((20,), tuple(range(5, 200, 20)), tuple(range(2, 200, 3)))  # of the paper's measure
-    sampled = maker.pick((20,), tuple(range(25, 200, 35)), tuple(range(5, 200, 10)))
+    sampled = maker.pick((20,), tuple(range(25, 200, 35)), tuple(range(5, 200, 5)))
     own, same = errors(maker, counts, frames, True), errors(maker, counts, sampled, False)
     paper = {name: paper_measure(own[name]) for name in SOLVERS}
     distance, residual = ({name: {k: statistics.median(same[name][k][n]) for k in counts} for name in SOLVERS} for n in (1, 2))
