@@ -119,6 +119,7 @@ class Simulation {
   bool at_velocity_level() const { return scene_.solver.level == Level::velocity; }
   Stages stages() const;
   Split split() const;
+  double leak_of(const Split& split) const;
   void build_surface_contacts(std::span<const std::int32_t> counts);
   void build_attachments(std::span<const std::int32_t> counts);
   std::vector<RollingContact> rolling_contacts() const;

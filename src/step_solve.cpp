@@ -239,7 +239,19 @@ Split Simulation::split() const {
   Split split = solver_.split(settings.iterations);
   if (has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
   return {settings.velocity_share >= 0 ? settings.velocity_share : split.velocity_share,
-          settings.leak >= 0 ? settings.leak : split.leak};
+          settings.leak >= 0 ? settings.leak : split.leak, split.swelling};
+}
+
+// The leak, less while the contacts that the position stage pushed on open together: U, their mean opening speed, times S, the
+// part of it that is coherent, against the solver's share of g h. A pile deeper than the velocity stage reaches in a step is a
+// mass on its contacts, and what leaks into them an integral feedback too fast for it: withheld on the way up, it pumps no more.
+double Simulation::leak_of(const Split& split) const {
+  const double gh = scene_.gravity.norm() * step_;
+  if (split.leak == 0 || split.swelling == 0 || gh == 0 || stages() != Stages::two) return split.leak;
+  const std::vector<double> sums = all_sums(halo_.comm(), system_.contacts.opening(system_.bodies, system_.counted));
+  if (!(sums[0] > 0)) return split.leak;
+  const double speed = sums[0] / sums[2], coherence = sums[0] / sums[1];
+  return split.leak * std::max(0.0, 1 - speed * coherence / (split.swelling * gh));
 }
 
 SolverSettings Simulation::settings_used() const {
@@ -272,12 +284,13 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   StepReport report;
   warm_start(stages() != Stages::position ? 1 : contact_share(settings));
   std::pmr::vector<ContactBatch::Impulse> impulses(contacts.points.size(), &scratch_);
-  double leak = 0, left_by_velocities = 0;
+  bool leaks = false;
+  double left_by_velocities = 0;
   if (two_stages) {
     const int first = std::clamp(static_cast<int>(split().velocity_share * settings.iterations), 1, settings.iterations - 1);
     const SolveReport velocity = run_stage(Stage::Kind::velocity, solver_.solve, first, tolerance_);
     report.iterations = velocity.iterations;
-    if (!velocity.converged) leak = split().leak;
+    leaks = !velocity.converged;
     if (stages() == Stages::two) left_by_velocities = contact_residual();
     system_.contacts.keep_impulses(stages() == Stages::joint, impulses);
     system_.rolling.keep_impulses(stages() == Stages::joint);
@@ -294,7 +307,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
   if (settings.friction == FrictionModel::postprocess)
     report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
-  report.sliding += system_.contacts.leak_impulses(leak, system_.counted, impulses);
+  report.sliding += system_.contacts.leak_impulses(leaks ? leak_of(split()) : 0, system_.counted, impulses);
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);

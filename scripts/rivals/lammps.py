@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Runs LAMMPS (its granular package) from the first frame of a frames.h5 and records its frames in the same format: as liggghts.py.
 
-   lammps.py INPUT.h5 OUTPUT.h5 [--kn 3.7e4] [--dt 1e-3] [--ranks 1] [--frames 400] [--friction 0.3]
+   lammps.py INPUT.h5 OUTPUT.h5 [--kn 3.7e4] [--dt 1e-3] [--ranks 1] [--frames 400] [--friction 0.3] [--from-last]
 
 The same linear springs: pair_style gran/hooke/history, whose damping is in units of the effective mass, half of a sphere's.
 """

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """Runs LIGGGHTS (soft spheres) from the first frame of a frames.h5 and records its frames in the same format.
 
-   liggghts.py INPUT.h5 OUTPUT.h5 [--kn 3.7e4] [--dt 1e-3] [--ranks 1] [--frames 400] [--friction 0.3]
+   liggghts.py INPUT.h5 OUTPUT.h5 [--kn 3.7e4] [--dt 1e-3] [--ranks 1] [--frames 400] [--friction 0.3] [--from-last]
 
 Linear springs: kt = 2/7 kn; damping for a restitution of about .05: gamman = 2 * .69 * sqrt(kn / .5) 1/s for bodies of 1 kg,
-gammat = 2/7 gamman. All spheres must be equal and at rest at the start, planes axis-aligned. Prints the wall time of a frame, the mean of all, writing not included.
+gammat = 2/7 gamman. All spheres must be equal and at rest at the start, planes axis-aligned. --from-last: from the places of the
+last frame instead, at rest. Prints the wall time of a frame, the mean of all, writing not included.
 """
 import argparse
 import itertools
@@ -29,6 +30,7 @@ def parse():
     parser.add_argument('--frame-time', type=float, default=.016)
     parser.add_argument('--friction', type=float, default=.3)
     parser.add_argument('--gravity', type=float, default=9.8)
+    parser.add_argument('--from-last', action='store_true', help='start from the places of the last frame, at rest')
     return parser.parse_args()
 
 
@@ -100,8 +102,10 @@ def main(words=('liggghts',), write_deck=deck):
     arguments = parse()
     with h5py.File(arguments.input) as source:
         scene = {k: source['bodies'][k][:] for k in ('shape', 'size', 'mass', 'inertia', 'motion')}
-        first = source['frames'][min(source['frames'], key=int)]
-        scene.update({k: first[k][:] for k in ('position', 'orientation', 'velocity', 'angular_velocity')})
+        start = source['frames'][(max if arguments.from_last else min)(source['frames'], key=int)]
+        scene.update({k: start[k][:] for k in ('position', 'orientation', 'velocity', 'angular_velocity')})
+    if arguments.from_last:
+        scene['velocity'][:], scene['angular_velocity'][:] = 0, 0
     spheres = scene['shape'] == 0
     steps = max(1, round(arguments.frame_time / arguments.dt))
     with tempfile.TemporaryDirectory() as folder:

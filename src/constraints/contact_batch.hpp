@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory_resource>
@@ -18,6 +19,7 @@
 #include "collide/contacts.hpp"
 #include "constraints/solver_settings.hpp"
 #include "constraints/system.hpp"
+#include "core/exact_sum.hpp"
 
 namespace unibody {
 
@@ -160,6 +162,11 @@ class ContactBatch {
 
   // At the end: the normal multipliers of both stages together, of all points.
   void normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const;
+
+  // At the end, of counted contacts that the position stage pushed on: sum g u, sum g |u| and sum g, with g its normal multiplier
+  // (N s) and u the normal velocity that it left (m/s; positive: opening). A coherent opening is a pile that swells.
+  using Opening = std::array<ExactSum, 3>;
+  Opening opening(std::span<const SolverBody> bodies, std::span<const std::uint8_t> counted) const;
 
   // At the end: leaves kept + leak * what the position stage added in `kept`; after a single stage all of its multipliers.
   // Returns the number of counted points whose multipliers of both stages together are at friction's limit.

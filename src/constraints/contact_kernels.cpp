@@ -186,6 +186,25 @@ double ContactBatch::residual(std::span<const SolverBody> bodies) const {
   });
 }
 
+ContactBatch::Opening ContactBatch::opening(std::span<const SolverBody> bodies, std::span<const std::uint8_t> counted) const {
+  Opening sums;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const Block& block = blocks[i];
+    ask_for<const SolverBody>(blocks, i, bodies);
+    const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+    Vec4d work = broadcast(0), absolute = work, impulse = work;
+    for (std::uint32_t k = block.first_point; k < block.first_point + block.count; ++k) {
+      const Vec4d g = normals[k].lambda, u = relative_velocity<false>(block, block.s, points[k], a, b).n;
+      work += g * u, absolute += g * abs(u), impulse += g;
+    }
+    // Sums of manifolds: which of them share a block depends on the number of ranks.
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (block.manifold[l] >= 0 && counted[block.manifold[l]] != 0 && impulse[l] > 0)
+        sums[0] += work[l], sums[1] += absolute[l], sums[2] += impulse[l];
+  }
+  return sums;
+}
+
 void ContactBatch::add_impulses(std::span<Wrench> wrenches) const {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Block& block = blocks[i];

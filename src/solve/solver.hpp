@@ -100,6 +100,7 @@ SolveReport gauss_seidel(System&, const Cut&, int iterations, double tolerance);
 struct Split {
   double velocity_share;  // of the iterations, the velocity stage's
   double leak;            // of the position stage's multipliers, kept by the velocity stage
+  double swelling = 0;    // of g h: the coherent speed at which a pile may swell before nothing leaks; 0: any
 };
 
 struct Solver {

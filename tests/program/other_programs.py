@@ -98,6 +98,14 @@ class Driver(ProgramTest):
         write_scene(self.folder / "moving.h5", [(SPHERE, (.1, 0, 0), (0, 0, 5), (1, 0, 0), REST)])
         run = execute([*self.words(name), str(self.folder / "moving.h5"), str(self.folder / "none.h5")], 100)
         self.assertEqual((run.code, run.err), (1, f"{name}: the spheres move at the start\n"))
+        with h5py.File(self.folder / "moving.h5", "a") as file:  # at rest from where its last frame has it
+            file.copy("frames/000000", file["frames"], "000001")
+            file["frames/000001/position"][0, 2] = 3
+        run = execute([*self.words(name), str(self.folder / "moving.h5"), str(self.folder / "last.h5"), "--frames", "2", "--from-last"], 100)
+        self.assertEqual(run.code, 0, run.err)
+        with h5py.File(self.folder / "last.h5") as file:
+            places = [file[f"frames/{n:06d}/position"][0] for n in range(3)]
+        np.testing.assert_allclose(places, [[0, 0, 3 - G * (n * H) ** 2 / 2] for n in range(3)], atol=1e-9)
 
     def test_bullet_falls(self):
         self.falls("bullet")

@@ -73,6 +73,10 @@ class KnownCases(unittest.TestCase):
         self.assertIn("50,000 spheres", plan)
         for name, (_, _, frames, entries, chain) in plan.items():
             self.assertTrue(chain or frames >= 400, name)
+            soft = [entry[2] for entry in entries if entry[0] in rivals.SOFT]
+            self.assertEqual({"--from-last" in options for options in soft}, set() if not soft else {name == "50,000 spheres"}, name)
+            if "100" not in name and soft:  # the whole curve, on one and two ranks
+                self.assertEqual(len(set(soft)), 2 * len(rivals.SPRINGS), name)
             if not chain and name != "50,000 spheres":
                 count = [sum(entry[0] == program for entry in entries) for program in ("Bullet", "ODE")]
                 self.assertGreaterEqual(min(count), 3, name)
