@@ -304,10 +304,11 @@ StepReport Simulation::solve(const StepWishes& wishes) {
     solved.impulses = total_impulses(impulses, two_stages && stages() != Stages::joint);
   }
   if (wishes.problem) fill_problem(solved, *wishes.problem);
+  const double leak = leaks ? leak_of(split()) : 0;  // while the guests are as the homes: the guard changes homes alone
   if (has_surfaces()) report.held = SurfaceGuard(world, surfaces_, collide_settings_, &scratch_).hold(system_.bodies, halo_);
   if (settings.friction == FrictionModel::postprocess)
     report.sliding = postprocess_friction(world, contacts, impulses, system_, cut_);
-  report.sliding += system_.contacts.leak_impulses(leaks ? leak_of(split()) : 0, system_.counted, impulses);
+  report.sliding += system_.contacts.leak_impulses(leak, system_.counted, impulses);
   report.sliding += system_.surface.sliding();
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
