@@ -164,8 +164,8 @@ class ContactBatch {
   void normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const;
 
   // At the end, of counted contacts that the position stage pushed on: sum g u, sum g |u| and sum g, with g its normal multiplier
-  // (N s) and u the normal velocity that it left (m/s; positive: opening). A coherent opening is a pile that swells. Guests must be
-  // as their homes: the sums then have the same bits on any number of ranks.
+  // (N s) and u the normal velocity that it left (m/s; positive: opening). A coherent opening is a pile that swells. Guests must
+  // be as their homes: the sums then have the same bits on any number of ranks.
   using Opening = std::array<ExactSum, 3>;
   Opening opening(std::span<const SolverBody> bodies, std::span<const std::uint8_t> counted) const;
 
