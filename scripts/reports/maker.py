@@ -192,8 +192,9 @@ class Maker:
         return path
 
     def rival(self, name, start, options=(), look=('measure',), gravity=9.8):
-        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees}, None
-        where the program is not there, or {'failed': why} where it ended in an error, which is not kept and told in `broken`."""
+        """A run of another program from the first frame of the folder `start`: {'ms': of a frame, 'seen': what poses.py's look[0] sees},
+        {'diverged': the frame from which its states are no longer finite}, None where the program is not there, or {'failed': why} where it
+        ended in an error, which is not kept and told in `broken`."""
         words, needs = RIVALS[name](self)
         if not all(os.path.exists(p) or shutil.which(p) for p in needs):
             return None
@@ -206,6 +207,8 @@ class Maker:
             output = tempfile.mkdtemp(dir=os.path.join(self.folder, 'scratch'))
             try:
                 said = command([*words, start, os.path.join(output, 'frames.h5'), *options], 0, None if '--ranks' in options else self.core)
+                if 'diverged_frame' in said:
+                    return {'diverged': int(said.split('diverged_frame')[1])}
                 return {'ms': float(said.split('_ms')[1]), 'seen': poses.LOOKS[look[0]](self, output, *look[1:])}
             finally:
                 shutil.rmtree(output, ignore_errors=True)

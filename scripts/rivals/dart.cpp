@@ -19,8 +19,9 @@ using namespace dart::dynamics;
 struct World : rivals::Engine {
   dart::simulation::WorldPtr world = dart::simulation::World::create();
   std::vector<BodyNode*> bodies;
+  bool tied;
 
-  World(const Bodies& scene, const Frame& start, const rivals::Settings& settings) {
+  World(const Bodies& scene, const Frame& start, const rivals::Settings& settings) : tied(!settings.chain.empty()) {
     world->setGravity({0, 0, -settings.gravity});
     auto pgs = std::make_shared<dart::constraint::PgsBoxedLcpSolver>();
     pgs->setOption(dart::constraint::PgsBoxedLcpSolver::Option(settings.iterations, 0, 0));
@@ -36,10 +37,10 @@ struct World : rivals::Engine {
     if (settings.erv >= 0) ContactConstraint::setMaxErrorReductionVelocity(settings.erv);
     world->getConstraintSolver()->setCollisionDetector(dart::collision::BulletCollisionDetector::create());
     bodies.assign(scene.count(), nullptr);
-    if (settings.chain.empty())
-      free_bodies(scene, start, settings.friction);
-    else
+    if (tied)
       chain(scene, start, settings.chain);
+    else
+      free_bodies(scene, start, settings.friction);
   }
 
   static Eigen::Isometry3d pose(const Frame& frame, std::size_t i) {
@@ -111,6 +112,9 @@ struct World : rivals::Engine {
   void step(double dt) override {
     world->setTimeStep(dt);
     world->step();
+    // A chain that diverges would trip an assertion: its speeds square from step to step, so 1e6 rad/s is not missed.
+    constexpr double too_fast = 1e6;
+    if (tied && !(world->getSkeleton(0)->getVelocities().cwiseAbs().maxCoeff() < too_fast)) throw rivals::Diverged();
   }
 
   void read(const Bodies& scene, Frame& frame) const override {

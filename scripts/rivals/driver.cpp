@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <exception>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -42,6 +43,22 @@ Settings parse(int argc, char** argv) {
   return s;
 }
 
+// One frame from the state before it into `frame`: its CPU seconds, or none where the state is no longer finite.
+std::optional<double> advance(Engine& engine, const Bodies& scene, const Settings& settings, Frame& frame) {
+  const double begin = cpu_seconds();
+  double seconds = 0;
+  try {
+    for (int s = 0; s < settings.substeps; ++s) engine.step(settings.step / settings.substeps);
+    seconds = cpu_seconds() - begin;
+    engine.read(scene, frame);
+  } catch (const Diverged&) {
+    return {};
+  }
+  for (std::size_t i = 0; i < scene.count(); ++i)
+    if (scene.is_dynamic(i) && !(frame.position[i].allFinite() && frame.velocity[i].allFinite())) return {};
+  return seconds;
+}
+
 void run(const std::string& input, const std::string& output, Settings settings, bool single, const MakeEngine& make) {
   const FrameReader reader(input);
   const Bodies scene = reader.bodies();
@@ -52,13 +69,14 @@ void run(const std::string& input, const std::string& output, Settings settings,
 
   FrameWriter writer(output, scene, single);
   writer.write(0, frame);
-  const double step = settings.step / settings.substeps;
   std::vector<double> seconds;
   for (long f = 1; f <= settings.frames; ++f) {
-    const double begin = cpu_seconds();
-    for (int s = 0; s < settings.substeps; ++s) engine->step(step);
-    seconds.push_back(cpu_seconds() - begin);
-    engine->read(scene, frame);
+    const auto took = advance(*engine, scene, settings, frame);
+    if (!took) {
+      std::printf("diverged_frame %ld\n", f);
+      return;
+    }
+    seconds.push_back(*took);
     writer.write(f, frame);
   }
   std::sort(seconds.begin(), seconds.end());

@@ -4,7 +4,8 @@
 // --chain 1 ties the dynamic bodies to a chain (chain.hpp), which then touch nothing; --direct 1 takes an engine's direct solver
 // where it has one. Of Bullet alone: --erp2, the share of a penetration that a step takes out; --split 0 solves all islands as
 // one. Of DART alone: --erp, the same share, and --erv, the most speed (m/s) given to that; without them its own. Prints the
-// median CPU time of a frame's steps alone; writing is not timed.
+// median CPU time of a frame's steps alone; writing is not timed. Where a state is no longer finite: "diverged_frame N" instead,
+// and the frames before it are in the file.
 #pragma once
 
 #include <functional>
@@ -27,10 +28,13 @@ struct Settings {
   std::vector<Anchor> chain;                                                           // empty: not tied
 };
 
+// Thrown by a step that finds its state beyond use, where the engine itself would end the process.
+struct Diverged {};
+
 class Engine {
  public:
   virtual ~Engine() = default;
-  virtual void step(double dt) = 0;                                // s
+  virtual void step(double dt) = 0;                                // s; may throw Diverged
   virtual void read(const Bodies& scene, Frame& frame) const = 0;  // the dynamic bodies' states
 };
 

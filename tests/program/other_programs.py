@@ -107,6 +107,19 @@ class Driver(ProgramTest):
             places = [file[f"frames/{n:06d}/position"][0] for n in range(3)]
         np.testing.assert_allclose(places, [[0, 0, 3 - G * (n * H) ** 2 / 2] for n in range(3)], atol=1e-9)
 
+    def diverges(self, name, bodies, *options):
+        write_scene(self.folder / "start.h5", bodies)
+        run = execute([*self.words(name), str(self.folder / "start.h5"), str(self.folder / "end.h5"), *options], 100)
+        self.assertEqual((run.code, run.out), (0, "diverged_frame 1\n"), run.err)
+
+    def test_bullet_diverges(self):
+        self.diverges("bullet", [(BOX, (.1, .1, .1), (0, 0, 1), REST, REST)], "--gravity", "1e300")
+
+    # In frames of 16 ms a pull that turns links faster than its assertions bear.
+    def test_dart_diverges(self):
+        links = [(BOX, (.05, .01, .01), (.1 * n, 0, 1), REST, REST) for n in range(3)]
+        self.diverges("dart", links, "--chain", "1", "--gravity", "1e9")
+
     def test_bullet_falls(self):
         self.falls("bullet")
 
@@ -133,24 +146,33 @@ class Driver(ProgramTest):
 
 
 class FailingDriver(ProgramTest):
-    def test_the_report_names_it_and_ends_with_1(self):
+    def report_with_bullet(self, does):
+        """Twice the report's part where the driver of Bullet is a shell script that `does` something."""
         if not (BUILT / "measure").exists():
             self.skipTest(f"no {BUILT / 'measure'}")
         rivals = self.folder / "build" / "scripts" / "rivals"
         rivals.mkdir(parents=True)
         os.symlink(BUILT / "measure", rivals / "measure")
         os.symlink(PROGRAM, self.folder / "build" / "unibody")
-        (rivals / "bullet").write_text("#!/bin/sh\nexit 1\n")
+        (rivals / "bullet").write_text(f"#!/bin/sh\n{does}\n")
         (rivals / "bullet").chmod(0o755)
         words = [
             sys.executable, str(SOURCE / "scripts" / "report"), "--tiny", "--build", str(self.folder / "build"),
             "--output", str(self.folder / "out")]
-        for _ in range(2):  # a failure is not taken for a result the next time
-            run = execute([*words, "rivals"], 300)
+        for _ in range(2):
+            yield execute([*words, "rivals"], 300)
+            self.assertIn("not installed", (self.folder / "out" / "report" / "rivals.csv").read_text())  # ODE, DART: not built there
+
+    def test_the_report_names_it_and_ends_with_1(self):
+        for run in self.report_with_bullet("exit 1"):  # a failure is not taken for a result the next time
             self.assertEqual(run.code, 1, run.err)
             self.assertRegex(run.err, r"done: .*; ended in an error: Bullet --iterations \d+ ")
             self.assertIn("iterations: ended in an error", (self.folder / "out" / "report.html").read_text())
-            self.assertIn("not installed", (self.folder / "out" / "report" / "rivals.csv").read_text())  # ODE, DART: not built there
+
+    def test_that_it_diverged_is_a_result(self):
+        for run in self.report_with_bullet("echo diverged_frame 3"):
+            self.assertEqual(run.code, 0, run.err)
+            self.assertIn("iterations: diverged, in frame 3", (self.folder / "out" / "report.html").read_text())
 
 
 if __name__ == "__main__":

@@ -74,10 +74,11 @@ class KnownCases(unittest.TestCase):
         for name, (_, _, frames, entries, chain) in plan.items():
             self.assertTrue(chain or frames >= 400, name)
             soft = [entry[2] for entry in entries if entry[0] in rivals.SOFT]
-            self.assertEqual({"--from-last" in options for options in soft}, set() if not soft else {name == "50,000 spheres"}, name)
-            if "100" not in name and soft:  # the whole curve, on one and two ranks
-                self.assertEqual(len(set(soft)), 2 * len(rivals.SPRINGS), name)
-            if not chain and name != "50,000 spheres":
+            resting = name in ("50,000 spheres", rivals.SETTLED)
+            self.assertEqual({"--from-last" in options for options in soft}, set() if not soft else {resting}, name)
+            if name in ("spheres", "50,000 spheres"):  # the whole curve of both, on one and two ranks
+                self.assertEqual(len(set(zip((entry[0] for entry in entries if entry[0] in rivals.SOFT), soft))), 4 * len(rivals.SPRINGS), name)
+            if not chain and not resting:
                 count = [sum(entry[0] == program for entry in entries) for program in ("Bullet", "ODE")]
                 self.assertGreaterEqual(min(count), 3, name)
         for name, (_, _, frames, entries, chain) in rivals.scenes(Size("quick")).items():
@@ -205,6 +206,15 @@ class KnownCases(unittest.TestCase):
         self.assertEqual([r[9:11] for r in table[2:]], [["a", .4], [None, None]])
         self.assertEqual([r[2] for r in rivals.telling(table)], ["a", "b"])
         self.assertEqual([r[2] for r in rivals.telling(table[3:])], ["moves"])  # the only one: told, and marked
+
+    def test_what_starting_at_rest_takes_off_is_told(self):
+        def row(scene, program, kn, error, ranks=1):
+            return [scene, program, f"kn = {kn} N/m, dt", ranks, 1., error]
+
+        table = [row("spheres", "LIGGGHTS", "2e6", .4), row("spheres", "LIGGGHTS", "2e6", .9, 2), row("spheres", "LAMMPS", "2e5", .8),
+                 row(rivals.SETTLED, "LIGGGHTS", "2e6", .3), row(rivals.SETTLED, "LAMMPS", "2e5", .6), row(rivals.SETTLED, "LAMMPS", "1e6", .1)]
+        self.assertIn("LIGGGHTS 25 % (kn = 2e6 N/m), LAMMPS 25 % (kn = 2e5 N/m).", rivals.from_rest(table))
+        self.assertEqual(rivals.from_rest(table[:3]), "")
 
     # DART as its makers use it: its own step of 1 ms, its own solver, and what it takes out of a depth set for a step of 16 ms.
     def test_dart_is_run_as_it_should_be(self):
