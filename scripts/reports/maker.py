@@ -32,6 +32,9 @@ def now(seconds=None):
     return time.strftime('%Y-%m-%d %H:%M', time.localtime(seconds))
 
 
+UNTIMED = 'untimed'  # kept in place of the load where a run's times do not matter
+
+
 class Failed(Exception):
     """A program could not be run; says why."""
 
@@ -66,9 +69,10 @@ class Maker:
         self.fresh = set()  # made just now: not again even with --again
         self.marks = {}
         self.load = busy_cores()
+        self.timed = True  # whether the times of the runs that follow matter
         self.broken = []  # runs of other programs that ended in an error
         self.version, self.versions = 'unknown', set()  # of the program now, and when the runs looked at were made
-        self.when = set()  # of all runs looked at: (when they were made, the cores at work when that making began or None)
+        self.when = set()  # of all runs looked at: (when they were made, the cores at work when that making began, UNTIMED or None)
         for name in ('runs', 'states', 'scratch'):
             os.makedirs(os.path.join(folder, name), exist_ok=True)
 
@@ -108,7 +112,7 @@ class Maker:
                 self.versions.add(result.get('version', 'not kept'))
             return result
         self.say(what)
-        result = dict(make(), made=now(), load=self.load, version=self.version)
+        result = dict(make(), made=now(), load=self.load if self.timed else UNTIMED, version=self.version)
         if ours:
             self.versions.add(self.version)
         self.when.add((result['made'], result['load']))
@@ -127,8 +131,10 @@ class Maker:
     def moments(self):
         if not self.when:
             return [('made', 'no run yet'), ('cores busy at the start', '-')]
-        times, loads = [t for t, _ in self.when], [load for _, load in self.when]
+        times, loads = [t for t, _ in self.when], [load for _, load in self.when if load != UNTIMED]
         made = min(times) if min(times) == max(times) else f'{min(times)} to {max(times)}'
+        if not loads:
+            return [('made', made), ('cores busy at the start', 'no time was taken')]
         if None in loads:
             return [('made', made), ('cores busy at the start', 'not kept')]
         verdict = ' - too busy: these times are unfit to quote' if max(loads) > .3 else ''
@@ -167,11 +173,11 @@ class Maker:
     def at_once(self, make, wishes):
         """[make(**wish)] of runs whose times do not matter, as many at once as there are cores."""
         with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-            core, self.core = self.core, None
+            core, self.core, self.timed = self.core, None, False
             try:
                 return list(pool.map(lambda wish: make(**wish), wishes))
             finally:
-                self.core = core
+                self.core, self.timed = core, True
 
     def together(self, wishes):
         """Runs whose times do not matter; wishes: keyword arguments of run()."""
