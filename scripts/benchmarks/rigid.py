@@ -68,12 +68,13 @@ def run_once(scene, setting, ranks, core, write, frames):
     output = os.path.join(OUT, 'runs', scene)
     start, file = os.path.join(output, 'start', 'frames.h5'), os.path.join(output, setting.family + '.h5')
     count = ['--frames', str(frames)] if frames else []
-    if setting.family == 'Bullet':
-        ms = command([os.path.join(BUILD, 'scripts', 'rivals', 'bullet'), start, file] + setting.options + count, 0, core)
-        return float(ms.split('_ms')[1]), file
-    if setting.family == 'LIGGGHTS':
-        ms = command([os.path.join(ROOT, 'scripts', 'rivals', 'liggghts.py'), start, file] + setting.options + count, 0, core)
-        return float(ms.split('_ms')[1]), file
+    driver = {'Bullet': 'bullet', 'LIGGGHTS': 'liggghts.py'}.get(setting.family)
+    if driver:
+        folder = BUILD if setting.family == 'Bullet' else ROOT
+        said = command([os.path.join(folder, 'scripts', 'rivals', driver), start, file] + setting.options + count, 0, core)
+        if '_ms' not in said:
+            sys.exit(f'{setting.name} on {scene}: no time, it said: {said.strip()}')
+        return float(said.split('_ms')[1]), file
     folder = os.path.join(output, 'unibody')
     rows = unibody(SCENES[scene], setting.options + ([] if write else ['output.every=0']), folder, ranks, core, frames)
     return frame_ms(rows), os.path.join(folder, 'frames.h5')

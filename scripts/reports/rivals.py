@@ -47,7 +47,7 @@ DART = [other('DART', 'PGS, 30 iterations', '--iterations', 30),
         other('DART', "Dantzig's, 16 substeps", '--direct', 1, '--substeps', 16),
         other('DART', "Dantzig's, erp .2 at up to 1 m/s, 4 substeps", '--direct', 1, *BRISK, '--substeps', 4)]
 # Stiffness (N/m) -> time step (s), and frames from a pile at rest: the time in which springs take its weight goes with 1/sqrt(stiffness).
-SPRINGS = {'3.7e4': ('1e-3', 120), '2e5': ('4e-4', 60), '1e6': ('2e-4', 40), '2e6': ('1.333e-4', 40)}
+SPRINGS = {'3.7e4': ('1e-3', 400), '2e5': ('4e-4', 240), '1e6': ('2e-4', 40), '2e6': ('1.333e-4', 40)}
 SOFT = ('LIGGGHTS', 'LAMMPS')
 SETTLED = 'settled spheres'  # the pile of 'spheres' at rest: what starting there rather than in the air does to the springs' depths
 
