@@ -48,9 +48,11 @@ void ContactBatch::start_bounces() {
   bouncing_.clear();
   for (std::uint32_t i = 0; i < blocks.size(); ++i)
     for (std::uint32_t l = 0; l < lanes; ++l) {
+      if (blocks[i].manifold[l] < 0) continue;
+      const Manifold& m = manifold(blocks[i], l);
       bool bounces = false;
-      for (std::uint32_t p = 0; p < sources[i].count[l]; ++p) {
-        const double speed = contacts_->bounce[sources[i].contact[l] + p];
+      for (std::uint32_t p = 0; p < m.count; ++p) {
+        const double speed = contacts_->bounce[m.first + p];
         if (!(speed > 0)) continue;
         normals[blocks[i].first_point + p].bias[l] = -speed;
         bounces = true;
@@ -63,9 +65,10 @@ void ContactBatch::start_bounces() {
 template <class F>
 void ContactBatch::for_each_point(const Lane& at, F&& f) const {
   const Block& block = blocks[at.block];
+  const Manifold& m = manifold(block, at.lane);
   const Vec3 n = lane_of(block.n, at.lane), s = lane_of(block.s, at.lane), t = n.cross(s);
-  for (std::uint32_t p = 0; p < sources[at.block].count[at.lane]; ++p) {
-    const std::size_t normal = block.first_point + p, contact = sources[at.block].contact[at.lane] + p;
+  for (std::uint32_t p = 0; p < m.count; ++p) {
+    const std::size_t normal = block.first_point + p, contact = m.first + p;
     Impulse impulse = row(at.lane, normal, block.first_tangent < 0 ? no_tangent : block.first_tangent + p);
     if (!before_.empty()) impulse.n += before_[contact].n, impulse.s += before_[contact].s, impulse.t += before_[contact].t;
     f(normal, contact, lane_of(points[normal].arm_a, at.lane), lane_of(points[normal].arm_b, at.lane),

@@ -1,6 +1,7 @@
 #include "constraints/contact_batch.hpp"
 
-#include <cassert>
+#include <algorithm>
+#include <utility>
 
 #include "constraints/friction.hpp"
 #include "world/world.hpp"
@@ -15,24 +16,10 @@ void set_lane(Vec4d (&m)[6], std::size_t lane, const InverseInertia& i) {
   m[0][lane] = i.xx, m[1][lane] = i.yy, m[2][lane] = i.zz, m[3][lane] = i.yz, m[4][lane] = i.xz, m[5][lane] = i.xy;
 }
 
-constexpr std::size_t ahead = 16;
-
-// Colours run through the contacts with strides that the processor does not foresee.
-void ask_for(const Contacts& contacts, const std::vector<Vec3>& position, std::uint32_t soon, std::uint32_t later) {
-  const Manifold &m = contacts.manifolds[soon], &next = contacts.manifolds[later];
-  const ContactPoint& point = contacts.points[m.first];
-  __builtin_prefetch(&point.position);  // a record may begin in one cache line and end in another
-  __builtin_prefetch(&point.feature);
-  __builtin_prefetch(&position[static_cast<std::size_t>(m.slot_b)]);
-  __builtin_prefetch(&next.id_a);
-  __builtin_prefetch(&next.count);
-}
-
 }  // namespace
 
 ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
     : blocks(memory),
-      sources(memory),
       points(memory),
       normals(memory),
       tangents(memory),
@@ -41,107 +28,102 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       normal_momenta(memory),
       tangent_momenta(memory),
       inertias(memory),
+      places_(memory),
+      rows_(memory),
       bouncing_(memory) {}
 
+// Manifolds are read in key order, where each is next to the one before and so are its bodies: in the order of colours they are
+// strangers, which in large scenes costs more than all that is done with them. Each colour has a block that fills up.
 void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                          const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
                          std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts,
                          const SolverSettings& settings, double step) {
   contacts_ = &contacts, world_ = &world, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction,
   scaling_ = settings.scaling, step_ = step;
-  blocks.clear(), sources.clear(), points.clear(), normals.clear(), tangents.clear(), tangent_impulses.clear();
-  inertias.clear(), group_end_.clear(), bouncing_.clear(), before_ = {};
-  couplings.clear(), normal_momenta.clear(), tangent_momenta.clear();
+  bouncing_.clear(), before_ = {};
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
   const bool gauss_seidel = counts.empty();
   const auto inertia_of = [&](Slot s) {
     const double all = bodies[s].inverse_inertia;
     return isotropic[s] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[s];
   };
-  reserve(order, groups, isotropic, gauss_seidel);
+  lay_out(order, groups, isotropic, gauss_seidel);
 
-  std::size_t begin = 0;
-  for (const std::size_t end : groups) {
-    for (; begin < end; begin += std::min(lanes, end - begin)) {
-      Block block{};
-      Source& source = sources.emplace_back(Source{});
-      const std::size_t used = std::min(lanes, end - begin);
-      for (std::size_t k = begin + ahead; k < std::min(begin + ahead + lanes, order.size()); ++k)
-        ask_for(contacts, world.position, order[k], order[std::min(k + ahead, order.size() - 1)]);
-      bool any_friction = false, all_isotropic = true;
-      for (std::size_t l = 0; l < lanes; ++l) {
-        block.slot_a[l] = block.slot_b[l] = nobody, block.manifold[l] = -1;
-        if (l >= used) continue;
-        const Manifold& m = contacts.manifolds[order[begin + l]];
-        block.slot_a[l] = m.slot_a, block.slot_b[l] = m.slot_b;
-        block.manifold[l] = static_cast<std::int32_t>(order[begin + l]);
-        block.count = std::max(block.count, m.count);
-        any_friction |= acts_in_solve(friction_) && m.friction > 0;
-        all_isotropic &= isotropic[m.slot_a] && isotropic[m.slot_b];
-      }
-      add_rows(block, any_friction, gauss_seidel);
-      block.inertia = all_isotropic ? -1 : static_cast<std::int32_t>(inertias.size());
-      if (!all_isotropic) {
-        Inertia& both = inertias.emplace_back();
-        for (std::size_t l = 0; l < lanes; ++l) {
-          set_lane(both.a, l, inertia_of(block.slot_a[l]));
-          set_lane(both.b, l, inertia_of(block.slot_b[l]));
-        }
-      }
-      for (std::size_t l = 0; l < used; ++l) fill_lane(block, source, l, order[begin + l], world);
-      if (gauss_seidel)
-        scale_gauss_seidel(block, bodies);
-      else
-        scale_jacobi(block, bodies, counts);
-      blocks.push_back(block);
+  std::pmr::vector<std::uint8_t> filled(blocks.size(), 0, places_.get_allocator());  // lanes
+  for (std::uint32_t m = 0; m < places_.size(); ++m) {
+    const std::size_t number = places_[m] / lanes, lane = places_[m] % lanes;
+    if (filled[number]++ == 0) begin_block(number, nobody);
+    Block& block = blocks[number];
+    fill_lane(block, lane, m, world);
+    if (block.inertia >= 0) {
+      set_lane(inertias[block.inertia].a, lane, inertia_of(block.slot_a[lane]));
+      set_lane(inertias[block.inertia].b, lane, inertia_of(block.slot_b[lane]));
     }
-    group_end_.push_back(static_cast<std::uint32_t>(blocks.size()));
+    if (filled[number] < rows_[number].used) continue;
+    if (gauss_seidel)
+      scale_gauss_seidel(block, bodies);
+    else
+      scale_jacobi(block, bodies, counts);
   }
 }
 
-// Room for the blocks to come.
-void ContactBatch::reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+// Gives each manifold its place, in the given order, and each block its rows: as many as its longest manifold has.
+void ContactBatch::lay_out(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                            std::span<const std::uint8_t> isotropic, bool gauss_seidel) {
-  std::size_t block_count = 0, point_count = 0, tangent_count = 0, general_count = 0, begin = 0;
-  for (const std::size_t end : groups)
-    for (; begin < end; begin += std::min(lanes, end - begin)) {
-      std::uint32_t longest = 0;
-      bool general = false, rough = false;
-      for (std::size_t l = 0; l < std::min(lanes, end - begin); ++l) {
-        const Manifold& next = contacts_->manifolds[order[std::min(begin + l + ahead, order.size() - 1)]];
-        __builtin_prefetch(&next.slot_a), __builtin_prefetch(&next.count);
-        const Manifold& m = contacts_->manifolds[order[begin + l]];
-        longest = std::max(longest, m.count);
-        rough |= acts_in_solve(friction_) && m.friction > 0;
-        general |= !isotropic[m.slot_a] || !isotropic[m.slot_b];
-      }
-      ++block_count, point_count += longest, general_count += general;
-      if (rough) tangent_count += longest;
-    }
-  blocks.reserve(block_count), sources.reserve(block_count), inertias.reserve(general_count);
-  points.reserve(point_count), normals.reserve(point_count);
-  tangents.reserve(tangent_count), tangent_impulses.reserve(tangent_count);
-  if (gauss_seidel)
-    couplings.reserve(tangent_count);
-  else
-    normal_momenta.reserve(point_count), tangent_momenta.reserve(tangent_count);
+  places_.resize(order.size()), group_end_.clear();
+  std::uint32_t place = 0;
+  std::size_t begin = 0;
+  for (const std::size_t end : groups) {
+    for (; begin < end; ++begin) places_[order[begin]] = place++;
+    place = (place + lanes - 1) / lanes * lanes;
+    group_end_.push_back(place / lanes);
+  }
+  rows_.assign(place / lanes, Rows{});
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Manifold& m = contacts_->manifolds[i];
+    Rows& rows = rows_[places_[i] / lanes];
+    ++rows.used, rows.count = std::max(rows.count, static_cast<std::uint16_t>(m.count));
+    if (acts_in_solve(friction_) && m.friction > 0) rows.first_tangent = 0;
+    if (!isotropic[m.slot_a] || !isotropic[m.slot_b]) rows.inertia = 0;
+  }
+  std::uint32_t point_count = 0, tangent_count = 0, general_count = 0;
+  for (Rows& rows : rows_) {
+    rows.first_point = std::exchange(point_count, point_count + rows.count);
+    if (rows.first_tangent == 0)
+      rows.first_tangent = static_cast<std::int32_t>(std::exchange(tangent_count, tangent_count + rows.count));
+    if (rows.inertia == 0) rows.inertia = static_cast<std::int32_t>(general_count++);
+  }
+  blocks.resize(rows_.size()), inertias.resize(general_count);
+  points.resize(point_count), normals.resize(point_count);
+  tangents.resize(tangent_count), tangent_impulses.resize(tangent_count);
+  couplings.resize(gauss_seidel ? tangent_count : 0);
+  normal_momenta.resize(gauss_seidel ? 0 : point_count), tangent_momenta.resize(gauss_seidel ? 0 : tangent_count);
 }
 
-// Rows of zeros for the block's points.
-void ContactBatch::add_rows(Block& block, bool tangential, bool gauss_seidel) {
-  block.first_point = static_cast<std::uint32_t>(points.size());
-  block.first_tangent = tangential ? static_cast<std::int32_t>(tangents.size()) : -1;
-  points.resize(points.size() + block.count), normals.resize(points.size());
-  if (tangential) tangents.resize(tangents.size() + block.count), tangent_impulses.resize(tangents.size());
-  if (gauss_seidel)
-    couplings.resize(tangents.size());
-  else
-    normal_momenta.resize(points.size()), tangent_momenta.resize(tangents.size());
+// A block of empty lanes, and rows of zeros for its points.
+void ContactBatch::begin_block(std::size_t number, Slot nobody) {
+  const Rows& rows = rows_[number];
+  Block& block = blocks[number] = Block{};
+  std::fill_n(block.slot_a, lanes, nobody), std::fill_n(block.slot_b, lanes, nobody);
+  std::fill_n(block.manifold, lanes, -1);
+  block.first_point = rows.first_point, block.count = rows.count;
+  block.first_tangent = rows.first_tangent, block.inertia = rows.inertia;
+  if (rows.inertia >= 0) inertias[rows.inertia] = Inertia{};
+  const auto clear = [&](auto& of, std::size_t first) {
+    if (!of.empty())
+      std::fill_n(of.begin() + static_cast<std::ptrdiff_t>(first), rows.count,
+                  typename std::remove_cvref_t<decltype(of)>::value_type{});
+  };
+  clear(points, rows.first_point), clear(normals, rows.first_point), clear(normal_momenta, rows.first_point);
+  if (rows.first_tangent < 0) return;
+  const auto first = static_cast<std::size_t>(rows.first_tangent);
+  clear(tangents, first), clear(tangent_impulses, first), clear(couplings, first), clear(tangent_momenta, first);
 }
 
-void ContactBatch::fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t number, const World& world) {
+void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number, const World& world) {
   const Manifold& m = contacts_->manifolds[number];
-  source.contact[lane] = m.first, source.count[lane] = static_cast<std::uint8_t>(m.count);
+  block.slot_a[lane] = m.slot_a, block.slot_b[lane] = m.slot_b;
+  block.manifold[lane] = static_cast<std::int32_t>(number);
   set_lane(block.n, lane, m.normal);
   set_lane(block.s, lane, first_tangent_of(m.normal));
   block.friction[lane] = m.friction;
@@ -157,23 +139,20 @@ void ContactBatch::fill_lane(Block& block, Source& source, std::size_t lane, std
   }
 }
 
-template <class Record, class F>
-void ContactBatch::for_each_row(const Record* records, F&& f) const {
-  constexpr std::size_t soon = ahead / lanes;
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    if (records && i + soon < blocks.size())
-      for (const std::uint32_t contact : sources[i + soon].contact) __builtin_prefetch(&records[contact]);
-    const Block& block = blocks[i];
-    const Source& source = sources[i];
-    for (std::size_t l = 0; l < lanes; ++l)
-      for (std::uint32_t p = 0; p < source.count[l]; ++p)
-        f(block, l, block.first_point + p, block.first_tangent < 0 ? no_tangent : block.first_tangent + p, source.contact[l] + p);
+template <class F>
+void ContactBatch::for_each_row(F&& f) const {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Manifold& m = contacts_->manifolds[i];
+    const Rows& rows = rows_[places_[i] / lanes];
+    for (std::uint32_t p = 0; p < m.count; ++p)
+      f(i, places_[i] % lanes, rows.first_point + p,
+        rows.first_tangent < 0 ? no_tangent : static_cast<std::size_t>(rows.first_tangent) + p, m.first + p);
   }
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
   if (!bias_is_gap_)
-    for_each_row(contacts_->points.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+    for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
       normals[p].bias[l] = contacts_->points[contact].gap;
     });
   for (Normal& n : normals) n.bias = stage.bias(n.bias);
@@ -182,7 +161,7 @@ void ContactBatch::start_stage(const Stage& stage) {
 }
 
 void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
-  for_each_row(impulses.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+  for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[contact];
     normals[p].lambda[l] = impulse.n;
     if (t != no_tangent) tangent_impulses[t].lambda_s[l] = impulse.s, tangent_impulses[t].lambda_t[l] = impulse.t;
@@ -202,13 +181,12 @@ ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_
 }
 
 void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
-  for_each_row(impulses.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
-    impulses[contact] = row(l, p, t);
-  });
+  for_each_row(
+      [&](std::size_t, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
 }
 
 void ContactBatch::normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const {
-  for_each_row(normal.data(), [&](const Block&, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+  for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
     normal[contact] = normals[p].lambda[l] + (kept_ == Kept::apart ? kept[contact].n : 0);
   });
 }
@@ -225,11 +203,12 @@ void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {
 
 std::int64_t ContactBatch::leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const {
   std::int64_t sliding = 0;
-  for_each_row(kept.data(), [&](const Block& block, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+  for_each_row([&](std::size_t m, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     const Impulse old = kept_ == Kept::nothing ? Impulse{0, 0, 0} : kept[contact], now = row(l, p, t);
     const Impulse before = kept_ == Kept::apart ? old : Impulse{0, 0, 0};
-    const double limit = 0.999 * block.friction[l] * (before.n + now.n), s = before.s + now.s, f = before.t + now.t;
-    sliding += t != no_tangent && limit > 0 && s * s + f * f >= limit * limit && counted[block.manifold[l]];
+    const double limit = 0.999 * contacts_->manifolds[m].friction * (before.n + now.n), s = before.s + now.s,
+                 f = before.t + now.t;
+    sliding += t != no_tangent && limit > 0 && s * s + f * f >= limit * limit && counted[m];
     const auto mix = [&](double x, double y) { return x + leak * (kept_ == Kept::apart ? y : y - x); };
     kept[contact] = kept_ == Kept::nothing ? now : Impulse{mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
   });

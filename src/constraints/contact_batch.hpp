@@ -20,6 +20,7 @@
 #include "constraints/solver_settings.hpp"
 #include "constraints/system.hpp"
 #include "core/exact_sum.hpp"
+#include "core/raw_vector.hpp"
 
 namespace unibody {
 
@@ -66,10 +67,6 @@ class ContactBatch {
     std::int32_t first_tangent;        // -1: no manifold of the block has friction
     std::int32_t inertia;              // -1: both bodies of every lane have isotropic inertia
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
-  };
-  struct Source {                  // of each of `blocks`: the lanes' points in Contacts::points
-    std::uint32_t contact[lanes];  // the first of them
-    std::uint8_t count[lanes];
   };
   struct Point {
     Vec3x4 arm_a, arm_b;  // m, from the centres
@@ -176,27 +173,35 @@ class ContactBatch {
   std::size_t group_count() const { return group_end_.size(); }
   std::size_t group_end(std::size_t group) const { return group_end_[group]; }  // in blocks
 
-  std::pmr::vector<Block> blocks;
-  std::pmr::vector<Source> sources;
-  std::pmr::vector<Point> points;
-  std::pmr::vector<Normal> normals;
-  std::pmr::vector<Tangents> tangents;
-  std::pmr::vector<TangentImpulse> tangent_impulses;
-  std::pmr::vector<Coupling> couplings;
-  std::pmr::vector<NormalMomentum> normal_momenta;
-  std::pmr::vector<TangentMomentum> tangent_momenta;
-  std::pmr::vector<Inertia> inertias;
+  // The manifold in a lane that is not empty.
+  const Manifold& manifold(const Block& block, std::size_t lane) const {
+    return contacts_->manifolds[static_cast<std::size_t>(block.manifold[lane])];
+  }
+
+  RawVector<Block> blocks;
+  RawVector<Point> points;
+  RawVector<Normal> normals;
+  RawVector<Tangents> tangents;
+  RawVector<TangentImpulse> tangent_impulses;
+  RawVector<Coupling> couplings;
+  RawVector<NormalMomentum> normal_momenta;
+  RawVector<TangentMomentum> tangent_momenta;
+  RawVector<Inertia> inertias;
 
  private:
-  void reserve(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
+  struct Rows {  // of a block: where they are, and how many lanes it uses
+    std::uint32_t first_point = 0;
+    std::uint16_t count = 0, used = 0;
+    std::int32_t first_tangent = -1, inertia = -1;
+  };
+  void lay_out(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                std::span<const std::uint8_t> isotropic, bool gauss_seidel);
-  void add_rows(Block& block, bool tangential, bool gauss_seidel);
+  void begin_block(std::size_t number, Slot nobody);
   static constexpr std::size_t no_tangent = -1;
-  // Calls f(block, lane, point, tangent, number in Contacts::points) for every row in use. `records`: what f looks up by that
-  // number, to be asked for early; null: nothing.
-  template <class Record, class F>
-  void for_each_row(const Record* records, F&& f) const;
-  bool sinks(const Block& block, const Source& source, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
+  // Calls f(number of the manifold, lane, point, tangent, number in Contacts::points) for every row in use, in key order.
+  template <class F>
+  void for_each_row(F&& f) const;
+  bool sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   struct Lane {
     std::uint32_t block, lane;
   };
@@ -206,12 +211,14 @@ class ContactBatch {
   bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
-  void fill_lane(Block& block, Source& source, std::size_t lane, std::uint32_t m, const World& world);
+  void fill_lane(Block& block, std::size_t lane, std::uint32_t number, const World& world);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
 
-  std::vector<std::uint32_t> group_end_;  // in blocks
-  std::pmr::vector<Lane> bouncing_;       // whose manifolds have points that bounce
+  std::vector<std::uint32_t> group_end_;    // in blocks
+  std::pmr::vector<std::uint32_t> places_;  // of each manifold: its block times the lanes, and its lane
+  std::pmr::vector<Rows> rows_;             // of each of `blocks`, once more: what is looked up in key order stays in the cache
+  std::pmr::vector<Lane> bouncing_;         // whose manifolds have points that bounce
   std::span<const Impulse> before_;  // of all points: the velocity stage's multipliers where lambda leaves them out; else empty
   const Contacts* contacts_ = nullptr;
   const World* world_ = nullptr;

@@ -62,12 +62,12 @@ struct LoneManifold {
 
 // Whether a body would end the step further in what does not move than its centre now is out of it, along the normal. (With half
 // as much towers that 20 iterations hold fall: what lies on a body that is pushed out so is left behind.)
-bool ContactBatch::sinks(const Block& block, const Source& source, std::size_t lane, bool is_a,
-                         std::span<const SolverBody> bodies) const {
+bool ContactBatch::sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const {
+  const Manifold& m = manifold(block, lane);
   const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
-  for (std::uint32_t k = 0; k < source.count[lane]; ++k) {
+  for (std::uint32_t k = 0; k < m.count; ++k) {
     const Point& p = points[block.first_point + k];
-    const Vec4d gap = broadcast(contacts_->points[source.contact[lane] + k].gap);
+    const Vec4d gap = broadcast(contacts_->points[m.first + k].gap);
     const Vec4d end = gap + broadcast(step_) * relative_velocity<false>(block, block.s, p, a, b).n;
     const Vec4d out = is_a ? -dot(block.n, p.arm_a) : dot(block.n, p.arm_b);
     if (end[lane] < 0 && -end[lane] > out[lane]) return true;
@@ -82,7 +82,7 @@ void ContactBatch::settle(std::size_t homes, std::size_t first_static, std::span
     for (std::size_t l = 0; l < lanes; ++l) {
       const Slot a = blocks[i].slot_a[l], b = blocks[i].slot_b[l];
       if (is_home(a) == is_home(b) || static_cast<std::size_t>(is_home(a) ? b : a) < first_static) continue;
-      if (!sinks(blocks[i], sources[i], l, is_home(a), bodies)) continue;
+      if (!sinks(blocks[i], l, is_home(a), bodies)) continue;
       const Inertia* inertia = blocks[i].inertia < 0 ? nullptr : &inertias[blocks[i].inertia];
       LoneManifold lone(*this, blocks[i], l, inertia, uses_cone_projection(friction_), bodies);
       with_model(friction_, [&]<FrictionModel model>() {

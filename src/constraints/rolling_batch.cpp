@@ -15,7 +15,7 @@ Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
 double normal_impulse(const ContactBatch& batch, std::size_t block_number, std::size_t lane) {
   const ContactBatch::Block& block = batch.blocks[block_number];
   double sum = 0;
-  const std::uint32_t count = batch.sources[block_number].count[lane];
+  const std::uint32_t count = batch.manifold(block, lane).count;
   for (std::uint32_t p = 0; p < count; ++p) sum += batch.normals[block.first_point + p].lambda[lane];
   return std::max(0.0, sum);
 }

@@ -1,6 +1,7 @@
 #include "solve/colouring.hpp"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <span>
 #include <unordered_map>
@@ -84,11 +85,12 @@ class Colourer {
  public:
   Colourer(const World& world, const Contacts& contacts, const Cut& cut, std::pmr::memory_resource* memory)
       : world_(world),
-        manifolds_(contacts.manifolds),
+        ends_(contacts.manifolds.size(), memory),
         cut_(cut),
         taken_(world.homes, memory),
         waiting_(by_priority(contacts.manifolds, memory)),
-        result_{std::pmr::vector<std::int32_t>(manifolds_.size(), -1, memory), 0} {
+        result_{std::pmr::vector<std::int32_t>(ends_.size(), -1, memory), 0} {
+    for (std::size_t m = 0; m < ends_.size(); ++m) ends_[m] = {contacts.manifolds[m].slot_a, contacts.manifolds[m].slot_b};
     for (std::size_t k = 0; k < cut.neighbours().size(); ++k)
       for (std::size_t i = 0; i < cut.neighbours()[k].manifolds.size(); ++i)
         shared_.emplace(cut.neighbours()[k].manifolds[i], Shared{k, i, false, {}});
@@ -108,6 +110,7 @@ class Colourer {
   }
 
  private:
+  using Ends = std::array<Slot, 2>;
   struct Shared {
     std::size_t neighbour, place;            // place in the list that both ranks have
     bool offered;                            // by this rank
@@ -119,8 +122,8 @@ class Colourer {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < waiting_.size(); ++i) {
       const std::uint32_t m = waiting_[i];
-      if (i + ahead < waiting_.size()) __builtin_prefetch(&manifolds_[waiting_[i + ahead]].slot_a);
-      const Slot ends[2] = {manifolds_[m].slot_a, manifolds_[m].slot_b};
+      if (i + ahead < waiting_.size()) __builtin_prefetch(&ends_[waiting_[i + ahead]]);
+      const Ends& ends = ends_[m];
       bool ready = true;
       for (const Slot s : ends) ready &= !world_.is_home(s) || !blocked[static_cast<std::size_t>(s)];
       if (ready && give_colour(m, ends)) continue;
@@ -132,7 +135,7 @@ class Colourer {
   }
 
   // The smallest colour free at both bodies; false where the other rank has not said what is free at its own.
-  bool give_colour(std::uint32_t m, const Slot (&ends)[2]) {
+  bool give_colour(std::uint32_t m, const Ends& ends) {
     const bool across = is_guest(ends[0]) || is_guest(ends[1]);
     Shared* shared = across ? &shared_.at(m) : nullptr;
     if (shared && !shared->offered) offer(*shared, is_guest(ends[0]) ? ends[1] : ends[0]);
@@ -186,7 +189,7 @@ class Colourer {
   }
 
   const World& world_;
-  const std::vector<Manifold>& manifolds_;
+  std::pmr::vector<Ends> ends_;  // of each manifold: small enough for the cache, where they come in no order
   const Cut& cut_;
   TakenColours taken_;
   std::pmr::vector<std::uint32_t> waiting_;           // in the order of their priorities
