@@ -54,7 +54,7 @@ void ContactBatch::start_bounces() {
       for (std::uint32_t p = 0; p < m.count; ++p) {
         const double speed = contacts_->bounce[m.first + p];
         if (!(speed > 0)) continue;
-        normals[blocks[i].first_point + p].bias[l] = -speed;
+        points[blocks[i].first_point + p].bias[l] = -speed;
         bounces = true;
       }
       if (bounces) bouncing_.push_back({i, l});
@@ -88,7 +88,7 @@ void ContactBatch::limit_bounces(const World& world, std::span<const SolverBody>
     });
     const double share = work.share();
     for_each_point(at, [&](std::size_t normal, std::size_t contact, const Vec3&, const Vec3&, const Vec3&) {
-      if (const double speed = contacts_->bounce[contact]; speed > 0) normals[normal].bias[at.lane] = -share * speed;
+      if (const double speed = contacts_->bounce[contact]; speed > 0) points[normal].bias[at.lane] = -share * speed;
     });
   }
 }

@@ -25,6 +25,8 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       tangents(memory),
       tangent_impulses(memory),
       couplings(memory),
+      normal_scales(memory),
+      tangent_scales(memory),
       normal_momenta(memory),
       tangent_momenta(memory),
       inertias(memory),
@@ -93,11 +95,13 @@ void ContactBatch::lay_out(std::span<const std::uint32_t> order, std::span<const
       rows.first_tangent = static_cast<std::int32_t>(std::exchange(tangent_count, tangent_count + rows.count));
     if (rows.inertia == 0) rows.inertia = static_cast<std::int32_t>(general_count++);
   }
-  blocks.resize(rows_.size()), inertias.resize(general_count);
-  points.resize(point_count), normals.resize(point_count);
-  tangents.resize(tangent_count), tangent_impulses.resize(tangent_count);
-  couplings.resize(gauss_seidel ? tangent_count : 0);
-  normal_momenta.resize(gauss_seidel ? 0 : point_count), tangent_momenta.resize(gauss_seidel ? 0 : tangent_count);
+  const auto renew = [](auto& of, std::size_t size) { of.clear(), of.resize(size); };  // room for so many and no more
+  renew(blocks, rows_.size()), renew(inertias, general_count);
+  renew(points, point_count), renew(normals, point_count);
+  renew(tangents, tangent_count), renew(tangent_impulses, tangent_count);
+  renew(couplings, gauss_seidel ? tangent_count : 0);
+  renew(normal_scales, gauss_seidel ? 0 : point_count), renew(tangent_scales, gauss_seidel ? 0 : tangent_count);
+  renew(normal_momenta, gauss_seidel ? 0 : point_count), renew(tangent_momenta, gauss_seidel ? 0 : tangent_count);
 }
 
 // A block of empty lanes, and rows of zeros for its points.
@@ -114,10 +118,12 @@ void ContactBatch::begin_block(std::size_t number, Slot nobody) {
       std::fill_n(of.begin() + static_cast<std::ptrdiff_t>(first), rows.count,
                   typename std::remove_cvref_t<decltype(of)>::value_type{});
   };
-  clear(points, rows.first_point), clear(normals, rows.first_point), clear(normal_momenta, rows.first_point);
+  clear(points, rows.first_point), clear(normals, rows.first_point);
+  clear(normal_scales, rows.first_point), clear(normal_momenta, rows.first_point);
   if (rows.first_tangent < 0) return;
   const auto first = static_cast<std::size_t>(rows.first_tangent);
-  clear(tangents, first), clear(tangent_impulses, first), clear(couplings, first), clear(tangent_momenta, first);
+  clear(tangents, first), clear(tangent_impulses, first), clear(couplings, first);
+  clear(tangent_scales, first), clear(tangent_momenta, first);
 }
 
 void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number, const World& world) {
@@ -134,7 +140,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
     Point& point = points[block.first_point + p];
     set_lane(point.arm_a, lane, contact.position - centre_a);
     set_lane(point.arm_b, lane, contact.position - centre_b);
-    normals[block.first_point + p].bias[lane] = contact.gap;
+    point.bias[lane] = contact.gap;
     point.inverse_scale[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }
 }
@@ -153,9 +159,9 @@ void ContactBatch::for_each_row(F&& f) const {
 void ContactBatch::start_stage(const Stage& stage) {
   if (!bias_is_gap_)
     for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
-      normals[p].bias[l] = contacts_->points[contact].gap;
+      points[p].bias[l] = contacts_->points[contact].gap;
     });
-  for (Normal& n : normals) n.bias = stage.bias(n.bias);
+  for (Point& p : points) p.bias = stage.bias(p.bias);
   if (!contacts_->bounce.empty()) start_bounces();
   bias_is_gap_ = false;
 }

@@ -4,7 +4,7 @@
 // point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
 // A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
 // The grouping into blocks changes no result. A batch holds what its solver needs: with Gauss-Seidel a point costs 72 bytes and
-// its tangents 40, with the Jacobi solvers 88 and 48; a manifold costs 77, and 96 more with general inertia. Large scenes are
+// its tangents 40, with the Jacobi solvers 88 and 48; a manifold costs 80, and 96 more with general inertia. Large scenes are
 // bound by the memory, so what changes from sweep to sweep is kept apart: only that has to go back.
 #pragma once
 
@@ -71,9 +71,9 @@ class ContactBatch {
   struct Point {
     Vec3x4 arm_a, arm_b;  // m, from the centres
     Vec4d inverse_scale;  // kg, 1/P_n; 0: no row. P_n bounds the row's share of D^T W D, so that a step of 1/P_n is safe
+    Vec4d bias;           // m/s
   };
   struct Normal {  // of each of `points`
-    Vec4d bias;    // m/s
     Vec4d lambda;  // N s
   };
   struct Tangents {
@@ -86,11 +86,9 @@ class ContactBatch {
     Vec4d K_ns, K_nt;  // 1/kg, of the normal impulse to the tangential velocities
   };
   struct NormalMomentum {  // Jacobi solvers, for each of `points`
-    Vec4d scale;           // 1/kg, P_n
     Vec4d y;               // N s, the extrapolated multiplier
   };
   struct TangentMomentum {  // Jacobi solvers, for each of `tangents`
-    Vec4d scale;            // 1/kg, P_T
     Vec4d y_s, y_t;         // N s
   };
   struct Inertia {
@@ -184,6 +182,7 @@ class ContactBatch {
   RawVector<Tangents> tangents;
   RawVector<TangentImpulse> tangent_impulses;
   RawVector<Coupling> couplings;
+  RawVector<Vec4d> normal_scales, tangent_scales;  // Jacobi solvers: P_n of each of `points`, P_T of each of `tangents`, 1/kg
   RawVector<NormalMomentum> normal_momenta;
   RawVector<TangentMomentum> tangent_momenta;
   RawVector<Inertia> inertias;

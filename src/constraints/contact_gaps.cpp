@@ -65,7 +65,7 @@ void ContactBatch::reevaluate(const World& world, std::span<const SolverBody> bo
         const Vec3 u = Eigen::Map<const Vec3>(ua.v) + Eigen::Map<const Vec3>(ua.w).cross(lane_of(point.arm_a, l)) -
                        Eigen::Map<const Vec3>(ub.v) - Eigen::Map<const Vec3>(ub.w).cross(lane_of(point.arm_b, l));
         const double allowed = stage.bias(contact.gap) - contact.gap / stage.step;
-        normals[block.first_point + p].bias[l] = gap / stage.step + allowed - n.dot(u);
+        point.bias[l] = gap / stage.step + allowed - n.dot(u);
       }
     }
 }

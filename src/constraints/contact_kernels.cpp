@@ -41,24 +41,24 @@ struct SweepTerms {
 };
 
 template <FrictionModel model, bool tangential>
-SweepTerms sweep_block(const Block& block, const Point* points, Normal* normals, NormalMomentum* normal_momenta,
-                       const Tangents* tangents, TangentImpulse* tangent_impulses, TangentMomentum* tangent_momenta,
-                       const Extrapolation& beyond, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
+SweepTerms sweep_block(ContactBatch& batch, const Block& block, const Extrapolation& beyond, std::span<const SolverBody> bodies,
+                       std::span<Wrench> wrenches) {
+  const std::size_t first = block.first_point, first_tangent = tangential ? static_cast<std::size_t>(block.first_tangent) : 0;
   const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
   const Vec4d zero = broadcast(0), momentum = broadcast(beyond.momentum), overshoot = broadcast(beyond.overshoot);
   Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
   SweepTerms sums;
   for (std::uint32_t k = 0; k < block.count; ++k) {
-    const Point& p = points[k];
-    Normal& normal = normals[k];
-    NormalMomentum& along = normal_momenta[k];
-    const Tangents* tangent = tangential ? tangents + k : nullptr;
-    TangentMomentum* sideways = tangential ? tangent_momenta + k : nullptr;
+    const Point& p = batch.points[first + k];
+    Normal& normal = batch.normals[first + k];
+    NormalMomentum& along = batch.normal_momenta[first + k];
+    const Tangents* tangent = tangential ? &batch.tangents[first_tangent + k] : nullptr;
+    TangentMomentum* sideways = tangential ? &batch.tangent_momenta[first_tangent + k] : nullptr;
     const PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
     ConeForce from{along.y, zero, zero};
     if constexpr (tangential) from.s = sideways->y_s, from.t = sideways->y_t;
-    const ConeForce next = project_step<model, tangential>(block, p, normal.bias, tangent, u, from);
+    const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
 
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
       const Vec4d step = new_lambda - y, forward = new_lambda - lambda, scaled = scale * step;
@@ -71,11 +71,13 @@ SweepTerms sweep_block(const Block& block, const Point* points, Normal* normals,
       y = new_y;
       return dy;
     };
-    const Vec4d dn = advance(normal.lambda, along.y, next.n, u.n + normal.bias, along.scale);
+    const Vec4d dn = advance(normal.lambda, along.y, next.n, u.n + p.bias, batch.normal_scales[first + k]);
     Vec4d ds = zero, dt = zero;
     if constexpr (tangential) {
-      ds = advance(tangent_impulses[k].lambda_s, sideways->y_s, next.s, u.s, sideways->scale);
-      dt = advance(tangent_impulses[k].lambda_t, sideways->y_t, next.t, u.t, sideways->scale);
+      TangentImpulse& impulse = batch.tangent_impulses[first_tangent + k];
+      const Vec4d scale = batch.tangent_scales[first_tangent + k];
+      ds = advance(impulse.lambda_s, sideways->y_s, next.s, u.s, scale);
+      dt = advance(impulse.lambda_t, sideways->y_t, next.t, u.t, scale);
     }
     const Vec3x4 f = impulse_vector<tangential>(block, t, dn, ds, dt);
     force = force + f, torque_a = torque_a + cross(p.arm_a, f), torque_b = torque_b + cross(p.arm_b, f);
@@ -94,15 +96,14 @@ Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal&
   const Vec4d along = select(in_use, k.nn, broadcast(0)), lambda = normal.lambda;
   p.inverse_scale = inverse_or_zero(along);
   if constexpr (!tangential) {
-    const ConeForce next = project_step<model, false>(block, p, normal.bias, nullptr, u, {lambda, lambda, lambda});
+    const ConeForce next = project_step<model, false>(block, p, nullptr, u, {lambda, lambda, lambda});
     return along * abs(next.n - lambda);
   } else {
     Vec4d across = select(in_use & (block.friction > broadcast(0)), k.tangential(), broadcast(0));
     if (uses_cone_projection(model)) across = max(along, across);
     const Tangents own{inverse_or_zero(across)};
     if (uses_cone_projection(model)) p.inverse_scale = own.inverse_scale;
-    const ConeForce next =
-        project_step<model, true>(block, p, normal.bias, &own, u, {lambda, sideways->lambda_s, sideways->lambda_t});
+    const ConeForce next = project_step<model, true>(block, p, &own, u, {lambda, sideways->lambda_s, sideways->lambda_t});
     const Vec4d ds = next.s - sideways->lambda_s, dt = next.t - sideways->lambda_t;
     return max(along * abs(next.n - lambda), across * sqrt(ds * ds + dt * dt));
   }
@@ -145,13 +146,8 @@ void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wr
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const Block& block = blocks[i];
       ask_for<const SolverBody>(blocks, i, bodies), ask_for<Wrench>(blocks, i, wrenches);
-      const std::uint32_t p = block.first_point;
-      const std::int32_t t = block.first_tangent;
-      const SweepTerms terms =
-          t < 0 ? sweep_block<model, false>(block, &points[p], &normals[p], &normal_momenta[p], nullptr, nullptr, nullptr, beyond,
-                                            bodies, wrenches)
-                : sweep_block<model, true>(block, &points[p], &normals[p], &normal_momenta[p], &tangents[t], &tangent_impulses[t],
-                                           &tangent_momenta[t], beyond, bodies, wrenches);
+      const SweepTerms terms = block.first_tangent < 0 ? sweep_block<model, false>(*this, block, beyond, bodies, wrenches)
+                                                       : sweep_block<model, true>(*this, block, beyond, bodies, wrenches);
       change = max(change, terms.change);
       largest = max(largest, max(abs(terms.gradient), terms.progress));
       Mask4 counts;

@@ -109,10 +109,10 @@ template <bool isotropic>
 
 // New multipliers of a point from trial ones: a gradient step of length 1/P, then the cone.
 template <FrictionModel model, bool tangential>
-[[gnu::always_inline]] inline ConeForce project_step(const Block& block, const Point& p, Vec4d bias, const Tangents* tangent,
+[[gnu::always_inline]] inline ConeForce project_step(const Block& block, const Point& p, const Tangents* tangent,
                                                      const PointVelocity& u, ConeForce from) {
-  if constexpr (!tangential) return {max(broadcast(0), from.n - p.inverse_scale * (u.n + bias)), broadcast(0), broadcast(0)};
-  Vec4d r = u.n + bias;
+  if constexpr (!tangential) return {max(broadcast(0), from.n - p.inverse_scale * (u.n + p.bias)), broadcast(0), broadcast(0)};
+  Vec4d r = u.n + p.bias;
   if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
   return project<model>(
       {from.n - p.inverse_scale * r, from.s - tangent->inverse_scale * u.s, from.t - tangent->inverse_scale * u.t},
@@ -132,8 +132,7 @@ Vec4d relax_block(const Block& block, const Point* points, Normal* normals, cons
     Normal& normal = normals[k];
     const PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
     if constexpr (!tangential) {
-      const ConeForce next =
-          project_step<model, false>(block, p, normal.bias, nullptr, u, {normal.lambda, normal.lambda, normal.lambda});
+      const ConeForce next = project_step<model, false>(block, p, nullptr, u, {normal.lambda, normal.lambda, normal.lambda});
       const Vec4d dn = next.n - normal.lambda;
       normal.lambda = next.n;
       change = max(change, abs(dn) * inverse_or_zero(p.inverse_scale));
@@ -143,10 +142,9 @@ Vec4d relax_block(const Block& block, const Point* points, Normal* normals, cons
       TangentImpulse& sideways = tangent_impulses[k];
       ConeForce next;
       if constexpr (uses_cone_projection(model)) {
-        next =
-            project_step<model, true>(block, p, normal.bias, &tangent, u, {normal.lambda, sideways.lambda_s, sideways.lambda_t});
+        next = project_step<model, true>(block, p, &tangent, u, {normal.lambda, sideways.lambda_s, sideways.lambda_t});
       } else {  // the normal first, then the tangents with the velocity that it leaves
-        next.n = max(broadcast(0), normal.lambda - p.inverse_scale * (u.n + normal.bias));
+        next.n = max(broadcast(0), normal.lambda - p.inverse_scale * (u.n + p.bias));
         const Vec4d dn = next.n - normal.lambda;
         next.s = sideways.lambda_s - tangent.inverse_scale * (u.s + couplings[k].K_ns * dn);
         next.t = sideways.lambda_t - tangent.inverse_scale * (u.t + couplings[k].K_nt * dn);

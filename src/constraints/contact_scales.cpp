@@ -79,7 +79,7 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     const std::uint32_t i = rows_a_point * p;
     const auto set = [](Vec4d& scale, Vec4d& inverse, Vec4d value) { scale = value, inverse = inverse_or_zero(value); };
     Point& point = points[block.first_point + p];
-    Vec4d& scale = normal_momenta[block.first_point + p].scale;
+    Vec4d& scale = normal_scales[block.first_point + p];
     if (rows_a_point == 1) {
       set(scale, point.inverse_scale, sum[i]);
       continue;
@@ -88,7 +88,7 @@ void ContactBatch::scale_jacobi(Block& block, std::span<const SolverBody> bodies
     if (uses_cone_projection(friction_)) normal = tangential = max(normal, tangential);
     const std::size_t k = block.first_tangent + p;
     set(scale, point.inverse_scale, normal);
-    set(tangent_momenta[k].scale, tangents[k].inverse_scale, select(block.friction > broadcast(0), tangential, broadcast(0)));
+    set(tangent_scales[k], tangents[k].inverse_scale, select(block.friction > broadcast(0), tangential, broadcast(0)));
   }
 }
 
