@@ -148,6 +148,26 @@ void Simulation::build_constraints() {
   if (drag_.any()) drag_.build(world, surfaces_);
 }
 
+// Where nothing turns: homes and guests are particles, most of them alike.
+void Simulation::predict_particles() {
+  const BodyProperties* kind = nullptr;
+  double inverse_mass = 0;
+  Vec3 gain;
+  for (std::size_t i = 0; i < world.first_static(); ++i) {
+    const BodyProperties& body = world.properties[i];
+    if (&body != kind && body.is_dynamic()) {
+      kind = &body;
+      inverse_mass = 1 / body.mass;
+      gain = step_ * (scene_.gravity + body.force / body.mass);
+    }
+    Eigen::Map<Vec3> v(system_.bodies[i].v);
+    v = world.velocity[i];
+    if (!body.is_dynamic()) continue;  // pinned
+    v += gain;
+    system_.bodies[i].inverse_mass = inverse_mass;
+  }
+}
+
 // v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits. What the air
 // does comes on top, for homes alone; build_system tells the guests.
 void Simulation::predict() {
@@ -156,7 +176,8 @@ void Simulation::predict() {
   system_.bodies.assign(n + 1, SolverBody{});
   system_.isotropic.assign(n + 1, 1);
   system_.rotates = world.has_rotations;
-  for (std::size_t i = 0; i < n; ++i) {
+  if (!world.has_rotations) predict_particles();
+  for (std::size_t i = world.has_rotations ? 0 : world.first_static(); i < n; ++i) {
     const FreeMotion motion = predict_motion(world.properties[i], world.state(i), scene_.gravity, step_, scene_.planar);
     system_.bodies[i] = motion.body;
     const bool held_in_plane = scene_.planar && has_joints();  // whose rows would tilt a disc whose inertia is a scalar
@@ -338,7 +359,12 @@ void Simulation::share_masses() {
 
 // q = q_l (+) h v for home bodies, and for kinematic ones on every rank.
 void Simulation::finalise() {
-  for (std::size_t i = 0; i < world.size(); ++i) {
+  for (std::size_t i = 0; i < world.homes && !world.has_rotations; ++i) {
+    const SolverBody &solved = system_.bodies[i], &moving = system_.moving.empty() ? solved : system_.moving[i];
+    world.velocity[i] = Eigen::Map<const Vec3>(solved.v);
+    world.position[i] += step_ * Eigen::Map<const Vec3>(moving.v);
+  }
+  for (std::size_t i = world.has_rotations ? 0 : world.first_static(); i < world.size(); ++i) {
     if (i >= world.homes && i < world.first_static()) continue;
     if (world.properties[i].motion == Motion::fixed) continue;
     const Vec3 gyroscopic = system_.isotropic[i] ? Vec3(Vec3::Zero()) : system_.gyroscopic[i];

@@ -89,6 +89,7 @@ class Simulation {
 
  private:
   void predict();
+  void predict_particles();
   void build_constraints();
   void build_system();
   void fill_places();
@@ -101,6 +102,9 @@ class Simulation {
   void forget_solids(std::span<ContactBatch::Impulse> start) const;
   Stage stage(Stage::Kind kind) const;
   Stage stage_of_surfaces(Stage stage) const;
+  Acceleration acceleration(Stage::Kind kind) const;
+  bool only_links() const;
+  double most_stiffness_of_links() const;
   SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
   double contact_residual() const;
   void measure_solution(StepReport& report, double left_by_velocities = 0);

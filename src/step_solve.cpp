@@ -137,6 +137,24 @@ Stage Simulation::stage_of_surfaces(Stage stage) const {
   return stage;
 }
 
+// How accelerated_jacobi extrapolates in a stage.
+Acceleration Simulation::acceleration(Stage::Kind kind) const {
+  if (scene_.solver.acceleration != Acceleration::automatic) return scene_.solver.acceleration;
+  bool bears_more = scene_.solver.scaling == 1 && !any_bounces();
+  if (kind == Stage::Kind::position)
+    bears_more &= !has_attachments() && !has_joints() && scene_.solver.gap == Gap::frozen &&
+                  (constraints_of_all_ == 0 || (!at_velocity_level() && only_links()));
+  return bears_more ? Acceleration::optimized : Acceleration::nesterov;
+}
+
+// Whether there are no constraints beside links between bodies' centres, on any rank.
+bool Simulation::only_links() const {
+  bool only = true;
+  for_each_type(constraints,
+                [&]<class C>(auto type, const ConstraintList<C>&) { only &= is_link<C> || colours_[type.value] == 0; });
+  return only;
+}
+
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
 SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance) {
   const Stage stage = this->stage(kind);
@@ -148,10 +166,7 @@ SolveReport Simulation::run_stage(Stage::Kind kind, SolveFunction solver, int it
   system_.joints = kind == Stage::Kind::position && has_joints() ? &joint_batch_ : nullptr;
   const bool reevaluates = kind == Stage::Kind::position && scene_.solver.gap == Gap::reevaluated;
   const bool bounces = any_bounces();
-  const bool linear = !system_.constraints && !system_.attachments && !system_.joints && !reevaluates && !bounces;
-  system_.acceleration = scene_.solver.acceleration;
-  if (system_.acceleration == Acceleration::automatic)
-    system_.acceleration = linear && scene_.solver.scaling == 1 ? Acceleration::optimized : Acceleration::nesterov;
+  system_.acceleration = acceleration(kind);
   if (reevaluates || bounces)
     system_.before_iteration = [this, stage, reevaluates, bounces] {
       if (reevaluates) system_.contacts.reevaluate(world, system_.bodies, stage);
@@ -197,6 +212,12 @@ void Simulation::forget_solids(std::span<ContactBatch::Impulse> start) const {
     if (is_solid(m.slot_a) || is_solid(m.slot_b)) std::fill_n(start.begin() + m.first, m.count, ContactBatch::Impulse{0, 0, 0});
 }
 
+// Which the old multipliers of links may start with.
+double Simulation::most_stiffness_of_links() const {
+  const bool optimized = solver_.solve == accelerated_jacobi && acceleration(Stage::Kind::position) == Acceleration::optimized;
+  return optimized && !at_velocity_level() ? most_geometric_stiffness : HUGE_VAL;
+}
+
 // Starts from a share of the last step's multipliers: of contacts, and of the other constraints.
 void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
@@ -220,7 +241,8 @@ void Simulation::warm_start(double share_of_contacts) {
   if (borrowed) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (share_of_contacts > 0) system_.contacts.add_impulses(system_.wrenches);
   if (share > 0 && has_joints()) joint_batch_.add_impulses(system_.bodies, system_.wrenches);
-  if (share > 0 && constraints_of_all_ > 0) constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.impulses);
+  if (share > 0 && constraints_of_all_ > 0)
+    constraint_batches_->add_impulses(system_.start(), system_.bodies, system_.impulses, most_stiffness_of_links());
   system_.apply_wrenches();
   if (borrowed) system_.wrenches = std::pmr::vector<Wrench>(&scratch_);
   if (!jacobi) system_.impulses.clear();

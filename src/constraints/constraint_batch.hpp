@@ -64,11 +64,13 @@ class ConstraintBatch {
 
   // Index = that of the constraint in build()'s list.
   using Multipliers = std::array<double, rows>;
-  void set_multipliers(std::span<const Multipliers> multipliers);  // empty: all zero
+  void set_multipliers(std::span<const Multipliers> multipliers, double share = 1);  // of these; empty: all zero
   void get_multipliers(std::span<Multipliers> multipliers) const;
 
-  // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies: a warm start.
-  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
+  // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies: a warm start. Those of links are made
+  // smaller first where their geometric stiffness is more than this (see most_geometric_stiffness).
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                    double most_stiffness = HUGE_VAL);
 
   // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate, add to `impulses`.
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
@@ -144,12 +146,15 @@ class ConstraintBatch {
   [[gnu::always_inline]] inline ImpulseRows take_impulses(std::size_t b, const Rows<stencil, rows>& at, const Solution& change,
                                                           const Solution& lambda);
   [[gnu::always_inline]] static inline void add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses);
+  inline void bound_stiffness(std::size_t b, const Rows<stencil, rows>& at, double most, double step);
   void take_inverses(const StepStart& start);  // at the first pass of a step
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
   template <Law law, bool total>
   void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, const Extrapolation& beyond,
              SweepSums& sums);
+  template <Law law>
+  double residual_by(const StepStart& start, std::span<const SolverBody> bodies) const;
   template <Law law, bool total>
   double relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 

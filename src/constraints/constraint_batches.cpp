@@ -76,10 +76,7 @@ void ConstraintBatches::set_multipliers(const ConstraintMultipliers& multipliers
   for_each_type(batches_, [&]<class C>(auto type, ConstraintBatch<C>& batch) {
     const double own = share >= 0 ? share : starts_cold<C> ? 0 : automatic_share;
     if (own == 0) return batch.set_multipliers({});
-    auto scaled = std::get<type.value>(multipliers);
-    for (auto& one : scaled)
-      for (double& lambda : one) lambda *= own;
-    batch.set_multipliers(scaled);
+    batch.set_multipliers(std::get<type.value>(multipliers), own);
   });
 }
 
@@ -91,8 +88,9 @@ void ConstraintBatches::get_multipliers(ConstraintMultipliers& multipliers, cons
   });
 }
 
-void ConstraintBatches::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) {
-  for_each_type(batches_, [&](auto, auto& batch) { batch.add_impulses(start, bodies, impulses); });
+void ConstraintBatches::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                                     double most_stiffness) {
+  for_each_type(batches_, [&](auto, auto& batch) { batch.add_impulses(start, bodies, impulses, most_stiffness); });
 }
 
 void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,

@@ -50,7 +50,8 @@ class ConstraintBatches {
   // Starts from a share of these; a negative one: a third, or nothing of types that start cold.
   void set_multipliers(const ConstraintMultipliers& multipliers, double share);
   void get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const;
-  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses);
+  void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                    double most_stiffness = HUGE_VAL);
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     const Extrapolation& beyond, SweepSums& sums);
 

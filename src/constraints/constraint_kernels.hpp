@@ -190,14 +190,27 @@ inline void ConstraintBatch<C>::add(const Block& block, const ImpulseRows& impul
       for (std::size_t e = 0; e < stencil; ++e) impulses[block.slot[e][l]] += impulse[e][l];
 }
 
+// A link as long as 0 has no direction to keep, and starts from nothing.
 template <ConstraintType C>
-void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses) {
-  const bool total = form_ == Form::total;
+inline void ConstraintBatch<C>::bound_stiffness(std::size_t b, const Rows<stencil, rows>& at, double most, double step) {
+  if constexpr (is_link<C>) {
+    const Vec4d length = at.value[0] + blocks_[b].parameters[0];
+    const Vec4d bound = length * inverses_[b] * broadcast(most / step);
+    lambda_[b][0] = max(min(lambda_[b][0], bound), -bound);
+  }
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                                      double most_stiffness) {
+  const bool total = form_ == Form::total, bounds = is_link<C> && most_stiffness < HUGE_VAL;
+  if (bounds) take_inverses(start);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
     const Ends ends = start.is_linear() ? gather<Law::linear, false>(blocks_[b], start, bodies)
                                         : gather<Law::stiff, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
+    if (bounds) bound_stiffness(b, at, most_stiffness, start.step);
     const auto added =
         total ? take_impulses<true>(b, at, lambda_[b], lambda_[b]) : take_impulses<false>(b, at, lambda_[b], lambda_[b]);
     add(blocks_[b], added, impulses);
@@ -329,18 +342,17 @@ double ConstraintBatch<C>::relax(std::size_t group, const StepStart& start, std:
 }
 
 template <ConstraintType C>
-double ConstraintBatch<C>::residual(const StepStart& start, std::span<const SolverBody> bodies) const {
-  const double h = start.step;  // a copy: no store of the loop can change it
+template <typename ConstraintBatch<C>::Law law>
+double ConstraintBatch<C>::residual_by(const StepStart& start, std::span<const SolverBody> bodies) const {
+  const double h = start.step;
   const Vec4d over_step = broadcast(1 / h);
+  const bool has_inverses = has_unit_gradients<C> && has_inverses_;
   Vec4d worst = broadcast(0);
   for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = start.is_linear() ? gather<Law::linear, false>(blocks_[b], start, bodies)
-                                        : gather<Law::soft, false>(blocks_[b], start, bodies);
+    const Ends ends = gather<law, false>(blocks_[b], start, bodies);
     Rows<stencil, rows> at;
     C::evaluate(blocks_[b].parameters, ends.x, at);
-    Solution r = start.is_linear()   ? residual_of<Law::linear>(b, ends, at, lambda_[b], start, over_step)
-                 : softness_.empty() ? residual_of<Law::stiff>(b, ends, at, lambda_[b], start, over_step)
-                                     : residual_of<Law::soft>(b, ends, at, lambda_[b], start, over_step);
+    Solution r = residual_of<law>(b, ends, at, lambda_[b], start, over_step);
     Vec4d part = broadcast(1);
     if (form_ == Form::total) add_misfit(b, at, ends, lambda_[b], r);
     if constexpr (is_unilateral<C>) {
@@ -348,10 +360,19 @@ double ConstraintBatch<C>::residual(const StepStart& start, std::span<const Solv
       part = part_taken(lambda_[b], step);
     }
     Vec4d moves = broadcast(0);  // two that cannot move leave a residual that nobody can solve
-    for (const Vec4d m : ends.weight) moves += m;
+    if (has_inverses)
+      moves = inverses_[b];
+    else
+      for (const Vec4d m : ends.weight) moves += m;
     for (const Vec4d rk : r) worst = max(worst, select(moves > broadcast(0), abs(rk * part), broadcast(0)));
   }
   return start.step * horizontal_max(worst);
+}
+
+template <ConstraintType C>
+double ConstraintBatch<C>::residual(const StepStart& start, std::span<const SolverBody> bodies) const {
+  if (start.is_linear()) return residual_by<Law::linear>(start, bodies);
+  return softness_.empty() ? residual_by<Law::stiff>(start, bodies) : residual_by<Law::soft>(start, bodies);
 }
 
 template <ConstraintType C>

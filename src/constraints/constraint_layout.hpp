@@ -46,11 +46,13 @@ void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::
 }
 
 template <ConstraintType C>
-void ConstraintBatch<C>::set_multipliers(std::span<const Multipliers> multipliers) {
-  for (std::size_t i = 0; i < order_.size(); ++i)
-    for (std::size_t k = 0; k < rows; ++k)
-      lambda_[i / lanes][k][i % lanes] =
-          multipliers.empty() || order_[i] < 0 ? 0 : multipliers[static_cast<std::size_t>(order_[i])][k];
+void ConstraintBatch<C>::set_multipliers(std::span<const Multipliers> multipliers, double share) {
+  if (multipliers.empty())
+    lambda_.assign(blocks_.size(), Solution{});
+  else
+    for (std::size_t i = 0; i < order_.size(); ++i)
+      for (std::size_t k = 0; k < rows; ++k)
+        lambda_[i / lanes][k][i % lanes] = order_[i] < 0 ? 0 : share * multipliers[static_cast<std::size_t>(order_[i])][k];
   y_.clear();
   has_inverses_ = false;
   applied_.assign(form_ == Form::total ? blocks_.size() : 0, Impulses{});

@@ -50,6 +50,11 @@ inline constexpr bool has_unit_gradients = requires {
   requires C::unit_gradients && C::rows == 1;
 };
 
+// Two bodies at a distance l: what moves them across it turns the gradients, as if lambda / l were a stiffness (the geometric
+// stiffness).
+template <class C>
+inline constexpr bool is_link = has_unit_gradients<C>&& C::stencil == 2;
+
 // One constraint as the scene makes it: between bodies given by their ids.
 template <class C>
 struct Constraint {

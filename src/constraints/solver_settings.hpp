@@ -23,7 +23,7 @@ enum class Stages { automatic, two, joint, position };
 inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "joint", "position"};
 
 // How accelerated_jacobi extrapolates: optimized, the optimized gradient method of Kim and Fessler (2016), which takes the step
-// itself further as well; nesterov, the paper's; automatic: optimized in stages whose rows are all linear, at the
+// itself further as well; nesterov, the paper's; automatic: optimized in stages whose rows are all linear, or of links, at the
 // scaling that bounds them (momentum.hpp).
 enum class Acceleration { automatic, optimized, nesterov };
 inline constexpr std::array<std::string_view, 3> acceleration_names{"auto", "optimized", "nesterov"};
@@ -58,7 +58,13 @@ std::vector<std::string> solver_names();
 // three quarters of it, 1/2 nothing.
 inline constexpr double automatic_share = 1.0 / 3;
 
-// The same of the velocity level, whose correction of the positions is softer: there 1 / (1 + stabilisation) leaves nothing.
+// With the optimized acceleration the old multiplier of a link starts no larger than has this geometric stiffness against the
+// step: h lambda (c_a / m_a + c_b / m_b) / l, lambda in N s, c the shares of mass. An impulse along the link of before is
+// explicit across it, where the link is under tension; a cloth far from converged, held at its corners, has up to 130 there. With
+// 16 and less one of 100 x 100 nodes hangs still, with 32 and more it swings up from step to step (scripts/bench stability).
+inline constexpr double most_geometric_stiffness = 4;
+
+// The share of the velocity level, whose correction of the positions is softer: there 1 / (1 + stabilisation) leaves nothing.
 inline constexpr double automatic_velocity_share = 0.5;
 
 // What "auto" comes to by the size of the smallest dynamic body (its least extent), so that a scene made smaller does the same.
