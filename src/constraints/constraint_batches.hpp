@@ -16,8 +16,8 @@ struct World;
 class ConstraintBatches {
  public:
   // Finds the bodies' slots and lays out the constraints: by colour for Gauss-Seidel (one by one where the order is sequential),
-  // in the order of the set for the Jacobi solvers. `nobody`: slot of the body that is nobody. `colours`: of each type, over
-  // all ranks.
+  // for the Jacobi solvers by runs of ids, and by colour within a run. `nobody`: slot of the body that is nobody. `colours`: of
+  // each type, over all ranks.
   void build(const ConstraintSet& set, const World& world, Slot nobody, bool by_colour, const SolverSettings& settings,
              const ConstraintColours& colours);
 

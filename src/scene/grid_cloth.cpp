@@ -1,5 +1,6 @@
 // Grid cloths: nodes in rows, linked to their neighbours or covered by membrane triangles.
 #include <algorithm>
+#include <cmath>
 
 #include "scene/cloth_shape.hpp"
 
@@ -157,6 +158,9 @@ void read_grid(const Value& grid, GridCloth& cloth) {
   cloth.nx = nodes.entries[0].integer(2, 1'000'000), cloth.ny = nodes.entries[1].integer(2, 1'000'000);
 }
 
+// Nodes along a patch: at most 16, and less of a small cloth, so that there are a thousand patches to cut it evenly by.
+Id side_of_patches(Id nodes) { return std::clamp(static_cast<Id>(std::sqrt(static_cast<double>(nodes) / 1000)), Id{1}, Id{16}); }
+
 }  // namespace
 
 MeshShape grid_cloth(const Value& grid, const ClothLaw& law) {
@@ -167,9 +171,10 @@ MeshShape grid_cloth(const Value& grid, const ClothLaw& law) {
   shape.count = cloth.count();
   shape.place = [cloth](Id k) { return cloth.place(k % cloth.nx, k / cloth.nx); };
   shape.mass = [cloth](Id k) { return cloth.mass_of(k % cloth.nx, k / cloth.nx); };
-  shape.patch = [cloth](Id node) {
-    return node % cloth.nx / 16 + node / cloth.nx / 16 * ((cloth.nx + 15) / 16);
-  };  // 16 x 16 nodes
+  const Id side = side_of_patches(cloth.count());
+  shape.patch = [cloth, side](Id node) {
+    return node % cloth.nx / side + node / cloth.nx / side * ((cloth.nx + side - 1) / side);
+  };
   shape.touching = [cloth](Id first, Id node, ConstraintSet& out) { GridConstraints(cloth, first, node, out).add(); };
   shape.number = [cloth](const Value& node) {
     if (node.kind != Value::Kind::list || node.entries.size() != 2) node.fail_expected("a node [i, j] of the grid");
