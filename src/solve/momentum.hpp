@@ -5,8 +5,8 @@
 // Nesterov's sequence, and goes beyond the step itself by theta_{k+1} / theta_k as well. Its bound on the error is half of his: a
 // soft mode gets as far in k iterations as with his in sqrt(2) k, for one more product a row. Here a share s of that: the whole
 // of it would let the stiffest modes, on the bound of the scaling, swing on, and grow where they pass the bound. With s they may
-// pass it by (1 - s) / (3 + s), with Nesterov's momentum by a third. Rows that are linear in a stage never do; links that turn
-// within an unconverged step do by more than s allows.
+// pass it by (1 - s) / (3 + s), with Nesterov's momentum by a third. Rows that are linear in a stage never do. Links, which turn
+// within a step, do not either where they share masses by directions and start no tighter than most_geometric_stiffness.
 #pragma once
 
 #include <cmath>

@@ -51,6 +51,41 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   EXPECT_GT(batch.residual(start(), bodies), 0);
 }
 
+// A warm start takes of an old multiplier no more than has a geometric stiffness of h lambda (w_0 + w_1) / l, in tension and in
+// compression, and all of one that has less.
+TEST(ConstraintBatch, AWarmStartBoundsTheGeometricStiffnessOfLinks) {
+  constexpr double step = 0.01, most = 3, length = 0.5;
+  const std::vector<Vec4d> places{Vec4d{0, 0, 0, 2}, Vec4d{length, 0, 0, 6}, Vec4d{0, 0, 0, 0}};
+  const std::vector<SolverBody> bodies(3, SolverBody{});
+  Constraint<Distance> link;
+  link.ids = {0, 1}, link.parameters = {0.4};
+  ConstraintBatch<Distance> batch;
+  const std::vector<std::uint32_t> order{0}, groups{1};
+  batch.build(
+      std::span(&link, 1), order, groups, 2, Form::incremental,
+      [](std::uint32_t) {
+        return std::array<Slot, 2>{0, 1};
+      },
+      [](std::uint32_t) { return true; });
+  const double bound = most * length / (step * (2 + 6));  // N s
+  const auto applied = [&](double multiplier, double stiffness) {
+    const std::array<double, 1> old{multiplier};
+    batch.set_multipliers(std::span(&old, 1));
+    std::vector<Vec4d> impulses(3, Vec4d{});
+    batch.add_impulses({places, step}, bodies, impulses, stiffness);
+    std::array<double, 1> kept{};
+    batch.get_multipliers(std::span(&kept, 1));
+    EXPECT_DOUBLE_EQ(impulses[0][0], -kept[0]);  // towards the other end where the multiplier pulls
+    EXPECT_DOUBLE_EQ(impulses[1][0], kept[0]);
+    return kept[0];
+  };
+  for (const double sign : {-1., 1.}) {
+    EXPECT_DOUBLE_EQ(applied(sign * 10 * bound, most), sign * bound);
+    EXPECT_DOUBLE_EQ(applied(sign * 0.9 * bound, most), sign * 0.9 * bound);
+    EXPECT_DOUBLE_EQ(applied(sign * 10 * bound, HUGE_VAL), sign * 10 * bound);
+  }
+}
+
 // Whether a rank has soft constraints beside stiff ones must not show in the stiff ones' bits.
 TEST(ConstraintBatch, AStiffConstraintIsTheSameBesideASoftOne) {
   std::vector<Constraint<Distance>> links(2);
