@@ -104,6 +104,7 @@ class Simulation {
   Stage stage_of_surfaces(Stage stage) const;
   Acceleration acceleration(Stage::Kind kind) const;
   bool only_links() const;
+  bool has_tight_links() const;
   double most_stiffness_of_links() const;
   SolveReport run_stage(Stage::Kind kind, SolveFunction solver, int iterations, double tolerance);
   double contact_residual() const;
@@ -163,7 +164,8 @@ class Simulation {
   std::int64_t built_version_ = -1;  // of the halo, for which their slots hold
   ConstraintColours colours_{};
   std::int64_t constraints_of_all_ = 0;
-  Form form_;  // of this step
+  Form form_;                     // of this step
+  bool links_are_tight_ = false;  // of this step: see has_tight_links()
 };
 
 }  // namespace unibody

@@ -143,7 +143,7 @@ Acceleration Simulation::acceleration(Stage::Kind kind) const {
   bool bears_more = scene_.solver.scaling == 1 && !any_bounces();
   if (kind == Stage::Kind::position)
     bears_more &= !has_attachments() && !has_joints() && scene_.solver.gap == Gap::frozen &&
-                  (constraints_of_all_ == 0 || (!at_velocity_level() && only_links()));
+                  (constraints_of_all_ == 0 || (!at_velocity_level() && only_links() && !links_are_tight_));
   return bears_more ? Acceleration::optimized : Acceleration::nesterov;
 }
 
@@ -153,6 +153,14 @@ bool Simulation::only_links() const {
   for_each_type(constraints,
                 [&]<class C>(auto type, const ConstraintList<C>&) { only &= is_link<C> || colours_[type.value] == 0; });
   return only;
+}
+
+// Whether old multipliers say that links are too tight for the optimized momentum, on any rank.
+bool Simulation::has_tight_links() const {
+  if (scene_.solver.acceleration != Acceleration::automatic || solver_.solve != accelerated_jacobi) return false;
+  if (constraints_of_all_ == 0 || !only_links()) return false;
+  const double most = automatic_share * constraint_batches_->geometric_stiffness(system_.start(), constraint_multipliers);
+  return any_over_ranks(!(most <= tight_links));
 }
 
 // Runs one stage from the multipliers in the batch, whose impulses the velocities hold already.
@@ -223,6 +231,7 @@ void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
   const double share = has_constraints() ? position_share(scene_.solver) : 0;
   joint_batch_.set_impulses(joint_impulses, share);
+  links_are_tight_ = has_tight_links();
   if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, scene_.solver.warm_start);
   if (jacobi && (!is_alone() || has_attachments() || has_joints())) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (constraints_of_all_ > 0 && (jacobi || share > 0)) system_.impulses.assign(world.size() + 1, Vec4d{});

@@ -72,6 +72,9 @@ class ConstraintBatch {
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     double most_stiffness = HUGE_VAL);
 
+  // Largest geometric stiffness h |lambda| (c_a / m_a + c_b / m_b) / l of links with these multipliers, l their length at rest.
+  double geometric_stiffness(const StepStart& start, std::span<const Multipliers> multipliers);
+
   // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate, add to `impulses`.
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     const Extrapolation& beyond, SweepSums& sums);

@@ -103,6 +103,14 @@ void ConstraintBatches::add_impulses(const StepStart& start, std::span<const Sol
   for_each_type(batches_, [&](auto, auto& batch) { batch.add_impulses(start, bodies, impulses, most_stiffness); });
 }
 
+double ConstraintBatches::geometric_stiffness(const StepStart& start, const ConstraintMultipliers& multipliers) {
+  double most = 0;
+  for_each_type(batches_, [&](auto type, auto& batch) {
+    most = std::max(most, batch.geometric_stiffness(start, std::get<type.value>(multipliers)));
+  });
+  return most;
+}
+
 void ConstraintBatches::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                      const Extrapolation& beyond, SweepSums& sums) {
   for_each_type(batches_, [&](auto, auto& batch) { batch.sweep_jacobi(start, bodies, impulses, beyond, sums); });

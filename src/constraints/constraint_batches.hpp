@@ -52,6 +52,8 @@ class ConstraintBatches {
   void get_multipliers(ConstraintMultipliers& multipliers, const ConstraintSet& set) const;
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     double most_stiffness = HUGE_VAL);
+  // Largest of the links on this rank with these multipliers: see ConstraintBatch.
+  double geometric_stiffness(const StepStart& start, const ConstraintMultipliers& multipliers);
   void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     const Extrapolation& beyond, SweepSums& sums);
 

@@ -217,6 +217,22 @@ void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const So
   }
 }
 
+template <ConstraintType C>
+double ConstraintBatch<C>::geometric_stiffness(const StepStart& start, std::span<const Multipliers> multipliers) {
+  double most = 0;
+  if constexpr (is_link<C>) {
+    if (multipliers.empty()) return 0;
+    take_inverses(start);
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      const Vec4d per_impulse = start.step / (blocks_[b].parameters[0] * inverses_[b]);
+      for (std::size_t l = 0; l < lanes; ++l)
+        if (const std::int32_t i = order_[lanes * b + l]; i >= 0)
+          most = std::max(most, std::abs(multipliers[static_cast<std::size_t>(i)][0]) * per_impulse[l]);
+    }
+  }
+  return most;
+}
+
 // In two passes over a few blocks at a time: what a block asks of the bodies first, what it does to them after. So the roots and
 // divisions of one block are under way while the next is read.
 template <ConstraintType C>

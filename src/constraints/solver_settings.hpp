@@ -60,9 +60,13 @@ inline constexpr double automatic_share = 1.0 / 3;
 
 // With the optimized acceleration a link starts with no larger a geometric stiffness than this: h lambda (c_a / m_a + c_b / m_b)
 // / l, lambda in N s, c the shares of mass. Across a link its impulse is explicit, aimed before the ends moved. At a node of a
-// cloth 2/3 of this adds up, and an explicit step bears 4. A third of the old multipliers has up to 47 in a cloth of 100 x 100
-// nodes (50 iterations), more than 4 in a twentieth of its links: with 16 and less it hangs still, with 32 and more it swings up.
-inline constexpr double most_geometric_stiffness = 4;
+// chain all of this adds up, at one of a cloth 2/3, and an explicit step bears 4: with 4 a loaded chain, and with 32 and more a
+// cloth of 100 x 100 nodes swings up. A third of the old multipliers has up to 47 there, more than 4 in a twentieth of the links.
+inline constexpr double most_geometric_stiffness = 2;
+
+// Where a link has more than this, a third of the old multipliers given, "auto" keeps to Nesterov's momentum, without that bound:
+// with loads of many times the nodes' own weight, which old multipliers carry on, and where large cloths fall far from converged.
+inline constexpr double tight_links = 40;
 
 // The share of the velocity level, whose correction of the positions is softer: there 1 / (1 + stabilisation) leaves nothing.
 inline constexpr double automatic_velocity_share = 0.5;

@@ -6,7 +6,8 @@
 // soft mode gets as far in k iterations as with his in sqrt(2) k, for one more product a row. Here a share s of that: the whole
 // of it would let the stiffest modes, on the bound of the scaling, swing on, and grow where they pass the bound. With s they may
 // pass it by (1 - s) / (3 + s), with Nesterov's momentum by a third. Rows that are linear in a stage never do. Links, which turn
-// within a step, do not either where they share masses by directions and start no tighter than most_geometric_stiffness.
+// within a step, do not either as a rule, where they share masses by directions and start no tighter than
+// most_geometric_stiffness; under loads where they turn far within it, they do (tight_links).
 #pragma once
 
 #include <cmath>

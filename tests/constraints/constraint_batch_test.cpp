@@ -70,6 +70,7 @@ TEST(ConstraintBatch, AWarmStartBoundsTheGeometricStiffnessOfLinks) {
   const double bound = most * length / (step * (2 + 6));  // N s
   const auto applied = [&](double multiplier, double stiffness) {
     const std::array<double, 1> old{multiplier};
+    EXPECT_DOUBLE_EQ(batch.geometric_stiffness({places, step}, std::span(&old, 1)), step * std::abs(multiplier) * (2 + 6) / 0.4);
     batch.set_multipliers(std::span(&old, 1));
     std::vector<Vec4d> impulses(3, Vec4d{});
     batch.add_impulses({places, step}, bodies, impulses, stiffness);

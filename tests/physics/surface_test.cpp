@@ -193,9 +193,9 @@ gravity: [0, 0, 0]
 }
 
 // Links have no velocity stage: where one is asked for, half of the iterations are for the stage that links have, and not the
-// fifth that contacts alone leave it. A box hangs lower in a cloth whose links have too few.
+// fifth that contacts alone leave it. A box falls deeper into a cloth whose links have too few.
 TEST(Surface, AVelocityStageLeavesLinksTheirIterations) {
-  const auto height = [](const std::string& more) {
+  const auto lowest = [](const std::string& more) {
     Experiment run(scene_from_text("solver: {stages: two, tolerance: 0, " + more + R"(}
 bodies:
   - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, position: [0, 0, 0.115]}
@@ -203,12 +203,13 @@ cloths:
   - {grid: {size: [1, 1], nodes: [16, 16]}, mass: 0.3, thickness: 0.02, links: {},
      pins: [{node: [0, 0]}, {node: [15, 0]}, {node: [0, 15]}, {node: [15, 15]}]}
 )"));
-    run.seconds(2);
-    return run.position(0).z();
+    double least = HUGE_VAL;
+    for (int k = 0; k < 125; ++k) run.step(), least = std::min(least, run.position(0).z());
+    return least;
   };
-  const double converged = height("iterations: 1000, velocity_share: 0.5"), half = height("iterations: 50"),
-               fifth = height("iterations: 50, velocity_share: 0.8");
-  EXPECT_EQ(half, height("iterations: 50, velocity_share: 0.5"));
+  const double converged = lowest("iterations: 1000, velocity_share: 0.5"), half = lowest("iterations: 50"),
+               fifth = lowest("iterations: 50, velocity_share: 0.8");
+  EXPECT_EQ(half, lowest("iterations: 50, velocity_share: 0.5"));
   EXPECT_LT(converged - half, 0.5 * (converged - fifth));
   EXPECT_LT(half, converged);
 }

@@ -31,13 +31,17 @@ const std::string box = "shape: {box: {size: [0.3, 0.3, 0.3]}}, mass: 1, orienta
 const std::string boxes = "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n  - {name: lower, " + box +
                           ", position: [0, 0, 0.2]}\n  - {name: upper, " + box + ", position: [0.05, 0, 0.55]}\n";
 
+const std::string light_cloth =
+    "cloths:\n  - grid: {size: [1, 1], nodes: [6, 6]}\n    mass: 1\n    thickness: 0.01\n    position: [0, 0, 0.9]\n    links: {}\n";
+
 }  // namespace
 
-TEST(Acceleration, IsOptimizedWhereRowsAreLinear) {
+TEST(Acceleration, IsOptimizedWhereRowsBearIt) {
   expect_automatic(boxes, Is::optimized);
   expect_automatic(boxes, Is::optimized, ", stages: joint");
   expect_automatic(boxes, Is::optimized, ", stages: position");
   expect_automatic(boxes, Is::optimized, ", level: velocity");
+  expect_automatic(boxes + light_cloth, Is::optimized);
 }
 
 TEST(Acceleration, IsNesterovsWhereRowsTurnOrTheirBoundIsPassed) {
@@ -48,9 +52,8 @@ TEST(Acceleration, IsNesterovsWhereRowsTurnOrTheirBoundIsPassed) {
   EXPECT_NE(state_with(bouncing, "auto", ""), state_with(bouncing, "optimized", ""));
   EXPECT_NE(state_with(bouncing, "auto", ""), state_with(bouncing, "nesterov", ""));
   expect_automatic(boxes + "joints:\n  - {type: ball, bodies: [upper, lower], anchor: [0, 0, 0.375]}\n", Is::nesterov);
-  expect_automatic(
-      boxes + "cloths:\n  - {grid: {size: [1, 1], nodes: [6, 6]}, mass: 1, thickness: 0.01, position: [0, 0, 0.9]}\n",
-      Is::nesterov);
+  expect_automatic(boxes + light_cloth, Is::nesterov, ", level: velocity");
+  expect_automatic(boxes + light_cloth + "    bending: {model: dihedral, stiffness: 0.01}\n", Is::nesterov);
 }
 
 }  // namespace unibody::small_worlds
