@@ -32,7 +32,8 @@ const std::string boxes = "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n 
                           ", position: [0, 0, 0.2]}\n  - {name: upper, " + box + ", position: [0.05, 0, 0.55]}\n";
 
 const std::string light_cloth =
-    "cloths:\n  - grid: {size: [1, 1], nodes: [6, 6]}\n    mass: 1\n    thickness: 0.01\n    position: [0, 0, 0.9]\n    links: {}\n";
+    "cloths:\n  - grid: {size: [1, 1], nodes: [6, 6]}\n    mass: 1\n    thickness: 0.01\n    position: [0, 0, 0.9]\n"
+    "    links: {}\n";
 
 }  // namespace
 
