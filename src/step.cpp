@@ -152,7 +152,7 @@ void Simulation::build_constraints() {
 void Simulation::predict_particles() {
   const BodyProperties* kind = nullptr;
   double inverse_mass = 0;
-  Vec3 gain;
+  Vec3 gain = Vec3::Zero();
   for (std::size_t i = 0; i < world.first_static(); ++i) {
     const BodyProperties& body = world.properties[i];
     if (&body != kind && body.is_dynamic()) {
