@@ -231,8 +231,8 @@ void Simulation::warm_start(double share_of_contacts) {
   const bool jacobi = !solver_.sweeps_by_colour;
   const double share = has_constraints() ? position_share(scene_.solver) : 0;
   joint_batch_.set_impulses(joint_impulses, share);
-  links_are_tight_ = has_tight_links();
   if (constraints_of_all_ > 0) constraint_batches_->set_multipliers(constraint_multipliers, scene_.solver.warm_start);
+  links_are_tight_ = has_tight_links();  // by this step's shares of mass, which the batches take anew from here on
   if (jacobi && (!is_alone() || has_attachments() || has_joints())) system_.wrenches.assign(world.size() + 1, Wrench{});
   if (constraints_of_all_ > 0 && (jacobi || share > 0)) system_.impulses.assign(world.size() + 1, Vec4d{});
   if (share_of_contacts <= 0) {

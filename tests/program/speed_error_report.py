@@ -172,7 +172,7 @@ class KnownCases(unittest.TestCase):
             ("", "11", "MISSED"), ("AJ 50 on 1 rank", "1.9", "met")])
         self.assertEqual(verdicts(150)[2:], [
             ("GS 50", paper, ""), ("GS 50 cold", "0.2", "met"),  # .058: GS 10
-            ("GS 10x1 cold", "2", "MISSED"), ("GS 10 cold", "1", "met"), ("AJ 50 on 1 rank", "1.9", "met")])
+            ("GS 10x1 cold", "1.65", "MISSED"), ("GS 10 cold", "1", "met"), ("AJ 50 on 1 rank", "1.9", "met")])
 
     def test_what_of_the_rivals_is_told(self):
         def row(program, settings, ms, error):
