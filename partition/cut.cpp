@@ -1,6 +1,7 @@
 #include "partition/cut.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "constraints/constraint_batches.hpp"
 
@@ -153,27 +154,35 @@ template <typename T, typename Record>
 void Cut::run(std::span<const Traffic> traffic, std::span<T> values) const {
   if (traffic.empty()) return;
   const PhaseClock::Scope scope(clock_, Phase::halo);
-  const std::size_t n = traffic.size();
-  const auto bytes = [](std::size_t records) { return records * sizeof(Record); };
-  std::size_t total = 0;
-  for (const Traffic& t : traffic) total += bytes(t.receive.size() + t.send.size());
-  buffer_.resize(std::max(buffer_.size(), total));
-  requests_.resize(2 * n);
-  auto* next = reinterpret_cast<Record*>(buffer_.data());
-  const Record* const received = next;
-  for (std::size_t i = 0; i < n; next += traffic[i++].receive.size())
-    MPI_Irecv(next, static_cast<int>(bytes(traffic[i].receive.size())), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
-              &requests_[i]);
-  for (std::size_t i = 0; i < n; ++i) {
-    Record* const out = next;
-    for (const Slot s : traffic[i].send) *next++ = Record::of(values[s]);
-    MPI_Isend(out, static_cast<int>(bytes(traffic[i].send.size())), MPI_BYTE, traffic[i].rank, tag_exchange, comm(),
-              &requests_[n + i]);
-  }
-  MPI_Waitall(static_cast<int>(2 * n), requests_.data(), MPI_STATUSES_IGNORE);
-  const Record* in = received;
+  const auto bytes = [](const std::vector<Slot>& slots) { return slots.size() * sizeof(Record); };
+  const auto by_mail = [&](const Traffic& t, const std::vector<Slot>& slots) { return letters_.carry(t.rank, bytes(slots)); };
+  std::size_t by_message = 0;
   for (const Traffic& t : traffic)
+    for (const auto* slots : {&t.receive, &t.send}) by_message += by_mail(t, *slots) ? 0 : bytes(*slots);
+  buffer_.resize(std::max(buffer_.size(), by_message));
+  requests_.clear();
+  std::byte* next = buffer_.data();
+  const auto room_for = [&](const std::vector<Slot>& slots) { return std::exchange(next, next + bytes(slots)); };
+  for (const Traffic& t : traffic)
+    if (!by_mail(t, t.receive))
+      MPI_Irecv(room_for(t.receive), static_cast<int>(bytes(t.receive)), MPI_BYTE, t.rank, tag_exchange, comm(),
+                &requests_.emplace_back());
+  for (const Traffic& t : traffic) {
+    std::byte* const letter = by_mail(t, t.send) ? letters_.letter(t.rank) : room_for(t.send);
+    auto* out = reinterpret_cast<Record*>(letter);
+    for (const Slot s : t.send) *out++ = Record::of(values[s]);
+    if (by_mail(t, t.send))
+      letters_.send(t.rank);
+    else
+      MPI_Isend(letter, static_cast<int>(bytes(t.send)), MPI_BYTE, t.rank, tag_exchange, comm(), &requests_.emplace_back());
+  }
+  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  next = buffer_.data();
+  for (const Traffic& t : traffic) {
+    const std::byte* const letter = by_mail(t, t.receive) ? letters_.receive(t.rank) : room_for(t.receive);
+    const auto* in = reinterpret_cast<const Record*>(letter);
     for (const Slot s : t.receive) (in++)->to(values[s]);
+  }
 }
 
 void Cut::run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) const {

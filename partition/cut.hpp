@@ -17,6 +17,7 @@
 #include "core/phases.hpp"
 #include "joints/joint_batch.hpp"
 #include "partition/halo.hpp"
+#include "partition/mailboxes.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -25,7 +26,14 @@ class ConstraintBatches;
 
 class Cut {
  public:
-  Cut(const Halo& halo, PhaseClock& clock) : halo_(halo), clock_(clock) {}
+  // Collective. Ranks of one node tell each other by mailboxes what is not longer than a letter (bytes); 0: all by MPI's
+  // messages. No result depends on it.
+  Cut(const Halo& halo, PhaseClock& clock, std::size_t longest_letter = usual_letter)
+      : halo_(halo),
+        clock_(clock),
+        letters_(halo.comm(), longest_letter),
+        sums_(halo.comm(), longest_letter > 0 ? sizeof(SweepSums) : 0) {}
+  static constexpr std::size_t usual_letter = 256 << 10;  // what is longer takes its time either way
 
   // Finds the bodies shared by the constraints other than contacts, and by each of their groups: once, until slots move. Local.
   void set_constraints(const World& world, const ConstraintBatches& constraints);
@@ -62,6 +70,7 @@ class Cut {
   bool empty() const { return neighbours_.empty(); }
 
   MPI_Comm comm() const { return halo_.comm(); }
+  Mailboxes& boxes_of_sums() const { return sums_; }  // for a SweepSums to each other rank, and no other messages
   PhaseClock& clock() const { return clock_; }
 
   // This rank's and the other rank's body of a manifold across the cut.
@@ -85,13 +94,14 @@ class Cut {
 
   const Halo& halo_;
   PhaseClock& clock_;
+  mutable Mailboxes letters_, sums_;
   std::vector<Neighbour> neighbours_;
   std::map<std::uint32_t, Ends> ends_;
   std::map<int, Traffic> constrained_;  // by rank: what constraints other than contacts share
   std::vector<Traffic> all_;
   std::vector<std::vector<Traffic>> by_colour_, by_group_, by_joint_colour_;
   bool rotates_ = true;                    // else velocities are all that travels
-  mutable std::vector<std::byte> buffer_;  // of one exchange: what comes, then what goes
+  mutable std::vector<std::byte> buffer_;  // of one exchange: what comes, then what goes, of what no mailbox carries
   mutable std::vector<MPI_Request> requests_;
 };
 

@@ -20,6 +20,7 @@ struct Options {
   std::vector<Override> overrides;                // -set
   std::optional<std::uint64_t> random_partition;  // seed; none: METIS
   bool rebalance = true;
+  bool shared_memory = true;       // between the ranks of a node
   int error_estimate = 0;          // the error of every so many frames; 0: of none
   std::string dump_fclib;          // where a frame's contact problem goes; empty: nowhere
   int dump_step = -1;              // the frame; -1: the last

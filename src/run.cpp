@@ -131,7 +131,7 @@ class Run {
       : comm_(comm),
         scene_(scene),
         options_(options),
-        simulation_(comm, scene, clock_),
+        simulation_(comm, scene, clock_, options.shared_memory),
         balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups),
         times_(comm, clock_) {
     MPI_Comm_rank(comm, &rank_);

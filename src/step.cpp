@@ -17,11 +17,11 @@
 
 namespace unibody {
 
-Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock)
+Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock, bool shares_memory)
     : scene_(scene),
       clock_(clock),
       halo_(comm),
-      cut_(halo_, clock),
+      cut_(halo_, clock, shares_memory ? Cut::usual_letter : 0),
       surfaces_(scene.surfaces),
       drag_(scene),
       solver_(find_solver(scene.solver.name)),

@@ -49,7 +49,8 @@ struct StepReport {
 // This rank's part of a running scene. All members are collective.
 class Simulation {
  public:
-  Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock);
+  // shares_memory: ranks of one node exchange through memory that they share (partition/mailboxes.hpp). No result depends on it.
+  Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock, bool shares_memory = true);
   ~Simulation();
 
   // Takes the simulation one step of time.step / time.substeps further.

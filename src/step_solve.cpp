@@ -344,7 +344,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
   joint_batch_.get_impulses(joint_impulses);
-  MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  if (!is_alone()) MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
   if (wishes.error) report.error = estimate_error(solved);
   return report;
 }

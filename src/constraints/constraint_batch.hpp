@@ -126,7 +126,7 @@ class ConstraintBatch {
   static constexpr bool is_pair = stencil == 2;
   using ImpulseRows = std::array<std::array<Vec4d, lanes>, is_pair ? 1 : stencil>;                  // of each end, or the first
   std::size_t begin_of(std::size_t group) const { return group == 0 ? 0 : group_end_[group - 1]; }  // in blocks
-  static constexpr std::size_t ahead = rows == 1 ? 8 : 2;                                           // blocks under way at a time
+  static constexpr std::size_t ahead = rows == 1 ? 16 : 2;                                          // blocks under way at a time
 
   // What rows are made of: stiff ones need no velocities beside the positions; linear ones are those of the velocity level.
   enum class Law { stiff, soft, linear };
@@ -141,6 +141,7 @@ class ConstraintBatch {
   template <bool soft>
   [[gnu::always_inline]] inline Solution solve_block(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
                                                      const Solution& r, double step) const;
+  template <std::size_t ends = stencil>
   [[gnu::always_inline]] static inline Impulses times(const Rows<stencil, rows>& at, const Solution& lambda);
   [[gnu::always_inline]] inline void add_misfit(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
                                                 const Solution& lambda, Solution& r) const;
@@ -148,6 +149,8 @@ class ConstraintBatch {
   template <bool total>
   [[gnu::always_inline]] inline ImpulseRows take_impulses(std::size_t b, const Rows<stencil, rows>& at, const Solution& change,
                                                           const Solution& lambda);
+  template <bool total>
+  [[gnu::always_inline]] static inline void keep_gradients(const Rows<stencil, rows>& now, Rows<stencil, rows>& at);
   [[gnu::always_inline]] static inline void add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses);
   inline void bound_stiffness(std::size_t b, const Rows<stencil, rows>& at, double most, double step);
   void take_inverses(const StepStart& start);  // at the first pass of a step

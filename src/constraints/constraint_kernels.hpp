@@ -125,11 +125,12 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::solve_block(std
   return constraint_kernels::solve_symmetric<rows>(P, right);
 }
 
-// D lambda.
+// D lambda, of the first `ends` bodies.
 template <ConstraintType C>
+template <std::size_t ends>
 inline typename ConstraintBatch<C>::Impulses ConstraintBatch<C>::times(const Rows<stencil, rows>& at, const Solution& lambda) {
   Impulses impulse;
-  for (std::size_t e = 0; e < stencil; ++e) {
+  for (std::size_t e = 0; e < ends; ++e) {
     impulse[e] = at.gradient[0][e] * lambda[0];
     for (std::size_t k = 1; k < rows; ++k) impulse[e] = impulse[e] + at.gradient[k][e] * lambda[k];
   }
@@ -169,7 +170,7 @@ inline typename ConstraintBatch<C>::ImpulseRows ConstraintBatch<C>::take_impulse
     for (std::size_t e = 0; e < stencil; ++e) added[e] = all[e] - applied_[b][e];
     applied_[b] = all;
   } else {
-    added = times(at, change);
+    added = times<std::tuple_size_v<ImpulseRows>>(at, change);
   }
   ImpulseRows impulse;
   for (std::size_t e = 0; e < impulse.size(); ++e) {
@@ -178,6 +179,14 @@ inline typename ConstraintBatch<C>::ImpulseRows ConstraintBatch<C>::take_impulse
     impulse[e] = {added[e].x, added[e].y, added[e].z, none};
   }
   return impulse;
+}
+
+// What take_impulses() needs: of two bodies the first one's.
+template <ConstraintType C>
+template <bool total>
+inline void ConstraintBatch<C>::keep_gradients(const Rows<stencil, rows>& now, Rows<stencil, rows>& at) {
+  for (std::size_t k = 0; k < rows; ++k)
+    for (std::size_t e = 0; e < (is_pair && !total ? 1 : stencil); ++e) at.gradient[k][e] = now.gradient[k][e];
 }
 
 // Constraint after constraint, whatever block it is in: for each body in the order of the constraints.
@@ -249,10 +258,12 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t b = first + i;
       const Ends ends = gather<law, true>(blocks_[b], start, bodies);
-      C::evaluate(blocks_[b].parameters, ends.x, at[i]);
-      r[i] = residual_of<law>(b, ends, at[i], y_[b], start, over_step);
-      if constexpr (total) add_misfit(b, at[i], ends, y_[b], r[i]);
-      step[i] = solve_block<law != Law::stiff>(b, at[i], ends, r[i], h);
+      Rows<stencil, rows> now;
+      C::evaluate(blocks_[b].parameters, ends.x, now);
+      r[i] = residual_of<law>(b, ends, now, y_[b], start, over_step);
+      if constexpr (total) add_misfit(b, now, ends, y_[b], r[i]);
+      step[i] = solve_block<law != Law::stiff>(b, now, ends, r[i], h);
+      keep_gradients<total>(now, at[i]);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution moved = extrapolate(first + i, r[i], step[i], totals);
@@ -285,8 +296,12 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
     y_[b][k] = y;
   }
   totals.largest = max(totals.largest, max(abs(uphill), squared));
-  totals.gradient += whole_units(uphill, totals.per_unit) & lanes_of(counted_[b]);
-  totals.progress += whole_units(squared, totals.per_unit) & lanes_of(counted_[b]);
+  Mask4 uphill_units = whole_units(uphill, totals.per_unit), squared_units = whole_units(squared, totals.per_unit);
+  if (counted_[b] != all_lanes) {
+    const Mask4 counted = lanes_of(counted_[b]);
+    uphill_units &= counted, squared_units &= counted;
+  }
+  totals.gradient += uphill_units, totals.progress += squared_units;
   return moved;
 }
 

@@ -18,7 +18,7 @@ struct Distance {
     const Vec4d zero = broadcast(0), squared = dot(between, between);
     const Vec4d length = sqrt(squared);
     const Mask4 apart = squared > zero;
-    const Vec4d inverse = select(apart, broadcast(1) / length, zero);
+    const Vec4d inverse = select(apart, length * (broadcast(1) / squared), zero);
     const Vec3x4 n{between.x * inverse, between.y * inverse,
                    select(apart, between.z * inverse, broadcast(1))};  // two that coincide part along z
     rows.value[0] = length - parameters[0];

@@ -24,6 +24,9 @@ inline Vec4d max(Vec4d a, Vec4d b) { return select(a > b, a, b); }
 inline Vec4d min(Vec4d a, Vec4d b) { return select(a < b, a, b); }
 inline bool any(Mask4 m) { return (m[0] | m[1] | m[2] | m[3]) != 0; }
 #endif
+
+inline constexpr unsigned all_lanes = (1u << lanes) - 1;  // a bit a lane
+
 // All bits of the lanes whose bit is set.
 inline Mask4 lanes_of(unsigned bits) { return (Mask4{1, 2, 4, 8} & static_cast<long long>(bits)) != 0; }
 inline Vec4d abs(Vec4d a) {

@@ -6,7 +6,7 @@
 #include <mpi.h>
 
 #include <array>
-#include <span>
+#include <cstring>
 
 #include "constraints/constraint_batches.hpp"
 #include "solve/momentum.hpp"
@@ -26,25 +26,21 @@ void combine(void* in, void* inout, int* length, MPI_Datatype*) {
 }
 
 // The sums of one sweep over all ranks: started after the sweep, awaited when the next one needs them. A few ranks tell each
-// other theirs, which takes one message's time where MPI's own reductions take several; whatever the order, the sums are the
-// same.
+// other theirs, through mailboxes where all of them are on one node: that takes one message's time where MPI's own reductions
+// take several. Whatever the order, the sums are the same.
 class Reduction {
  public:
-  explicit Reduction(MPI_Comm comm) : comm_(comm) {
-    int size = 1;
-    MPI_Comm_size(comm, &size);
-    others_ = size - 1;
-    if (others_ > most_told) {
-      MPI_Type_contiguous(sizeof(SweepSums), MPI_BYTE, &type_);
-      MPI_Type_commit(&type_);
-      MPI_Op_create(combine, 1, &op_);
-    } else {
-      MPI_Comm_rank(comm, &rank_);
-    }
+  explicit Reduction(const Cut& cut) : comm_(cut.comm()), boxes_(cut.boxes_of_sums()) {
+    MPI_Comm_size(comm_, &ranks_), MPI_Comm_rank(comm_, &rank_);
+    way_ = boxes_.reach_all() && ranks_ <= most_by_mail ? Way::mail : ranks_ <= most_by_messages ? Way::messages : Way::reduction;
+    if (way_ != Way::reduction) return;
+    MPI_Type_contiguous(sizeof(SweepSums), MPI_BYTE, &type_);
+    MPI_Type_commit(&type_);
+    MPI_Op_create(combine, 1, &op_);
   }
   ~Reduction() {
     wait();
-    if (others_ <= most_told) return;
+    if (way_ != Way::reduction) return;
     MPI_Type_free(&type_);
     MPI_Op_free(&op_);
   }
@@ -54,35 +50,53 @@ class Reduction {
   void start(const SweepSums& sums) {
     own_ = sums_ = sums;
     under_way_ = true;
-    if (others_ > most_told) {
+    if (way_ == Way::reduction) {
       MPI_Iallreduce(MPI_IN_PLACE, &sums_, 1, type_, op_, comm_, requests_.data());
       return;
     }
     MPI_Request* request = requests_.data();
-    for (int other = 0, i = 0; other <= others_; ++other) {
-      if (other == rank_) continue;
-      MPI_Irecv(&told_[static_cast<std::size_t>(i++)], sizeof(SweepSums), MPI_BYTE, other, tag_sums, comm_, request++);
-      MPI_Isend(&own_, sizeof(SweepSums), MPI_BYTE, other, tag_sums, comm_, request++);
-    }
+    for_each_other([&](int other, SweepSums& told) {
+      if (way_ == Way::mail) {
+        std::memcpy(boxes_.letter(other), &own_, sizeof own_);
+        boxes_.send(other);
+      } else {
+        MPI_Irecv(&told, sizeof told, MPI_BYTE, other, tag_sums, comm_, request++);
+        MPI_Isend(&own_, sizeof own_, MPI_BYTE, other, tag_sums, comm_, request++);
+      }
+    });
   }
   const SweepSums& wait() {
     if (!under_way_) return sums_;
     under_way_ = false;
-    const int told = others_ > most_told ? 0 : others_;
-    MPI_Waitall(others_ > most_told ? 1 : 2 * told, requests_.data(), MPI_STATUSES_IGNORE);
-    for (const SweepSums& sums : std::span(told_).first(static_cast<std::size_t>(told))) add(sums, sums_);
+    const int requests = way_ == Way::reduction ? 1 : way_ == Way::messages ? 2 * (ranks_ - 1) : 0;
+    MPI_Waitall(requests, requests_.data(), MPI_STATUSES_IGNORE);
+    if (way_ == Way::reduction) return sums_;
+    for_each_other([&](int other, SweepSums& told) {
+      if (way_ == Way::mail) std::memcpy(&told, boxes_.receive(other), sizeof told);
+      add(told, sums_);
+    });
     return sums_;
   }
 
  private:
-  static constexpr int most_told = 3, tag_sums = 191;
+  enum class Way { mail, messages, reduction };
+  static constexpr int most_by_mail = 16, most_by_messages = 4, tag_sums = 191;
+
+  template <typename F>
+  void for_each_other(F&& f) {
+    for (int other = 0; other < ranks_; ++other)
+      if (other != rank_) f(other, told_[static_cast<std::size_t>(other)]);
+  }
+
   MPI_Comm comm_;
-  int others_ = 0, rank_ = 0;
+  Mailboxes& boxes_;
+  Way way_ = Way::messages;
+  int ranks_ = 1, rank_ = 0;
   bool under_way_ = false;
   MPI_Datatype type_ = MPI_DATATYPE_NULL;
   MPI_Op op_ = MPI_OP_NULL;
-  std::array<MPI_Request, 2 * most_told> requests_;
-  std::array<SweepSums, most_told> told_;
+  std::array<MPI_Request, 2 * (most_by_messages - 1)> requests_;
+  std::array<SweepSums, most_by_mail> told_;  // of each other rank
   SweepSums own_, sums_;
 };
 
@@ -91,7 +105,7 @@ double unit_for(double largest) { return largest > 0 && std::isfinite(largest) ?
 
 SolveReport iterate(System& system, const Cut& cut, int iterations, double tolerance, bool accelerated) {
   SolveReport report;
-  Reduction reduction(cut.comm());
+  Reduction reduction(cut);
   Momentum momentum(system.acceleration);
   double unit = 1;
   bool last = iterations < 1;

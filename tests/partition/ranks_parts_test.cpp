@@ -118,23 +118,15 @@ TEST(RanksHalo, GuestsHaveTheBitsOfTheirHomesAndNoneIsMissing) {
 }
 
 // Each home writes a pattern of its id; after the exchange every guest of a shared contact has it, and nothing else has changed.
-TEST(RanksCut, ExchangeBringsEveryGuestItsHomesValues) {
+void expect_guests_told(std::size_t longest_letter) {
   const auto run = scattered(crowd, 4);
   run->steps(15);
   run->simulation->detect();
   const World& w = run->world();
   const Contacts& contacts = run->simulation->contacts;
   PhaseClock clock;
-  Cut cut(run->simulation->halo(), clock);
+  Cut cut(run->simulation->halo(), clock, longest_letter);
   cut.build(w, contacts);
-  std::vector<SolverBody> bodies(w.size() + 1, SolverBody{});
-  std::vector<std::int32_t> values(w.size() + 1, -7);
-  for (std::size_t i = 0; i < w.homes; ++i) {
-    for (int d = 0; d < 3; ++d) bodies[i].v[d] = static_cast<double>(w.id[i]) + 0.1 * d, bodies[i].w[d] = -bodies[i].v[d];
-    values[i] = static_cast<std::int32_t>(w.id[i]);
-  }
-  cut.exchange(bodies);
-  cut.exchange(std::span(values));
   std::set<std::size_t> shared;
   for (const Manifold& m : contacts.manifolds)
     for (const Slot s : {m.slot_a, m.slot_b})
@@ -142,16 +134,31 @@ TEST(RanksCut, ExchangeBringsEveryGuestItsHomesValues) {
   if (rank_count() > 1) {
     EXPECT_FALSE(cut.empty());
   }
-  for (std::size_t i = w.homes; i < w.size(); ++i) {
-    const bool is_shared = shared.contains(i);
-    EXPECT_EQ(values[i], is_shared ? static_cast<std::int32_t>(w.id[i]) : -7);
-    for (int d = 0; d < 3; ++d) {
-      const double expected = is_shared ? static_cast<double>(w.id[i]) + 0.1 * d : 0;
-      EXPECT_EQ(bodies[i].v[d], expected);
-      EXPECT_EQ(bodies[i].w[d], -expected);
+  std::vector<SolverBody> bodies(w.size() + 1, SolverBody{});
+  std::vector<std::int32_t> values(w.size() + 1, -7);
+  const auto pattern = [&](std::size_t i, int d, int round) { return static_cast<double>(w.id[i]) + 0.1 * d + round; };
+  for (int round = 0; round < 5; ++round) {
+    for (std::size_t i = 0; i < w.homes; ++i) {
+      for (int d = 0; d < 3; ++d) bodies[i].v[d] = pattern(i, d, round), bodies[i].w[d] = -bodies[i].v[d];
+      values[i] = static_cast<std::int32_t>(w.id[i]) + round;
+    }
+    cut.exchange(bodies);
+    cut.exchange(std::span(values));
+    for (std::size_t i = w.homes; i < w.size(); ++i) {
+      const bool is_shared = shared.contains(i);
+      EXPECT_EQ(values[i], is_shared ? static_cast<std::int32_t>(w.id[i]) + round : -7);
+      for (int d = 0; d < 3; ++d) {
+        const double expected = is_shared ? pattern(i, d, round) : 0;
+        EXPECT_EQ(bodies[i].v[d], expected);
+        EXPECT_EQ(bodies[i].w[d], -expected);
+      }
     }
   }
 }
+
+TEST(RanksCut, ExchangeBringsEveryGuestItsHomesValues) { expect_guests_told(Cut::usual_letter); }
+TEST(RanksCut, ExchangeByMessagesDoesTheSame) { expect_guests_told(0); }
+TEST(RanksCut, LongOnesByMessagesAndShortOnesByMailDoTheSame) { expect_guests_told(512); }
 
 TEST(RanksColouring, IsValidAndThatOfOneRank) {
   const auto run = scattered(crowd, 5);

@@ -192,7 +192,8 @@ class BadOptions(RefusedTest):
                             (["-solver_level"], ["-solver_level", "value"]),
                             (["-solver_level", "speed"], ["key 'solver.level'", "found speed", "expected position or velocity"]),
                             (["-solver_level", "velocity", "-set", "solver.stages=two"], ["key 'solver.stages'", "found two", "auto"]),
-                            (["-rebalance", "maybe"], ["-rebalance", "maybe", "on or off"]), ([str(scene)], ["two scenes"])):
+                            (["-rebalance", "maybe"], ["-rebalance", "maybe", "on or off"]),
+                            (["-shared_memory", "no"], ["-shared_memory", "no", "on or off"]), ([str(scene)], ["two scenes"])):
             with self.subTest(words=words):
                 self.refused(scene, *words, says=says)
 

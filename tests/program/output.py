@@ -293,7 +293,7 @@ class Switches(ProgramTest):
         source = (SOURCE / "src/options.cpp").read_text()
         parser = source[source.index("Options parse_options"):source.index("std::string help_text")]
         options = set(re.findall(r'word == "(-[a-z]+)"', parser)) - {"-h"}
-        self.assertLessEqual({"-output", "-overwrite", "-set", "-restart", "-partition", "-rebalance"}, options)
+        self.assertLessEqual({"-output", "-overwrite", "-set", "-restart", "-partition", "-rebalance", "-shared_memory"}, options)
         for option in options | {"-log_view", "-options_file"}:
             self.assertRegex(run.out, rf"(?m)^  {option}\b", "the help text doesn't explain it")
         self.assertEqual(os.listdir(self.folder), [])

@@ -72,7 +72,7 @@ class RankInvariance(ProgramTest):
         contacts = header.index("contacts")
         self.assertGreater(int(rows[-1][contacts]), 100, "nothing touches anything: such a run tells nothing")
         variants = {f"on_{n}": (n, []) for n in ((2, 3, 4, 7) if solver == SOLVERS[0] else (2, 4))}
-        variants["random_11"] = (3, ["-partition", "random:11"])
+        variants["random_11_by_messages"] = (3, ["-partition", "random:11", "-shared_memory", "off"])
         if solver == SOLVERS[0]:
             variants["random_12_fixed"] = (4, ["-partition", "random:12", "-rebalance", "off"])
             variants["no_rebalance"] = (3, ["-rebalance", "off"])
