@@ -42,16 +42,19 @@ bool all_of(MPI_Comm comm, bool here) {
 
 }  // namespace
 
-Mailboxes::Mailboxes(MPI_Comm comm, std::size_t most) : comm_(comm) {
+Mailboxes::Mailboxes(MPI_Comm comm, std::size_t most, MPI_Comm node) : comm_(comm) {
   int size = 1;
   MPI_Comm_size(comm, &size);
   box_of_.assign(static_cast<std::size_t>(size), -1);
   if (size == 1 || most == 0) return;
-  MPI_Comm node = MPI_COMM_NULL;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &node);
-  MPI_Comm_set_errhandler(node, MPI_ERRORS_RETURN);
-  share(node, most);
-  MPI_Comm_free(&node);
+  MPI_Comm sharing = MPI_COMM_NULL;
+  if (node == MPI_COMM_NULL)
+    MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &sharing);
+  else
+    MPI_Comm_dup(node, &sharing);
+  MPI_Comm_set_errhandler(sharing, MPI_ERRORS_RETURN);
+  share(sharing, most);
+  MPI_Comm_free(&sharing);
   reaches_all_ = all_of(comm, pairs_.size() == static_cast<std::size_t>(size));
 }
 

@@ -18,8 +18,9 @@ namespace unibody {
 class Mailboxes {
  public:
   // Collective. For messages of up to `most` bytes, less where the node has so many ranks that their boxes would be more than
-  // most_memory. There are none for one rank, where `most` is 0, or where the node has no memory to share.
-  Mailboxes(MPI_Comm comm, std::size_t most);
+  // most_memory. There are none for one rank, where `most` is 0, or where the node has no memory to share. `node`: the ranks of
+  // `comm` to share memory with; null: those that can.
+  Mailboxes(MPI_Comm comm, std::size_t most, MPI_Comm node = MPI_COMM_NULL);
   ~Mailboxes();  // collective
   Mailboxes(const Mailboxes&) = delete;
   Mailboxes& operator=(const Mailboxes&) = delete;

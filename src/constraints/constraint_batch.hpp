@@ -152,7 +152,11 @@ class ConstraintBatch {
   template <bool total>
   [[gnu::always_inline]] static inline void keep_gradients(const Rows<stencil, rows>& now, Rows<stencil, rows>& at);
   [[gnu::always_inline]] static inline void add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses);
+  template <Law law, bool total>
+  void add_multipliers(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                       double most_stiffness);
   inline void bound_stiffness(std::size_t b, const Rows<stencil, rows>& at, double most, double step);
+  void add_lines(const StepStart& start, std::span<const SolverBody> bodies, std::span<DirectionSum> sums) const;
   void take_inverses(const StepStart& start);  // at the first pass of a step
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }

@@ -54,12 +54,14 @@ void ConstraintBatches::build(const ConstraintSet& set, const World& world, Slot
   for_each_type(set, [&](auto type, const auto& list) {
     build_type(std::get<type.value>(batches_), list, world, nobody, by_colour, settings, colours[type.value]);
   });
+  counts_.assign(empty() ? 0 : static_cast<std::size_t>(nobody) + 1, 0);
+  for_each_stencil([&](std::span<const Slot> ends) {
+    for (const Slot s : ends) ++counts_[static_cast<std::size_t>(s)];
+  });
 }
 
 void ConstraintBatches::count(std::span<std::int32_t> counts) const {
-  for_each_stencil([&](std::span<const Slot> ends) {
-    for (const Slot s : ends) ++counts[static_cast<std::size_t>(s)];
-  });
+  for (std::size_t i = 0; i < counts_.size(); ++i) counts[i] += counts_[i];
 }
 
 void ConstraintBatches::find_sharers(std::span<const std::int32_t> counts, const StepStart& start,
@@ -69,10 +71,14 @@ void ConstraintBatches::find_sharers(std::span<const std::int32_t> counts, const
   for_each_type(batches_, [&](auto, const auto& batch) { batch.add_directions(start, bodies, sums); });
   for (std::size_t first = 0; first < sharers.size(); first += lanes) {
     const std::size_t used = std::min(lanes, sharers.size() - first);
-    for (std::size_t l = 0; l < used; ++l) sums[first + l].add_any(counts[first + l] - sums[first + l].squares[3]);
-    const Vec4d most = largest_eigenvalues(std::span(sums).subspan(first).template first<lanes>());
-    for (std::size_t l = 0; l < used; ++l)
-      sharers[first + l] = std::clamp<double>(most[l], least_sharing * counts[first + l], counts[first + l]);
+    Vec4d number{};
+    for (std::size_t l = 0; l < used; ++l) {
+      number[l] = counts[first + l];
+      sums[first + l].add_any(number[l] - sums[first + l].squares[3]);
+    }
+    const auto four = std::span(sums).subspan(first).template first<lanes>();
+    const Vec4d most = min(largest_eigenvalues(four, broadcast(least_sharing) * number), number);
+    for (std::size_t l = 0; l < used; ++l) sharers[first + l] = most[l];
   }
 }
 
@@ -152,7 +158,7 @@ bool ConstraintBatches::moves_beyond(double share, const StepStart& start, std::
 }
 
 std::size_t ConstraintBatches::bytes() const {
-  std::size_t n = 0;
+  std::size_t n = counts_.capacity() * sizeof(counts_[0]);
   for_each_type(batches_, [&](auto, const auto& batch) { n += batch.bytes(); });
   return n;
 }

@@ -79,6 +79,7 @@ class ConstraintBatches {
                   const SolverSettings& settings, std::int32_t colours);
 
   ConstraintTypes::Tuple<ConstraintBatch> batches_;
+  std::vector<std::int32_t> counts_;  // of each body: its constraints
 };
 
 }  // namespace unibody

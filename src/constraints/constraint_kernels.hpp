@@ -209,21 +209,39 @@ inline void ConstraintBatch<C>::bound_stiffness(std::size_t b, const Rows<stenci
   }
 }
 
+// In two passes, as in sweep().
+template <ConstraintType C>
+template <typename ConstraintBatch<C>::Law law, bool total>
+void ConstraintBatch<C>::add_multipliers(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                                         double most_stiffness) {
+  std::array<Rows<stencil, rows>, ahead> at;
+  const bool bounds = is_link<C> && most_stiffness < HUGE_VAL;
+  for (std::size_t first = 0; first < blocks_.size(); first += ahead) {
+    const std::size_t count = std::min(ahead, blocks_.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Block& block = blocks_[first + i];
+      Rows<stencil, rows> now;
+      C::evaluate(block.parameters, gather<law, false>(block, start, bodies).x, now);
+      if (bounds) bound_stiffness(first + i, now, most_stiffness, start.step);
+      keep_gradients<total>(now, at[i]);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const Solution& lambda = lambda_[first + i];
+      add(blocks_[first + i], take_impulses<total>(first + i, at[i], lambda, lambda), impulses);
+    }
+  }
+}
+
 template <ConstraintType C>
 void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                       double most_stiffness) {
-  const bool total = form_ == Form::total, bounds = is_link<C> && most_stiffness < HUGE_VAL;
-  if (bounds) take_inverses(start);
-  for (std::size_t b = 0; b < blocks_.size(); ++b) {
-    const Ends ends = start.is_linear() ? gather<Law::linear, false>(blocks_[b], start, bodies)
-                                        : gather<Law::stiff, false>(blocks_[b], start, bodies);
-    Rows<stencil, rows> at;
-    C::evaluate(blocks_[b].parameters, ends.x, at);
-    if (bounds) bound_stiffness(b, at, most_stiffness, start.step);
-    const auto added =
-        total ? take_impulses<true>(b, at, lambda_[b], lambda_[b]) : take_impulses<false>(b, at, lambda_[b], lambda_[b]);
-    add(blocks_[b], added, impulses);
-  }
+  if (is_link<C> && most_stiffness < HUGE_VAL) take_inverses(start);
+  if (form_ == Form::total)
+    start.is_linear() ? add_multipliers<Law::linear, true>(start, bodies, impulses, most_stiffness)
+                      : add_multipliers<Law::stiff, true>(start, bodies, impulses, most_stiffness);
+  else
+    start.is_linear() ? add_multipliers<Law::linear, false>(start, bodies, impulses, most_stiffness)
+                      : add_multipliers<Law::stiff, false>(start, bodies, impulses, most_stiffness);
 }
 
 template <ConstraintType C>

@@ -86,6 +86,7 @@ void ConstraintBatch<C>::take_inverses(const StepStart& start) {
 template <ConstraintType C>
 void ConstraintBatch<C>::add_directions(const StepStart& start, std::span<const SolverBody> bodies,
                                         std::span<DirectionSum> sums) const {
+  if constexpr (is_link<C>) return add_lines(start, bodies, sums);
   for (const Block& block : blocks_) {
     if constexpr (rows > 1) {
       for (const auto& slots : block.slot)
@@ -93,14 +94,35 @@ void ConstraintBatch<C>::add_directions(const StepStart& start, std::span<const 
     } else {
       Rows<stencil, rows> at;
       C::evaluate(block.parameters, gather<Law::linear, false>(block, start, bodies).x, at);
-      const auto of = [](const Vec3x4& d) {
-        return Directions(d, has_unit_gradients<C> ? broadcast(1) : inverse_or_zero(dot(d, d)));
-      };
-      std::array<Directions, is_pair ? 1 : stencil> directions;  // two bodies are pushed along one line
-      for (std::size_t e = 0; e < directions.size(); ++e) directions[e] = of(at.gradient[0][e]);
+      std::array<Directions, stencil> directions;
+      for (std::size_t e = 0; e < stencil; ++e)
+        directions[e] = Directions(at.gradient[0][e], inverse_or_zero(dot(at.gradient[0][e], at.gradient[0][e])));
       // Constraint after constraint, as in add(): for each body in their order, whatever block they are in.
       for (std::size_t l = 0; l < lanes; ++l)
-        for (std::size_t e = 0; e < stencil; ++e) directions[is_pair ? 0 : e].add_to(sums[block.slot[e][l]], l);
+        for (std::size_t e = 0; e < stencil; ++e) directions[e].add_to(sums[block.slot[e][l]], l);
+    }
+  }
+}
+
+// Of links: both ends are pushed along one line, of two that coincide along z. In two passes, as in sweep().
+template <ConstraintType C>
+void ConstraintBatch<C>::add_lines(const StepStart& start, std::span<const SolverBody> bodies,
+                                   std::span<DirectionSum> sums) const {
+  std::array<Vec3x4, ahead> d;
+  std::array<Vec4d, ahead> over_square;
+  for (std::size_t first = 0; first < blocks_.size(); first += ahead) {
+    const std::size_t count = std::min(ahead, blocks_.size() - first);
+    for (std::size_t i = 0; i < count; ++i) {
+      d[i] = gather<Law::linear, false>(blocks_[first + i], start, bodies).x[0];
+      const Vec4d square = dot(d[i], d[i]), one = broadcast(1);
+      const Mask4 apart = square > broadcast(0);
+      d[i].z = select(apart, d[i].z, one);
+      over_square[i] = one / select(apart, square, one);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      const Directions directions(d[i], over_square[i]);
+      for (std::size_t l = 0; l < lanes; ++l)
+        for (const auto& slots : blocks_[first + i].slot) directions.add_to(sums[slots[l]], l);
     }
   }
 }

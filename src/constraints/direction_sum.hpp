@@ -44,19 +44,24 @@ struct Directions {
 };
 
 // Bounds the largest eigenvalues of four sums from above, by at most 3^(1/16) = 1.07 times: |S^8|^(1/8) in Frobenius' norm. It is
-// exact where all directions are the same.
-inline Vec4d largest_eigenvalues(std::span<const DirectionSum, lanes> sums) {
+// exact where all directions are the same. Where `least` bounds |S| already, as of most nodes of a cloth, it is that.
+inline Vec4d largest_eigenvalues(std::span<const DirectionSum, lanes> sums, Vec4d least = broadcast(0)) {
   Vec4d xx = sums[0].squares, yy = sums[1].squares, zz = sums[2].squares, fourth = sums[3].squares;
   Vec4d xy = sums[0].products, yz = sums[1].products, zx = sums[2].products, last = sums[3].products;
   transpose(xx, yy, zz, fourth), transpose(xy, yz, zx, last);
+  const auto norm = [&] {  // squared
+    const Vec4d off = xy * xy + yz * yz + zx * zx;
+    return xx * xx + yy * yy + zz * zz + off + off;
+  };
+  const Mask4 is_more = norm() > least * least;
+  if (!any(is_more)) return least;
   for (int k = 0; k < 3; ++k) {  // S becomes S^2
     const Vec4d a = xy * xy, b = yz * yz, c = zx * zx;
     const Vec4d new_xy = xy * (xx + yy) + yz * zx, new_yz = yz * (yy + zz) + zx * xy, new_zx = zx * (zz + xx) + xy * yz;
     xx = xx * xx + a + c, yy = yy * yy + a + b, zz = zz * zz + b + c;
     xy = new_xy, yz = new_yz, zx = new_zx;
   }
-  const Vec4d off = xy * xy + yz * yz + zx * zx;
-  return sqrt(sqrt(sqrt(sqrt(xx * xx + yy * yy + zz * zz + off + off))));
+  return select(is_more, max(sqrt(sqrt(sqrt(sqrt(norm())))), least), least);
 }
 
 }  // namespace unibody

@@ -40,6 +40,11 @@ TEST(DirectionSum, BoundsItsLargestEigenvalue) {
       EXPECT_GE(bound[l], largest(exact[l]) * (1 - 1e-14));
       EXPECT_LE(bound[l], largest(exact[l]) * std::pow(3, 1. / 16) * (1 + 1e-14));
     }
+    // No less than asked for, whatever the other three are.
+    for (const double share : {0.2, 0.6, 0.9, 1.1}) {
+      const Vec4d least{share * bound[0], 0, bound[2] / share, share * bound[3]}, found = largest_eigenvalues(sums, least);
+      for (std::size_t l = 0; l < lanes; ++l) EXPECT_NEAR(found[l], std::max(bound[l], least[l]), 1e-14 * found[l]);
+    }
   }
 }
 

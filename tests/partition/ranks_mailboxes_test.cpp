@@ -91,6 +91,32 @@ TEST(RanksMailboxes, ALetterStaysUntilTheNextIsReceived) {
   EXPECT_EQ(number_in(boxes.receive(other)), 11);
 }
 
+// As on a cluster: of four ranks 0 and 2 on one node, 1 and 3 on another.
+TEST(RanksMailboxes, OtherNodesHaveNoBoxHere) {
+  MPI_Comm node = MPI_COMM_NULL;
+  MPI_Comm_split(MPI_COMM_WORLD, rank_here() % 2, 0, &node);
+  Mailboxes boxes(MPI_COMM_WORLD, longest, node);
+  MPI_Comm_free(&node);
+  const auto same_node = [](int other) { return other != rank_here() && other % 2 == rank_here() % 2; };
+  for (int round = 0; round < 5; ++round) {
+    for (int other = 0; other < rank_count(); ++other) {
+      if (other != rank_here()) {
+        EXPECT_EQ(boxes.carry(other, 8), same_node(other));
+      }
+      if (!same_node(other)) continue;
+      const auto letter = letter_of(round, rank_here(), other);
+      std::memcpy(boxes.letter(other), letter.data(), letter.size());
+      boxes.send(other);
+    }
+    for (int other = 0; other < rank_count(); ++other) {
+      if (!same_node(other)) continue;
+      const auto expected = letter_of(round, other, rank_here());
+      EXPECT_EQ(std::memcmp(boxes.receive(other), expected.data(), expected.size()), 0);
+    }
+  }
+  EXPECT_FALSE(boxes.reach_all());
+}
+
 TEST(RanksMailboxes, WhatIsTooLongHasNoBox) {
   Mailboxes boxes(MPI_COMM_WORLD, 100), none(MPI_COMM_WORLD, 0), alone(MPI_COMM_SELF, 100);
   for (int other = 0; other < rank_count(); ++other) {
