@@ -292,7 +292,7 @@ class Switches(ProgramTest):
             self.assertEqual(run.out.count("usage:"), 1, "each rank speaks")
         source = (SOURCE / "src/options.cpp").read_text()
         parser = source[source.index("Options parse_options"):source.index("std::string help_text")]
-        options = set(re.findall(r'word == "(-[a-z]+)"', parser)) - {"-h"}
+        options = set(re.findall(r'word == "(-[a-z_]+)"', parser)) - {"-h"}
         self.assertLessEqual({"-output", "-overwrite", "-set", "-restart", "-partition", "-rebalance", "-shared_memory"}, options)
         for option in options | {"-log_view", "-options_file"}:
             self.assertRegex(run.out, rf"(?m)^  {option}\b", "the help text doesn't explain it")
