@@ -9,6 +9,7 @@ LIBRARY = {(50, '50'): (.0117, .26), (50, '10 substeps of 1'): (.0074, .16), (10
            (100, '10 substeps of 1'): (.0216, .81), (150, '50'): (.058, 3.2), (150, '10 substeps of 1'): (.048, 2.6)}
 HALF_A_DIGIT = .005  # of the largest stretches above, which are given to two digits
 ROUNDS = 9  # of the two sides of each verdict
+NODE_FRAMES = 2_500_000  # of each run: less than half a second is still the start of its processes
 SET_UP = 5  # of a step, in sweeps
 DIAGONALS = ('alternating', 'both')  # the library's cloths, and the paper's
 PAPER = {50: 2.33, 100: 1.45}  # Frâncu & Moldoveanu, tables 1 and 2: accelerated Jacobi on two cores against Gauss-Seidel on one
@@ -66,11 +67,12 @@ class InTurn:
         self.settings = {name: rest for name, *rest in settings_of_cloth()}
 
     def ms(self, name, ranks, core=None):
-        """Of a frame of the first hundred."""
+        """Median of a frame."""
         solver, iterations, substeps, warm = self.settings[name]
         more = ['output.every=0', f'time.substeps={substeps}', f'solver.warm_start={warm}']
         core = self.core if core is None else core
-        return frame_ms(unibody('cloth_50', hanging_cloth(self.nodes, 'alternating', solver, iterations, more), folder(f'cloth_{core}'), ranks, core, 100))
+        return frame_ms(unibody('cloth_50', hanging_cloth(self.nodes, 'alternating', solver, iterations, more), folder(f'cloth_{core}'), ranks, core,
+                                max(100, NODE_FRAMES // self.nodes**2)))
 
     def pair(self, ours, against):
         """Two (name, ranks): the median ms of each, and the median of their ratios."""
