@@ -130,8 +130,8 @@ Simulates the scene file SCENE and writes its results into a folder.
   -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
                          No result depends on it
   -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it
-  -shared_memory on|off  ranks of one node tell each other through memory that they share what an iteration needs (default on), in
-                         a tenth of the time of MPI's messages. No result depends on it
+  -shared_memory on|off  ranks of one node tell each other through memory that they share what an iteration needs (default
+                         on), which is faster than MPI's messages. No result depends on it
   -error_estimate [N]    how wrong the run is: in every N-th frame (default: 10th) and in the last one the last step is solved on
                          from where its iterations ended, until it converges, and then taken back. Three columns of report.csv
                          tell its distance to the converged step, and how well that one is known; summary.json and the run's last
