@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "partition/balance.hpp"
+#include "partition/ranks.hpp"
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 #include "step_parts.hpp"
@@ -61,12 +62,6 @@ Outcome simulate(MPI_Comm comm, bool rebalance) {
   }
   outcome.hash = state_hash(comm, s.world);
   return outcome;
-}
-
-int rank_count() {
-  int ranks = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  return ranks;
 }
 
 // Of a rank's count of something: the largest over the mean.

@@ -4,18 +4,13 @@
 #include <map>
 
 #include "partition/balance.hpp"
+#include "partition/ranks.hpp"
 #include "small_worlds.hpp"
 #include "step_parts.hpp"
 
 namespace unibody::small_worlds {
 
 namespace {
-
-int rank_count() {
-  int size = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &size);
-  return size;
-}
 
 // A chain with a heavy ball that swings into a wall, a door on two hinges, a motor, a rope between bodies far apart, and a
 // kinematic body that drags.

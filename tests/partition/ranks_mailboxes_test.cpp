@@ -7,21 +7,11 @@
 #include <thread>
 
 #include "partition/mailboxes.hpp"
+#include "partition/ranks.hpp"
 
 namespace unibody {
 
 namespace {
-
-int rank_here() {
-  int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  return rank;
-}
-int rank_count() {
-  int size = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &size);
-  return size;
-}
 
 constexpr std::size_t longest = 4096;
 

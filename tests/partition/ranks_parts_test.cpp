@@ -10,6 +10,7 @@
 #include "partition/balance.hpp"
 #include "partition/migrate.hpp"
 #include "partition/partition.hpp"
+#include "partition/ranks.hpp"
 #include "small_worlds.hpp"
 #include "solve/colouring.hpp"
 #include "step_parts.hpp"
@@ -17,17 +18,6 @@
 namespace unibody::small_worlds {
 
 namespace {
-
-int rank_here() {
-  int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  return rank;
-}
-int rank_count() {
-  int size = 1;
-  MPI_Comm_size(MPI_COMM_WORLD, &size);
-  return size;
-}
 
 const std::string crowd = R"(
 bodies:
