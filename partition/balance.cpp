@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "constraints/constraint_types.hpp"
+#include "core/checked.hpp"
 #include "partition/partition.hpp"
 
 namespace unibody {
@@ -18,8 +19,8 @@ double mean_bounding_radius(MPI_Comm comm, const World& world, std::span<const P
   double sum[2] = {0, 0}, total[2] = {0, 0};
   for (std::size_t i = 0; i < world.homes; ++i)
     if (patches[i].group < 0) sum[0] += bounding_radius(world.properties[i].shape), sum[1] += 1;
-  MPI_Reduce(sum, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm);
-  MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm);
+  check_mpi(MPI_Reduce(sum, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm));
+  check_mpi(MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm));
   return total[1] > 0 ? total[0] / total[1] : 1;
 }
 
@@ -71,7 +72,7 @@ std::vector<PlaceLink> Balance::ties(const StepParts& parts) {
 std::vector<int> Balance::homes(const StepParts& parts) const {
   const World& world = parts.world;
   int ranks = 1;
-  MPI_Comm_size(comm_, &ranks);
+  check_mpi(MPI_Comm_size(comm_, &ranks));
   if (seed_) {
     std::vector<int> home(world.homes);
     for (std::size_t i = 0; i < world.homes; ++i) home[i] = random_home(world.id[i], *seed_, ranks);
@@ -88,12 +89,12 @@ std::vector<int> Balance::homes(const StepParts& parts) const {
 double Balance::imbalance(const StepParts& parts) {
   const World& world = parts.world;
   int ranks = 1;
-  MPI_Comm_size(comm_, &ranks);
+  check_mpi(MPI_Comm_size(comm_, &ranks));
   if (ranks == 1) return 1;
   const auto work = static_cast<std::int64_t>(work_of(parts));
   std::int64_t sums[3] = {work, static_cast<std::int64_t>(world.homes), static_cast<std::int64_t>(world.guests)}, most = work;
-  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, comm_);
-  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, comm_);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_INT64_T, MPI_SUM, comm_));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, comm_));
   imbalance_ = sums[0] > 0 ? static_cast<double>(most) * ranks / static_cast<double>(sums[0]) : 1;
   guest_share_ = sums[1] > 0 ? static_cast<double>(sums[2]) / static_cast<double>(sums[1]) : 0;
   if (fresh_) imbalance_then_ = imbalance_, guest_share_then_ = guest_share_, fresh_ = false;

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "constraints/constraint_batches.hpp"
+#include "core/checked.hpp"
 
 namespace unibody {
 
@@ -165,8 +166,8 @@ void Cut::run(std::span<const Traffic> traffic, std::span<T> values) const {
   const auto room_for = [&](const std::vector<Slot>& slots) { return std::exchange(next, next + bytes(slots)); };
   for (const Traffic& t : traffic)
     if (!by_mail(t, t.receive))
-      MPI_Irecv(room_for(t.receive), static_cast<int>(bytes(t.receive)), MPI_BYTE, t.rank, tag_exchange, comm(),
-                &requests_.emplace_back());
+      check_mpi(MPI_Irecv(room_for(t.receive), mpi_count(bytes(t.receive)), MPI_BYTE, t.rank, tag_exchange, comm(),
+                          &requests_.emplace_back()));
   for (const Traffic& t : traffic) {
     std::byte* const letter = by_mail(t, t.send) ? letters_.letter(t.rank) : room_for(t.send);
     auto* out = reinterpret_cast<Record*>(letter);
@@ -174,9 +175,9 @@ void Cut::run(std::span<const Traffic> traffic, std::span<T> values) const {
     if (by_mail(t, t.send))
       letters_.send(t.rank);
     else
-      MPI_Isend(letter, static_cast<int>(bytes(t.send)), MPI_BYTE, t.rank, tag_exchange, comm(), &requests_.emplace_back());
+      check_mpi(MPI_Isend(letter, mpi_count(bytes(t.send)), MPI_BYTE, t.rank, tag_exchange, comm(), &requests_.emplace_back()));
   }
-  MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
+  check_mpi(MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE));
   next = buffer_.data();
   for (const Traffic& t : traffic) {
     const std::byte* const letter = by_mail(t, t.receive) ? letters_.receive(t.rank) : room_for(t.receive);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/checked.hpp"
 #include "partition/messages.hpp"
 
 namespace unibody {
@@ -96,8 +97,8 @@ struct Halo::Guest {
 };
 
 Halo::Halo(MPI_Comm comm) : comm_(comm) {
-  MPI_Comm_rank(comm, &rank_);
-  MPI_Comm_size(comm, &size_);
+  check_mpi(MPI_Comm_rank(comm, &rank_));
+  check_mpi(MPI_Comm_size(comm, &size_));
 }
 
 Halo::~Halo() { destroy_vecs(); }
@@ -107,7 +108,7 @@ void Halo::reset(const World& world, const std::vector<Id>& wanted) {
   valid_ = placed_ = false;
   subscribed_.clear();
   std::int64_t any_wanted = static_cast<std::int64_t>(wanted.size());
-  if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &any_wanted, 1, MPI_INT64_T, MPI_SUM, comm_);
+  if (size_ > 1) check_mpi(MPI_Allreduce(MPI_IN_PLACE, &any_wanted, 1, MPI_INT64_T, MPI_SUM, comm_));
   if (size_ == 1 || any_wanted == 0) return;
   const auto ranks = static_cast<std::size_t>(size_);
   const auto keeper = [&](Id id) { return static_cast<std::size_t>(id) % ranks; };
@@ -128,7 +129,7 @@ void Halo::reset(const World& world, const std::vector<Id>& wanted) {
 
 void Halo::destroy_vecs() {
   for (Vec& v : vec_)
-    if (v) VecDestroy(&v);
+    if (v) check_petsc(VecDestroy(&v));
 }
 
 void Halo::make_vecs(World& world, const std::vector<PetscInt>& guest_global) {
@@ -136,7 +137,8 @@ void Halo::make_vecs(World& world, const std::vector<PetscInt>& guest_global) {
   const auto homes = static_cast<PetscInt>(world.homes);
   const auto guests = static_cast<PetscInt>(guest_global.size());
   const auto make = [&](Field field, PetscInt block, double* array) {
-    VecCreateGhostBlockWithArray(comm_, block, block * homes, PETSC_DECIDE, guests, guest_global.data(), array, &vec_[field]);
+    check_petsc(VecCreateGhostBlockWithArray(comm_, block, block * homes, PETSC_DECIDE, guests, guest_global.data(), array,
+                                             &vec_[field]));
   };
   // PETSc takes a null array as "allocate your own": an empty rank gives it the address of something.
   static double nothing[4];
@@ -150,7 +152,7 @@ void Halo::make_vecs(World& world, const std::vector<PetscInt>& guest_global) {
 void Halo::refresh_guests(World& world, const CollideSettings& settings, Surfaces* surfaces) {
   if (valid_) update_guests();
   int valid = valid_ && still_valid(world, settings, surfaces);
-  if (size_ > 1) MPI_Allreduce(MPI_IN_PLACE, &valid, 1, MPI_INT, MPI_MIN, comm_);
+  if (size_ > 1) check_mpi(MPI_Allreduce(MPI_IN_PLACE, &valid, 1, MPI_INT, MPI_MIN, comm_));
   if (valid) return;
   find_guests(world, settings, surfaces);
   valid_ = true;
@@ -165,15 +167,15 @@ void Halo::refresh_partners(World& world) {
 void Halo::update_guests() {
   if (size_ == 1) return;
   for (Vec v : vec_)
-    if (v) VecGhostUpdateBegin(v, INSERT_VALUES, SCATTER_FORWARD);
+    if (v) check_petsc(VecGhostUpdateBegin(v, INSERT_VALUES, SCATTER_FORWARD));
   for (Vec v : vec_)
-    if (v) VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD);
+    if (v) check_petsc(VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD));
 }
 
 void Halo::update(Field field) const {
   if (size_ == 1) return;
-  VecGhostUpdateBegin(vec_[field], INSERT_VALUES, SCATTER_FORWARD);
-  VecGhostUpdateEnd(vec_[field], INSERT_VALUES, SCATTER_FORWARD);
+  check_petsc(VecGhostUpdateBegin(vec_[field], INSERT_VALUES, SCATTER_FORWARD));
+  check_petsc(VecGhostUpdateEnd(vec_[field], INSERT_VALUES, SCATTER_FORWARD));
 }
 
 // What the home bodies may touch in a step; with a skin, so that it holds for some steps.
@@ -201,7 +203,7 @@ bool Halo::still_valid(const World& world, const CollideSettings& settings, cons
 std::int64_t Halo::first_global(const World& world) const {
   const auto homes = static_cast<std::int64_t>(world.homes);
   std::int64_t first = 0;
-  MPI_Exscan(&homes, &first, 1, MPI_INT64_T, MPI_SUM, comm_);
+  check_mpi(MPI_Exscan(&homes, &first, 1, MPI_INT64_T, MPI_SUM, comm_));
   return rank_ == 0 ? 0 : first;
 }
 
@@ -228,7 +230,7 @@ void Halo::place_guests(World& world, std::vector<Guest> guests) {
   };
   const bool stay = placed_ && guests.size() == world.guests && std::all_of(guests.begin(), guests.end(), is_old);
   int all_stay = stay;
-  MPI_Allreduce(MPI_IN_PLACE, &all_stay, 1, MPI_INT, MPI_MIN, comm_);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &all_stay, 1, MPI_INT, MPI_MIN, comm_));
   if (all_stay) return;
   if (!stay) put_guests(world, guests);
   std::vector<PetscInt> global(guests.size());
@@ -266,14 +268,14 @@ void Halo::find_guests(World& world, const CollideSettings& settings, Surfaces* 
     for (const Bounds& b : registered_) sizes[0] += (b.upper - b.lower).maxCoeff();
     // The cell edge, the mean size of the bounds, only sets the price: a body of common size touches at most eight cells.
     double total[2] = {0, 0};
-    MPI_Reduce(sizes, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm_);  // inexact, and harmless: no result depends on it,
-    MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm_);                   // as long as every rank has the same
+    check_mpi(MPI_Reduce(sizes, total, 2, MPI_DOUBLE, MPI_SUM, 0, comm_));  // inexact, and harmless: no result depends on it,
+    check_mpi(MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm_));                   // as long as every rank has the same
     const double cell = std::max(1e-6, total[0] / std::max(1.0, total[1]));
 
     Bounds all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
     for (const Bounds& b : registered_) all.lower = all.lower.cwiseMin(b.lower), all.upper = all.upper.cwiseMax(b.upper);
     std::vector<Bounds> everyone(static_cast<std::size_t>(size_));
-    MPI_Allgather(&all, sizeof(Bounds), MPI_BYTE, everyone.data(), sizeof(Bounds), MPI_BYTE, comm_);
+    check_mpi(MPI_Allgather(&all, sizeof(Bounds), MPI_BYTE, everyone.data(), sizeof(Bounds), MPI_BYTE, comm_));
     std::vector<int> neighbours;
     for (int r = 0; r < size_; ++r)
       if (r != rank_ && (overlap(all, everyone[static_cast<std::size_t>(r)]) || subscribed_.contains(r))) neighbours.push_back(r);

@@ -4,6 +4,7 @@
 #include <numeric>
 #include <type_traits>
 
+#include "core/checked.hpp"
 #include "partition/messages.hpp"
 
 namespace unibody {
@@ -39,8 +40,8 @@ Multipliers keep_own(const World& world, const Multipliers& all) {
 
 void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<const int> home) {
   int rank = 0, size = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &size);
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  check_mpi(MPI_Comm_size(comm, &size));
   const auto ranks = static_cast<std::size_t>(size);
 
   // A pair's multipliers go wherever one of its bodies goes.

@@ -3,13 +3,17 @@
 #include <metis.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <unordered_map>
 
+#include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "partition/bisection.hpp"
 #include "partition/messages.hpp"
 
 namespace unibody {
@@ -79,18 +83,29 @@ Links links_between(const std::vector<Cell>& cells, std::span<const CellLink> li
   return result;
 }
 
+// METIS adds up the weights of all nodes and of all edges as idx_t, without looking whether they fit. So the weights are whole
+// multiples of a unit so large that the sums stay below this; at least 1, which few cells come to.
+constexpr double most_weight = 1 << 28;
+
+std::vector<idx_t> in_units(std::span<const double> weights, double unit) {
+  std::vector<idx_t> whole;
+  for (const double w : weights) whole.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(w / unit))));
+  return whole;
+}
+
 Graph graph_of(const std::vector<Cell>& cells, const Links& links) {
   Graph g;
-  const float heaviest =
-      std::max_element(cells.begin(), cells.end(), [](auto& a, auto& b) { return a.weight < b.weight; })->weight;
-  const float unit = std::max(1e-30f, heaviest / 1000);
-  for (const Cell& c : cells) g.node_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(c.weight / unit))));
+  std::vector<double> node_weight, edge_weight;
+  for (const Cell& c : cells) node_weight.push_back(c.weight);
+  const double total = std::accumulate(node_weight.begin(), node_weight.end(), 0.0);
+  const double heaviest = *std::max_element(node_weight.begin(), node_weight.end());
+  const double unit = std::max({1e-30, heaviest / 1000, total / most_weight});
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::size_t first = g.neighbour.size();
     g.begin.push_back(static_cast<idx_t>(first));
     for (auto it = links.lower_bound({i, 0}); it != links.end() && it->first.first == i; ++it) {
       g.neighbour.push_back(static_cast<idx_t>(it->first.second));
-      g.edge_weight.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(it->second / unit))));
+      edge_weight.push_back(it->second);
     }
     if (cells[i].z == patch_layer) continue;
     for (int axis = 0; axis < 3; ++axis)
@@ -100,31 +115,44 @@ Graph graph_of(const std::vector<Cell>& cells, const Links& links) {
         const auto it = std::lower_bound(cells.begin(), cells.end(), other, before);
         if (it == cells.end() || !same_place(*it, other)) continue;
         const auto j = static_cast<std::size_t>(it - cells.begin());
-        const idx_t weight = std::min(g.node_weight[i], g.node_weight[j]);
+        const double weight = std::min(node_weight[i], node_weight[j]);
         const auto linked =
             std::find(g.neighbour.begin() + static_cast<std::ptrdiff_t>(first), g.neighbour.end(), static_cast<idx_t>(j));
         if (linked != g.neighbour.end()) {
-          g.edge_weight[static_cast<std::size_t>(linked - g.neighbour.begin())] += weight;
+          edge_weight[static_cast<std::size_t>(linked - g.neighbour.begin())] += weight;
           continue;
         }
         g.neighbour.push_back(static_cast<idx_t>(j));
-        g.edge_weight.push_back(weight);
+        edge_weight.push_back(weight);
       }
   }
   g.begin.push_back(static_cast<idx_t>(g.neighbour.size()));
+  g.node_weight = in_units(node_weight, unit);
+  const double all_edges = std::accumulate(edge_weight.begin(), edge_weight.end(), 0.0);
+  g.edge_weight = in_units(edge_weight, std::max(unit, all_edges / most_weight));
   return g;
 }
 
-std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const CellLink> links, int ranks) {
-  std::vector<idx_t> part(cells.size());
-  if (cells.size() <= static_cast<std::size_t>(ranks)) {  // METIS wants more nodes than parts
-    std::iota(part.begin(), part.end(), 0);
-    return part;
+// Whether a part weighs more than twice the mean and a cell beside, which no balanced cut needs.
+bool is_lopsided(const std::vector<Cell>& cells, std::span<const idx_t> part, int ranks) {
+  std::vector<double> load(static_cast<std::size_t>(ranks), 0);
+  double total = 0, heaviest = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    load[static_cast<std::size_t>(part[i])] += cells[i].weight;
+    total += cells[i].weight, heaviest = std::max<double>(heaviest, cells[i].weight);
   }
+  return *std::max_element(load.begin(), load.end()) > 2 * total / ranks + heaviest;
+}
+
+std::vector<idx_t> cut_by_metis(const std::vector<Cell>& cells, std::span<const CellLink> links, int ranks) {
+  std::vector<idx_t> part(cells.size());
+  // Six neighbours a cell, and the ends of each link, are numbered by idx_t.
+  if (6 * cells.size() + 2 * links.size() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max()))
+    throw RunError(std::to_string(cells.size()) + " cells are more than METIS can number");
   Graph g = graph_of(cells, links_between(cells, links));
   auto nodes = static_cast<idx_t>(cells.size());
   idx_t constraints = 1, parts = ranks, edge_cut = 0, options[METIS_NOPTIONS];
-  METIS_SetDefaultOptions(options);
+  if (METIS_SetDefaultOptions(options) != METIS_OK) throw RunError("METIS has no default options");
   options[METIS_OPTION_SEED] = 1;
   options[METIS_OPTION_UFACTOR] = 10;  // 1 % imbalance
   options[METIS_OPTION_NCUTS] = 4;
@@ -134,6 +162,27 @@ std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const CellLink>
   if (status != METIS_OK)
     throw RunError("METIS failed with status " + std::to_string(status) + " on a graph of " + std::to_string(cells.size()) +
                    " cells");
+  if (is_lopsided(cells, part, ranks)) throw RunError("METIS leaves a part with more than twice its share of the work");
+  return part;
+}
+
+// No result depends on how the bodies are cut: where METIS fails the run goes on with a plainer cut, and says so.
+std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const CellLink> links, int ranks) {
+  std::vector<idx_t> part(cells.size());
+  if (cells.size() <= static_cast<std::size_t>(ranks)) {  // METIS wants more nodes than parts
+    std::iota(part.begin(), part.end(), 0);
+    return part;
+  }
+  try {
+    return cut_by_metis(cells, links, ranks);
+  } catch (const RunError& error) {
+    std::fprintf(stderr, "unibody: %s: the bodies are divided among the ranks by planes instead\n", error.what());
+  }
+  std::vector<std::array<std::int32_t, 3>> places;
+  std::vector<float> weights;
+  for (const Cell& c : cells) places.push_back({c.x, c.y, c.z}), weights.push_back(c.weight);
+  const std::vector<int> parts = bisect(places, weights, ranks);
+  std::copy(parts.begin(), parts.end(), part.begin());
   return part;
 }
 
@@ -166,8 +215,8 @@ std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions
                                   std::span<const Patch> patches, std::span<const PatchLink> links,
                                   std::span<const PlaceLink> joints) {
   int rank = 0, size = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &size);
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  check_mpi(MPI_Comm_size(comm, &size));
   if (size == 1) return std::vector<int>(positions.size(), 0);
 
   const auto cell = [&](std::size_t i) {
@@ -189,25 +238,17 @@ std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions
   std::vector<CellLink> all_links;
   for (const auto& list : exchange_all(comm, links_to, tag_links)) all_links.insert(all_links.end(), list.begin(), list.end());
 
-  int failed = 0;
-  std::string why;
   if (rank == 0 && !all.empty()) {
-    try {
-      all = merge(std::move(all));
-      std::vector<idx_t> part = cut(all, all_links, size);
-      rename_parts(all, part, size);
-      for (std::size_t i = 0; i < all.size(); ++i) all[i].owner = static_cast<std::int32_t>(part[i]);
-    } catch (const RunError& error) {
-      failed = 1, why = error.what();
-    }
+    all = merge(std::move(all));
+    std::vector<idx_t> part = cut(all, all_links, size);
+    rename_parts(all, part, size);
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].owner = static_cast<std::int32_t>(part[i]);
   }
-  MPI_Bcast(&failed, 1, MPI_INT, 0, comm);
-  if (failed) throw RunError(why.empty() ? "the partition failed on rank 0" : why);
   auto count = static_cast<std::int64_t>(all.size());
-  MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm);
+  check_mpi(MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm));
   all.resize(static_cast<std::size_t>(count));
   const RecordType type(sizeof(Cell));
-  MPI_Bcast(all.data(), static_cast<int>(count), type, 0, comm);
+  check_mpi(MPI_Bcast(all.data(), mpi_count(all.size()), type, 0, comm));
 
   std::vector<int> home(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) home[i] = std::lower_bound(all.begin(), all.end(), cell(i), before)->owner;

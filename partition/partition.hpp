@@ -2,8 +2,9 @@
 //
 // METIS cuts a small graph whose nodes are cells of space for loose bodies and patches of nodes for cloths, threads and solids,
 // weighted by the measured cost of the bodies in them. It is solved on one rank and broadcast; a body's home is then its cell's
-// part. No result depends on it, so it may be as approximate as it likes; the price of cells is a cut one cell rough. Parts may
-// be empty: fewer cells than ranks, or no bodies at all, are legal.
+// part. Where METIS fails, or leaves a part with more than twice its share, the cells are cut by planes (bisection.hpp) and the
+// run says so. No result depends on the partition, so it may be as approximate as it likes; the price of cells is a cut one cell
+// rough. Parts may be empty: fewer cells than ranks, or no bodies at all, are legal.
 #pragma once
 
 #include <mpi.h>

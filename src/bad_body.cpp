@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "report/measure.hpp"
 
@@ -77,15 +78,15 @@ void stop_if_not_finite(MPI_Comm comm, const Scene& scene, const Simulation& sim
   const Id bad = first_bad_body(comm, simulation.world);
   if (bad < 0) return;
   int rank = 0, teller = 0;  // rank 0 tells of a kinematic body, which is home nowhere
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   const auto homes_end = simulation.world.id.begin() + static_cast<std::ptrdiff_t>(simulation.world.homes);
   if (std::binary_search(simulation.world.id.begin(), homes_end, bad)) teller = rank;  // it knows all that acts on the body
-  MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MAX, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &teller, 1, MPI_INT, MPI_MAX, comm));
   std::array<char, 512> text{};
   std::string when = "frame " + std::to_string(frame);
   if (scene.time.substeps > 1) when += ", step " + std::to_string(substep + 1) + " of " + std::to_string(scene.time.substeps);
   if (teller == rank) describe(scene, simulation, bad, when).copy(text.data(), text.size() - 1);
-  MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, teller, comm);
+  check_mpi(MPI_Bcast(text.data(), static_cast<int>(text.size()), MPI_CHAR, teller, comm));
   throw RunError(text.data());
 }
 

@@ -3,14 +3,15 @@
 #include <algorithm>
 
 #include "constraints/constraint_types.hpp"
+#include "core/checked.hpp"
 #include "solve/free_motion.hpp"
 
 namespace unibody {
 
 World build_world(MPI_Comm comm, const Scene& scene) {
   int rank = 0, size = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &size);
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  check_mpi(MPI_Comm_size(comm, &size));
   const Id count = scene.body_count();
   const Id begin = count * rank / size, end = count * (rank + 1) / size;
 

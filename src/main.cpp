@@ -2,7 +2,9 @@
 
 #include <cstdio>
 
+#include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "core/hdf5.hpp"
 #include "options.hpp"
 #include "run.hpp"
 
@@ -30,10 +32,11 @@ int guarded_run(int argc, char** argv, int rank) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  MPI_Init(&argc, &argv);
+  unibody::h5::leave_out_shared_file_pointers();
+  unibody::check_mpi(MPI_Init(&argc, &argv));
   int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  unibody::check_mpi(MPI_Comm_rank(MPI_COMM_WORLD, &rank));
   const int code = guarded_run(argc, argv, rank);
-  MPI_Finalize();
+  unibody::check_mpi(MPI_Finalize());
   return code;
 }

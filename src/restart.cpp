@@ -1,9 +1,13 @@
 #include "restart.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "build.hpp"
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
+#include "core/errors.hpp"
 #include "report/checkpoint.hpp"
 
 namespace unibody {
@@ -80,6 +84,23 @@ std::string physics_of(const Scene& scene) {
   return text.str();
 }
 
+// What a body is does not change in a run: the file must say what the scene does. Its reals may have come from another machine's
+// sines and roots.
+void check_same_body(const std::string& path, const Body& body, const Body& of_scene) {
+  const BodyProperties &p = body.properties, &q = of_scene.properties;
+  const auto near = [](const Vec3& a, const Vec3& b) { return (a - b).norm() <= 1e-9 * (a.norm() + b.norm()); };
+  const char* other = nullptr;
+  if (p.shape.kind != q.shape.kind || p.shape.data != q.shape.data || !near(p.shape.size, q.shape.size)) other = "shape";
+  if (p.motion != q.motion) other = "motion";
+  if (p.material != q.material) other = "material";
+  if (p.group != q.group) other = "group";
+  if (!near(p.force, q.force) || !near(p.torque, q.torque)) other = "force or torque";
+  if (q.is_dynamic() && (std::abs(p.mass - q.mass) > 1e-9 * q.mass || !near(p.inertia, q.inertia))) other = "mass or inertia";
+  if (other != nullptr)
+    throw InputError("'" + path + "' is damaged: body " + std::to_string(body.id) + " has another " + other +
+                     " than in the scene");
+}
+
 }  // namespace
 
 std::string mark_of(const Scene& scene, bool with_settings) {
@@ -88,24 +109,33 @@ std::string mark_of(const Scene& scene, bool with_settings) {
 
 std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, Simulation& simulation) {
   const Checkpoint checkpoint(comm, options.restart, mark_of(scene, !options.other_settings));
+  if (checkpoint.body_count() != scene.body_count())
+    throw InputError("'" + options.restart + "' is damaged: found " + std::to_string(checkpoint.body_count()) +
+                     " bodies, expected the scene's " + std::to_string(scene.body_count()));
   int rank = 0, size = 1;
-  MPI_Comm_rank(comm, &rank);
-  MPI_Comm_size(comm, &size);
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  check_mpi(MPI_Comm_size(comm, &size));
   const Id begin = checkpoint.body_count() * rank / size, end = checkpoint.body_count() * (rank + 1) / size;
   std::vector<Body> homes, statics;
-  for (const BodyGroup& group : scene.groups) {
-    const Id first = group.is_static ? group.first : std::max(group.first, begin);
-    const Id last = group.is_static ? group.first + group.count : std::min(group.first + group.count, end);
-    if (first >= last) continue;
-    auto& to = group.is_static ? statics : homes;
-    const auto bodies = checkpoint.read_bodies(first, last);
-    to.insert(to.end(), bodies.begin(), bodies.end());
-  }
+  agree<InputError>(comm, "", [&] {
+    for (const BodyGroup& group : scene.groups) {
+      const Id first = group.is_static ? group.first : std::max(group.first, begin);
+      const Id last = group.is_static ? group.first + group.count : std::min(group.first + group.count, end);
+      if (first >= last) continue;
+      auto& to = group.is_static ? statics : homes;
+      for (const Body& body : checkpoint.read_bodies(first, last)) {
+        check_same_body(options.restart, body, group.make(body.id - group.first));
+        to.push_back(body);
+      }
+    }
+  });
   simulation.world = make_world(homes, statics, scene.has_rotations());
   simulation.multipliers = checkpoint.read_multipliers(simulation.world);
   simulation.make_constraints();
-  simulation.constraint_multipliers = checkpoint.read_constraint_multipliers(simulation.constraints);
-  simulation.joint_impulses = checkpoint.read_joint_impulses(simulation.joints);
+  agree<InputError>(comm, "", [&] {
+    simulation.constraint_multipliers = checkpoint.read_constraint_multipliers(simulation.constraints);
+    simulation.joint_impulses = checkpoint.read_joint_impulses(simulation.joints);
+  });
   return checkpoint.frame();
 }
 

@@ -11,10 +11,12 @@
 
 #include "bad_body.hpp"
 #include "build.hpp"
+#include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/memory.hpp"
 #include "core/phases.hpp"
 #include "partition/balance.hpp"
+#include "petsc_session.hpp"
 #include "report/checkpoint.hpp"
 #include "report/elastic_energy.hpp"
 #include "report/fclib_file.hpp"
@@ -34,27 +36,6 @@ namespace unibody {
 
 namespace {
 
-// PETSc from here to there, with the options that are its own.
-class PetscSession {
- public:
-  explicit PetscSession(const std::vector<std::string>& options) {
-    words_ = {"unibody"};
-    words_.insert(words_.end(), options.begin(), options.end());
-    for (std::string& word : words_) argv_.push_back(word.data());
-    argv_.push_back(nullptr);
-    int argc = static_cast<int>(words_.size());
-    char** argv = argv_.data();
-    if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) throw InputError("PETSc does not take its options: see above");
-  }
-  ~PetscSession() { PetscFinalize(); }
-  PetscSession(const PetscSession&) = delete;
-  PetscSession& operator=(const PetscSession&) = delete;
-
- private:
-  std::vector<std::string> words_;
-  std::vector<char*> argv_;
-};
-
 // Where the wall time of a frame went, the slowest rank's figure for each phase.
 class FrameTimes {
  public:
@@ -65,7 +46,7 @@ class FrameTimes {
     std::array<double, phase_names.size()> spent = clock_.seconds();
     for (std::size_t i = 0; i < spent.size(); ++i) spent[i] -= before_[i];
     before_ = clock_.seconds();
-    MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_);
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_));
     for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
     const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
     report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
@@ -111,10 +92,10 @@ void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std
 // Whether there was anything to write.
 bool dump_problem(MPI_Comm comm, const Scene& scene, const Options& options, std::int64_t frame, const ContactProblem& problem) {
   int contacts = static_cast<int>(problem.contacts.size());
-  MPI_Bcast(&contacts, 1, MPI_INT, 0, comm);
+  check_mpi(MPI_Bcast(&contacts, 1, MPI_INT, 0, comm));
   if (contacts == 0) {
     int rank = 0;
-    MPI_Comm_rank(comm, &rank);
+    check_mpi(MPI_Comm_rank(comm, &rank));
     if (rank == 0)
       std::fprintf(stderr, "unibody: -dump_fclib: frame %lld has no contacts: no file\n", static_cast<long long>(frame));
     return false;
@@ -122,6 +103,15 @@ bool dump_problem(MPI_Comm comm, const Scene& scene, const Options& options, std
   const std::string text = "Unibody, last step of frame " + std::to_string(frame) + " of " + scene.path;
   write_fclib(comm, options.dump_fclib, problem, scene.title, text);
   return true;
+}
+
+// The global vectors hold four numbers a body at most, which PETSc counts as PetscInt.
+void check_petsc_counts(const Scene& scene) {
+  constexpr Id most = PETSC_MAX_INT / 4;
+  if (scene.body_count() > most)
+    throw InputError(scene.path + ": found " + std::to_string(scene.body_count()) + " bodies, expected at most " +
+                     std::to_string(most) + ": this PETSc counts with " + std::to_string(8 * sizeof(PetscInt)) +
+                     " bits (one that was built with --with-64-bit-indices counts further)");
 }
 
 // A run, from the scene to its last frame. All members are collective.
@@ -134,7 +124,7 @@ class Run {
         simulation_(comm, scene, clock_, options.shared_memory),
         balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups),
         times_(comm, clock_) {
-    MPI_Comm_rank(comm, &rank_);
+    check_mpi(MPI_Comm_rank(comm, &rank_));
   }
 
   // Returns the hash of the last state.
@@ -329,14 +319,14 @@ void Run::finish() {
 // The memory of each machine shared among its ranks; the least share counts, as all ranks make as many bodies.
 Room room_of(MPI_Comm comm) {
   MPI_Comm machine = MPI_COMM_NULL;
-  MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+  check_mpi(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
   Room room;
   int neighbours = 1;
-  MPI_Comm_size(machine, &neighbours);
-  MPI_Comm_free(&machine);
-  MPI_Comm_size(comm, &room.ranks);
+  check_mpi(MPI_Comm_size(machine, &neighbours));
+  check_mpi(MPI_Comm_free(&machine));
+  check_mpi(MPI_Comm_size(comm, &room.ranks));
   room.bytes = std::min(bytes_of_machine() / neighbours, bytes_of_process());
-  MPI_Allreduce(MPI_IN_PLACE, &room.bytes, 1, MPI_DOUBLE, MPI_MIN, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &room.bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
   return room;
 }
 
@@ -345,8 +335,8 @@ Room room_of(MPI_Comm comm) {
 long long bodies_in_scene = 0;
 void out_of_memory() {
   int rank = 0, size = 1;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  check_mpi(MPI_Comm_rank(MPI_COMM_WORLD, &rank));
+  check_mpi(MPI_Comm_size(MPI_COMM_WORLD, &size));
   std::fprintf(stderr,
                "unibody: rank %d: out of memory, with %lld bodies on %d rank%s: fewer bodies or more machines are needed\n", rank,
                bodies_in_scene, size, size == 1 ? "" : "s");
@@ -357,7 +347,7 @@ void out_of_memory() {
 
 int run(MPI_Comm comm, const Options& options) {
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   if (options.help) {
     if (rank == 0) std::fputs(help_text().c_str(), stdout);
     return 0;
@@ -366,7 +356,7 @@ int run(MPI_Comm comm, const Options& options) {
   const Scene scene = read_scene(options.scene, options.overrides, room_of(comm));
   bodies_in_scene = scene.body_count();
   int size = 1;
-  MPI_Comm_size(comm, &size);
+  check_mpi(MPI_Comm_size(comm, &size));
   if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential && size > 1)
     throw InputError(scene.path + ": key 'solver.order': found sequential on " + std::to_string(size) +
                      " ranks, expected coloured (a sequential sweep runs on one rank only)");
@@ -377,8 +367,10 @@ int run(MPI_Comm comm, const Options& options) {
     for (const std::string& note : scene.notes) std::printf("%s\n", note.c_str());
   std::uint64_t hash = 0;
   {
-    const PetscSession petsc(options.petsc);
+    const PetscSession petsc(comm, options.petsc);
+    check_petsc_counts(scene);
     hash = Run(comm, scene, options).simulate();
+    petsc.name_unused_options();
   }
   if (rank == 0) std::printf("state %016llx\n", static_cast<unsigned long long>(hash));
   return 0;

@@ -9,6 +9,7 @@
 #include "build.hpp"
 #include "constraints/constraint_batches.hpp"
 #include "constraints/friction.hpp"
+#include "core/checked.hpp"
 #include "core/room.hpp"
 #include "partition/migrate.hpp"
 #include "partition/migrate_constraints.hpp"
@@ -22,6 +23,7 @@ Simulation::Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock, boo
       clock_(clock),
       halo_(comm),
       cut_(halo_, clock, shares_memory ? Cut::usual_letter : 0),
+      shares_memory_(shares_memory),
       surfaces_(scene.surfaces),
       drag_(scene),
       solver_(find_solver(scene.solver.name)),
@@ -43,7 +45,7 @@ Simulation::~Simulation() = default;
 void Simulation::resolve_automatic_settings() {
   double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < world.homes; ++i) smallest = std::min(smallest, smallest_size(world.properties[i].shape));
-  MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, halo_.comm());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, halo_.comm()));
   const SolverSettings& set = scene_.solver;
   const auto resolve = [](double value, double automatic) { return value >= 0 ? value : automatic; };
   tolerance_ = resolve(set.tolerance, std::isfinite(smallest) ? automatic_tolerance * smallest : 0);
@@ -128,8 +130,8 @@ void Simulation::make_constraints() {
   for_each_type(constraints, [&](auto type, const auto& list) {
     for (const auto& constraint : list) colours_[type.value] = std::max(colours_[type.value], constraint.colour + 1);
   });
-  MPI_Allreduce(MPI_IN_PLACE, colours_.data(), static_cast<int>(colours_.size()), MPI_INT32_T, MPI_MAX, halo_.comm());
-  MPI_Allreduce(MPI_IN_PLACE, &constraints_of_all_, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, colours_.data(), static_cast<int>(colours_.size()), MPI_INT32_T, MPI_MAX, halo_.comm()));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &constraints_of_all_, 1, MPI_INT64_T, MPI_SUM, halo_.comm()));
   built_version_ = -1;
   constraints_made_ = true;
 }

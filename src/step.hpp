@@ -50,7 +50,7 @@ struct StepReport {
 class Simulation {
  public:
   // shares_memory: ranks of one node exchange through memory that they share (partition/mailboxes.hpp). No result depends on it.
-  Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock, bool shares_memory = true);
+  Simulation(MPI_Comm comm, const Scene& scene, PhaseClock& clock, bool shares_memory);
   ~Simulation();
 
   // Takes the simulation one step of time.step / time.substeps further.
@@ -148,6 +148,7 @@ class Simulation {
   PhaseClock& clock_;
   Halo halo_;
   Cut cut_;
+  const bool shares_memory_;
   CollideSettings collide_settings_;
   Surfaces surfaces_;
   Drag drag_;

@@ -123,7 +123,7 @@ bool Simulation::has_other_reference() const {
 ConvergedStep Simulation::solve_anew(const SolvedStep& solved) const {
   const Scene scene = scene_of_reference();
   PhaseClock clock;
-  Simulation other(halo_.comm(), scene, clock);
+  Simulation other(halo_.comm(), scene, clock, shares_memory_);
   std::vector<Body> homes, statics;
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (!world.is_home(static_cast<Slot>(i)) && !world.is_static(static_cast<Slot>(i))) continue;

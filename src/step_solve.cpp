@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "constraints/constraint_batches.hpp"
+#include "core/checked.hpp"
 #include "solve/free_motion.hpp"
 #include "solve/friction_postprocess.hpp"
 #include "solve/recall.hpp"
@@ -344,7 +345,7 @@ StepReport Simulation::solve(const StepWishes& wishes) {
   remember(multipliers, world, contacts, impulses, step_);
   if (constraints_of_all_ > 0) constraint_batches_->get_multipliers(constraint_multipliers, constraints);
   joint_batch_.get_impulses(joint_impulses);
-  if (!is_alone()) MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm());
+  if (!is_alone()) check_mpi(MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, halo_.comm()));
   if (wishes.error) report.error = estimate_error(solved);
   return report;
 }
@@ -387,7 +388,7 @@ StepReport Simulation::solve_by_newton() {
 
 bool Simulation::any_over_ranks(bool here) const {
   int any = here;
-  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, halo_.comm());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, halo_.comm()));
   return any != 0;
 }
 
@@ -408,7 +409,7 @@ void Simulation::measure_solution(StepReport& report, double left_by_velocities)
   if (has_attachments()) of_attachments = system_.attachment_rows.residual(system_.bodies);
   if (has_joints()) of_joints = joint_batch_.residual(system_.bodies);
   of_contacts = std::max(contact_residual(), left_by_velocities);
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, halo_.comm());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, halo_.comm()));
   std::copy_n(largest.begin(), types, report.constraint_residuals.begin());
   report.attachment_residual = of_attachments, report.joint_residual = of_joints;
   report.residual = *std::ranges::max_element(largest);

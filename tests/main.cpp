@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
+#include "core/hdf5.hpp"
+
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  PetscInitialize(&argc, &argv, nullptr, nullptr);
+  unibody::h5::leave_out_shared_file_pointers();
+  if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 3;
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank != 0) {

@@ -67,7 +67,7 @@ Scene scene_from_text(const std::string& text) { return scene_from(text); }
 
 Experiment::Experiment(Scene s, MPI_Comm comm)
     : scene(std::make_unique<Scene>(std::move(s))), clock(std::make_unique<PhaseClock>()) {
-  simulation = std::make_unique<Simulation>(comm, *scene, *clock);
+  simulation = std::make_unique<Simulation>(comm, *scene, *clock, true);
   simulation->world = build_world(comm, *scene);
   simulation->resolve_automatic_settings();
 }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/checked.hpp"
+
 namespace unibody {
 
 namespace {
@@ -94,7 +96,7 @@ std::vector<double> all_sums(MPI_Comm comm, std::span<const ExactSum> sums) {
     packed.insert(packed.end(), sum.specials_.begin(), sum.specials_.end());
   }
   // A sum of integers: exact in any order. Settled limbs leave room for 2^31 ranks.
-  MPI_Allreduce(MPI_IN_PLACE, packed.data(), static_cast<int>(packed.size()), MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, packed.data(), static_cast<int>(packed.size()), MPI_INT64_T, MPI_SUM, comm));
   std::vector<double> values;
   for (std::size_t s = 0; s < sums.size(); ++s) {
     ExactSum total;

@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <string_view>
 
@@ -19,7 +20,14 @@ class Hash {
   Hash& add(double x) { return add(std::bit_cast<std::uint64_t>(x)); }  // tells -0 from 0
   Hash& add(std::string_view text) {
     add(static_cast<std::uint64_t>(text.size()));
-    for (std::size_t k = 0; k < text.size(); k += 8) {
+    std::size_t k = 0;
+    if constexpr (std::endian::native == std::endian::little)
+      for (; k + 8 <= text.size(); k += 8) {
+        std::uint64_t word;
+        std::memcpy(&word, text.data() + k, 8);
+        add(word);
+      }
+    for (; k < text.size(); k += 8) {
       std::uint64_t word = 0;
       for (std::size_t c = k; c < text.size() && c < k + 8; ++c)
         word |= std::uint64_t{static_cast<unsigned char>(text[c])} << 8 * (c - k);

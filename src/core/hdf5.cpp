@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <stdexcept>
 
 namespace unibody::h5 {
 
-namespace {
-
 void check(herr_t result, const std::string& what) {
   if (result < 0) throw std::runtime_error("HDF5: cannot " + what);
 }
+
+namespace {
 
 Handle file_access(MPI_Comm comm) {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make a property list");
@@ -23,17 +24,19 @@ Handle file_access(MPI_Comm comm) {
 Handle row_space(hid_t dataset, hsize_t first, hsize_t count) {
   Handle space(H5Dget_space(dataset), H5Sclose, "get a data space");
   if (count == 0) return check(H5Sselect_none(space), "select rows"), std::move(space);
-  std::array<hsize_t, 2> start{first, 0}, extent{};
-  H5Sget_simple_extent_dims(space, extent.data(), nullptr);
-  extent[0] = count;
+  std::vector<hsize_t> extent = dimensions(dataset), start(extent.size(), 0);
+  if (extent.empty()) throw std::runtime_error("HDF5: a data set without rows");
+  start[0] = first, extent[0] = count;
   check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start.data(), nullptr, extent.data(), nullptr), "select rows");
   return space;
 }
 
 Handle memory_space(hid_t file_space) {
-  const auto count = static_cast<hsize_t>(H5Sget_select_npoints(file_space));
+  const hssize_t selected = H5Sget_select_npoints(file_space);
+  check(selected < 0 ? -1 : 0, "count what is selected");
+  const auto count = static_cast<hsize_t>(selected);
   Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose, "make a data space");
-  if (count == 0) H5Sselect_none(space);
+  if (count == 0) check(H5Sselect_none(space), "select nothing");
   return space;
 }
 
@@ -43,8 +46,19 @@ void write_scalar(hid_t object, const std::string& name, hid_t type, hid_t memor
   check(H5Awrite(attribute, memory_type, value), "write attribute " + name);
 }
 
-Handle open_attribute(hid_t object, const std::string& name) {
-  return Handle(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "find attribute " + name);
+// An attribute that holds one value of that class.
+Handle open_attribute(hid_t object, const std::string& name, H5T_class_t kind, const std::string& expected) {
+  Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "find attribute " + name);
+  const Handle space(H5Aget_space(attribute), H5Sclose, "get a data space"), type(H5Aget_type(attribute), H5Tclose, "get a type");
+  if (H5Sget_simple_extent_type(space) != H5S_SCALAR || H5Tget_class(type) != kind)
+    throw std::runtime_error("attribute " + name + " is not " + expected);
+  return attribute;
+}
+
+std::string bracketed(const std::vector<hsize_t>& extent) {
+  std::string text;
+  for (const hsize_t n : extent) text.append(text.empty() ? "" : ", ").append(std::to_string(n));
+  return "[" + text + "]";
 }
 
 }  // namespace
@@ -55,16 +69,19 @@ Handle::Handle(hid_t id, Close closer, const std::string& what) : id_(id), close
 
 herr_t Handle::close() { return id_ < 0 ? 0 : close_(std::exchange(id_, H5I_INVALID_HID)); }
 
-Quiet::Quiet() {
-  H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
-Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+void leave_out_shared_file_pointers() { setenv("OMPI_MCA_sharedfp", "^sm", 0); }
 
-Handle create_file(MPI_Comm comm, const std::string& path) {
+Quiet::Quiet() {
+  check(H5Eget_auto2(H5E_DEFAULT, &function_, &data_), "find how faults are printed");
+  check(H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr), "stop printing faults");
+}
+Quiet::~Quiet() { static_cast<void>(H5Eset_auto2(H5E_DEFAULT, function_, data_)); }  // in vain: more is printed, no more
+
+Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block) {
   const Handle access = file_access(comm);
   Handle create(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make a property list");
   check(H5Pset_obj_track_times(create, false), "turn times off");
+  check(H5Pset_userblock(create, user_block), "leave room at the start");
   return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, access), H5Fclose, "create " + path);
 }
 
@@ -108,13 +125,42 @@ void read_rows(hid_t dataset, hid_t memory_type, hsize_t first, hsize_t count, v
 
 std::vector<hsize_t> dimensions(hid_t dataset) {
   const Handle space(H5Dget_space(dataset), H5Sclose, "get a data space");
-  std::vector<hsize_t> extent(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
-  H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  check(rank, "get the number of dimensions");
+  std::vector<hsize_t> extent(static_cast<std::size_t>(rank));
+  check(H5Sget_simple_extent_dims(space, extent.data(), nullptr), "get the extents");
   return extent;
 }
 
 Handle open_dataset(hid_t parent, const std::string& name) {
   return Handle(H5Dopen2(parent, name.c_str(), H5P_DEFAULT), H5Dclose, "find data set " + name);
+}
+
+Handle open_table(hid_t parent, const std::string& name, std::optional<hsize_t> rows, hsize_t columns, hid_t type) {
+  Handle dataset = open_dataset(parent, name);
+  const Handle stored(H5Dget_type(dataset), H5Tclose, "get the type of " + name),
+      made(H5Dget_create_plist(dataset), H5Pclose, "get the layout of " + name);
+  const auto extent = dimensions(dataset);
+  const std::string is = "table " + name + " is " + bracketed(extent);
+  if (extent.size() != 2 || extent[1] != columns || (rows && extent[0] != *rows))
+    throw std::runtime_error(is + ": expected [" + (rows ? std::to_string(*rows) : "N") + ", " + std::to_string(columns) + "]");
+  if (H5Tequal(stored, type) <= 0) throw std::runtime_error(is + " of numbers of another type");
+  hsize_t in_file = 0;
+  const Handle file(H5Iget_file_id(dataset), H5Fclose, "find the file");
+  check(H5Fget_filesize(file, &in_file), "get the size of the file");
+  const hsize_t row = columns * H5Tget_size(type);
+  if (H5Pget_layout(made) != H5D_CONTIGUOUS || (row > 0 && extent[0] > in_file / row) ||
+      H5Dget_storage_size(dataset) != (extent[0] * row))
+    throw std::runtime_error(is + ", which is not all in the file");
+  return dataset;
+}
+
+hsize_t rows_of(hid_t table) { return dimensions(table).at(0); }
+
+bool has_link(hid_t parent, const std::string& name) {
+  const htri_t found = H5Lexists(parent, name.c_str(), H5P_DEFAULT);
+  check(found, "look for " + name);
+  return found > 0;
 }
 
 void write_attribute(hid_t object, const std::string& name, double value) {
@@ -134,43 +180,29 @@ void write_attribute(hid_t object, const std::string& name, const std::string& v
 
 double read_double(hid_t object, const std::string& name) {
   double value = 0;
-  check(H5Aread(open_attribute(object, name), H5T_NATIVE_DOUBLE, &value), "read attribute " + name);
+  check(H5Aread(open_attribute(object, name, H5T_FLOAT, "one real number"), H5T_NATIVE_DOUBLE, &value), "read attribute " + name);
   return value;
 }
 
 std::int64_t read_integer(hid_t object, const std::string& name) {
   std::int64_t value = 0;
-  check(H5Aread(open_attribute(object, name), H5T_NATIVE_INT64, &value), "read attribute " + name);
+  check(H5Aread(open_attribute(object, name, H5T_INTEGER, "one whole number"), H5T_NATIVE_INT64, &value),
+        "read attribute " + name);
   return value;
 }
 
 std::string read_string(hid_t object, const std::string& name) {
-  const Handle attribute = open_attribute(object, name);
+  constexpr std::size_t longest = 1 << 16;
+  const std::string expected = "one text of up to " + std::to_string(longest) + " bytes";
+  const Handle attribute = open_attribute(object, name, H5T_STRING, expected);
   const Handle type(H5Aget_type(attribute), H5Tclose, "get a type");
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
-    throw std::runtime_error("HDF5: cannot read string " + name);
-  std::string value(H5Tget_size(type), '\0');
+  const std::size_t size = H5Tget_size(type);
+  if (H5Tis_variable_str(type) != 0 || size == 0 || size > longest)
+    throw std::runtime_error("attribute " + name + " is not " + expected);
+  std::string value(size, '\0');
   check(H5Aread(attribute, type, value.data()), "read attribute " + name);
   value.resize(value.find('\0') == std::string::npos ? value.size() : value.find('\0'));
   return value;
 }
 
 }  // namespace unibody::h5
-
-namespace unibody {
-
-std::string first_fault(MPI_Comm comm, const std::string& fault) {
-  int rank = 0, ranks = 1;
-  MPI_Comm_rank(comm, &rank), MPI_Comm_size(comm, &ranks);
-  int first = fault.empty() ? ranks : rank;
-  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, comm);
-  if (first == ranks) return {};
-  auto size = static_cast<int>(fault.size());
-  MPI_Bcast(&size, 1, MPI_INT, first, comm);
-  std::string text = fault;
-  text.resize(static_cast<std::size_t>(size));
-  MPI_Bcast(text.data(), size, MPI_CHAR, first, comm);
-  return text;
-}
-
-}  // namespace unibody

@@ -4,11 +4,15 @@
 #include <hdf5.h>
 #include <mpi.h>
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace unibody::h5 {
+
+// Throws std::runtime_error saying `what` failed where the result of a call of HDF5 is negative.
+void check(herr_t result, const std::string& what);
 
 // Owns an HDF5 identifier. Negative identifiers throw std::runtime_error saying `what` failed.
 class Handle {
@@ -45,8 +49,15 @@ class Quiet {
   void* data_ = nullptr;
 };
 
-// Collective. Neither stamps objects with the time, so that equal contents are equal bytes.
-Handle create_file(MPI_Comm comm, const std::string& path);
+// To be called before MPI_Init. Open MPI gives each file a pointer that all ranks share, which nothing here uses. One of its ways
+// to keep such a pointer is a semaphore of the machine that is named after the file's base name: all runs write a `frames.h5`,
+// and one that is killed while it holds the semaphore would stop every later run for ever. A choice that the user has made
+// stands.
+void leave_out_shared_file_pointers();
+
+// Collective. Neither stamps objects with the time, so that equal contents are equal bytes. user_block: bytes at the start of the
+// file that HDF5 leaves alone, 0 or a power of two from 512 on.
+Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block = 0);
 Handle open_file(MPI_Comm comm, const std::string& path);  // to read
 Handle create_group(hid_t parent, const std::string& name);
 
@@ -60,8 +71,16 @@ Handle create_dataset(hid_t parent, const std::string& name, hid_t type, hsize_t
 void read_rows(hid_t dataset, hid_t memory_type, hsize_t first, hsize_t count, void* data);
 std::vector<hsize_t> dimensions(hid_t dataset);
 Handle open_dataset(hid_t parent, const std::string& name);
+bool has_link(hid_t parent, const std::string& name);
 
-// Attributes. Collective where they write.
+// Opens a data set of rows x columns numbers for reading, and throws std::runtime_error unless it has that many rows (none: any
+// number), that many columns, numbers of that very type of the file, and lies whole and in one piece in the file. To be asked
+// before anything of the size of a data set is allocated.
+Handle open_table(hid_t parent, const std::string& name, std::optional<hsize_t> rows, hsize_t columns, hid_t type);
+hsize_t rows_of(hid_t table);
+
+// Attributes of one value each. Collective where they write. Reading throws std::runtime_error unless the attribute is one value
+// of the kind that is asked for.
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
@@ -70,10 +89,3 @@ std::int64_t read_integer(hid_t object, const std::string& name);
 std::string read_string(hid_t object, const std::string& name);
 
 }  // namespace unibody::h5
-
-namespace unibody {
-
-// The first rank's non-empty fault, on every rank; empty when none has one. Collective.
-std::string first_fault(MPI_Comm comm, const std::string& fault);
-
-}  // namespace unibody

@@ -4,15 +4,17 @@
 
 #include <string>
 
+#include "core/checked.hpp"
+
 namespace unibody {
 
 PhaseClock::PhaseClock() {
   static PetscClassId id = 0;
-  if (id == 0) PetscClassIdRegister("Unibody", &id);
+  if (id == 0) check_petsc(PetscClassIdRegister("Unibody", &id));
   for (std::size_t i = 0; i < phase_names.size(); ++i) {
     const std::string name = "unibody_" + std::string(phase_names[i]);
-    if (PetscLogEventGetId(name.c_str(), &events_[i]) != 0 || events_[i] < 0)
-      PetscLogEventRegister(name.c_str(), id, &events_[i]);
+    check_petsc(PetscLogEventGetId(name.c_str(), &events_[i]));
+    if (events_[i] < 0) check_petsc(PetscLogEventRegister(name.c_str(), id, &events_[i]));
   }
   since_ = MPI_Wtime();
 }
@@ -26,11 +28,11 @@ void PhaseClock::tick() {
 void PhaseClock::enter(Phase phase) {
   tick();
   current_ = phase;
-  PetscLogEventBegin(events_[static_cast<std::size_t>(phase)], 0, 0, 0, 0);
+  check_petsc(PetscLogEventBegin(events_[static_cast<std::size_t>(phase)], 0, 0, 0, 0));
 }
 
 void PhaseClock::leave(Phase outer) {
-  PetscLogEventEnd(events_[static_cast<std::size_t>(current_)], 0, 0, 0, 0);
+  check_petsc(PetscLogEventEnd(events_[static_cast<std::size_t>(current_)], 0, 0, 0, 0));
   tick();
   current_ = outer;
 }

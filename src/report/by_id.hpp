@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/checked.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -53,7 +54,7 @@ auto rows_by_id(MPI_Comm comm, const World& world, Id count, RecordOf record) {
   };
   const IdBlocks blocks = id_blocks(comm, count);
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   std::vector<int> target(world.homes);
   std::vector<Row> mine(world.homes);
   for (std::size_t slot = 0; slot < world.homes; ++slot) {

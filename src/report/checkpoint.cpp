@@ -2,21 +2,26 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
-#include <functional>
 #include <optional>
 
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
 #include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "core/hash.hpp"
+#include "core/hdf5.hpp"
 #include "report/by_id.hpp"
 #include "report/checkpoint_constraints.hpp"
+#include "report/checkpoint_seal.hpp"
+#include "world/shape_library.hpp"
 
 namespace unibody {
 
 namespace {
 
-const std::string format = "unibody checkpoint 2";
+const std::string format = "unibody checkpoint 3";
 
 // A body as one row of the data set "bodies": reals, then the small numbers, which doubles hold exactly.
 constexpr Id body_columns = 30;
@@ -86,29 +91,6 @@ void append(Multipliers& to, const PointRow& row) {
   if (row.placed != 0) to.places.emplace_back(r[0], r[1], r[2]);
 }
 
-// A sum of hashes over all rows, in any order, since HDF5 protects its own records by checksums, but not the data.
-std::uint64_t sum_of_hashes(Id first, const std::vector<BodyRow>& bodies, const std::vector<PointRow>& points) {
-  std::uint64_t sum = 0;
-  for (const BodyRow& row : bodies) {
-    Hash hash;
-    hash.add(first++);
-    for (const double x : row) hash.add(x);
-    sum += hash.value();
-  }
-  for (const PointRow& p : points) {
-    Hash hash;
-    hash.add(p.owner).add(p.id_a).add(p.id_b).add(p.place_in_manifold).add(p.placed);
-    for (const double x : p.reals) hash.add(x);
-    sum += hash.value();
-  }
-  return sum;
-}
-
-std::string hash_of_all(MPI_Comm comm, std::uint64_t sum) {
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
-  return hex(sum);
-}
-
 bool in_range(const World& world, std::size_t first, std::size_t last, Id id) {
   const auto begin = world.id.begin() + static_cast<std::ptrdiff_t>(first),
              end = world.id.begin() + static_cast<std::ptrdiff_t>(last);
@@ -133,10 +115,15 @@ std::vector<PointRow> point_rows(MPI_Comm comm, Id count, const World& world, co
   return rows;
 }
 
+bool write_bodies(hid_t file, const std::vector<BodyRow>& rows, hsize_t first, hsize_t count) {
+  const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, count, body_columns);
+  return h5::write_rows(dataset, H5T_NATIVE_DOUBLE, first, rows.size(), rows.data());
+}
+
 bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total) {
   const auto mine = static_cast<std::int64_t>(rows.size());
   std::int64_t last = 0;
-  MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm));
   std::vector<std::int64_t> keys;
   std::vector<double> reals;
   for (const PointRow& p : rows) {
@@ -164,43 +151,33 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
   const auto bodies = rows_by_id(comm, world, count, [&](std::size_t s) { return to_row(world.properties[s], world.state(s)); });
   const auto points = point_rows(comm, count, world, multipliers);
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   const Id first = id_blocks(comm, count).first(rank);
-  const std::string hash = hash_of_all(comm, sum_of_hashes(first, bodies, points) + sum_of_hashes(rows) + sum_of_hashes(joints));
   const std::string part = path + ".part";
   auto total = static_cast<std::int64_t>(points.size());
-  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm));
   const h5::Quiet quiet;
-  const auto agree = [&](const std::function<void()>& action) {
-    std::string fault;
-    try {
-      action();
-    } catch (const std::exception& e) {
-      fault = e.what();
-    }
-    fault = first_fault(comm, fault);
-    if (!fault.empty()) throw RunError("cannot write the checkpoint " + path + ": " + fault);
-  };
-  agree([&] {
+  const std::string failed = "cannot write the checkpoint " + path + ": ";
+  agree<RunError>(comm, failed, [&] {
     if (rank == 0) reserve_on_disk(part, (body_columns * count + (key_columns + 7) * total) * 8 + 65536);
   });
-  agree([&] {
-    const auto file = h5::create_file(comm, part);
+  agree<RunError>(comm, failed, [&] {
+    auto file = h5::create_file(comm, part, seal_bytes);
     h5::write_attribute(file, "format", format);
     h5::write_attribute(file, "fingerprint", fingerprint);
     h5::write_attribute(file, "frame", frame);
     h5::write_attribute(file, "time", time);
     h5::write_attribute(file, "bodies", count);
-    h5::write_attribute(file, "hash", hash);
-    const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, static_cast<hsize_t>(count), body_columns);
-    bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), bodies.size(), bodies.data());
+    bool good = write_bodies(file, bodies, static_cast<hsize_t>(first), static_cast<hsize_t>(count));
     good = write_points(comm, file, points, total) && good;
     good = write_constraint_rows(comm, file, rows) && good;
     good = write_joint_rows(file, joints) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
+    good = file.close() >= 0 && good;
     if (!good) throw std::runtime_error("is the disk full?");
   });
-  agree([&] {
+  agree<RunError>(comm, failed, [&] { seal_file(comm, part); });
+  agree<RunError>(comm, failed, [&] {
     if (rank == 0) publish_file(part, path);
   });
 }
@@ -224,18 +201,12 @@ auto reading(const std::string& path, Action action) {
   }
 }
 
-void expect_shape(hid_t dataset, std::optional<hsize_t> rows, hsize_t columns) {
-  const auto extent = h5::dimensions(dataset);
-  if (extent.size() != 2 || extent[1] != columns || (rows && extent[0] != *rows))
-    throw std::runtime_error("a table has another size");
-}
-
 // Where each home body of all ranks is home: rank by id, each rank holding one block of ids.
 class Directory {
  public:
   Directory(MPI_Comm comm, Id count, const World& world) : comm_(comm), blocks_(id_blocks(comm, count)) {
     int rank = 0;
-    MPI_Comm_rank(comm, &rank);
+    check_mpi(MPI_Comm_rank(comm, &rank));
     first_ = blocks_.first(rank);
     homes_.assign(static_cast<std::size_t>(blocks_.size(rank)), -1);
     std::vector<int> target(world.homes);
@@ -292,13 +263,25 @@ Multipliers assemble(std::vector<PointRow> rows) {
   return result;
 }
 
-std::vector<PointRow> read_points(hid_t file, Id first, Id last) {
+struct PointTables {
+  h5::Handle key, point;
+  Id count = 0;
+};
+
+PointTables point_tables(hid_t file) {
+  PointTables tables;
+  tables.key = h5::open_table(file, "multipliers/key", {}, key_columns, H5T_STD_I64LE);
+  tables.point = h5::open_table(file, "multipliers/point", h5::rows_of(tables.key), 7, H5T_IEEE_F64LE);
+  tables.count = static_cast<Id>(h5::rows_of(tables.key));
+  return tables;
+}
+
+std::vector<PointRow> read_points(const PointTables& tables, Id first, Id last) {
   const auto n = static_cast<std::size_t>(last - first);
   std::vector<std::int64_t> keys(n * key_columns);
   std::vector<double> reals(n * 7);
-  const auto key = h5::open_dataset(file, "multipliers/key"), point = h5::open_dataset(file, "multipliers/point");
-  h5::read_rows(key, H5T_NATIVE_INT64, static_cast<hsize_t>(first), n, keys.data());
-  h5::read_rows(point, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, reals.data());
+  h5::read_rows(tables.key, H5T_NATIVE_INT64, static_cast<hsize_t>(first), n, keys.data());
+  h5::read_rows(tables.point, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, reals.data());
   std::vector<PointRow> rows(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto* i = keys.data() + k * key_columns;
@@ -308,61 +291,73 @@ std::vector<PointRow> read_points(hid_t file, Id first, Id last) {
   return rows;
 }
 
-std::vector<BodyRow> read_body_rows(hid_t file, Id first, Id last) {
-  std::vector<BodyRow> rows(static_cast<std::size_t>(last - first));
-  h5::read_rows(h5::open_dataset(file, "bodies"), H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), rows.size(), rows.data());
-  return rows;
+// Throws unless the row is of a pair of bodies and follows on the one before it, if there is one: the file has them in their
+// order, the points of a manifold numbered from 0, all with a place or a single one without.
+void check_point(const PointRow& row, const PointRow* before, Id bodies) {
+  const bool pair = row.id_a >= 0 && row.id_a < row.id_b && row.id_b < bodies && (row.owner == row.id_a || row.owner == row.id_b);
+  const bool numbers = row.placed == 0 || row.placed == 1;
+  const bool reals = std::all_of(row.reals.begin(), row.reals.end(), [](double x) { return std::isfinite(x); });
+  const auto manifold = [](const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b}; };
+  const bool goes_on = before != nullptr && manifold(*before) == manifold(row);
+  const bool follows = goes_on ? row.place_in_manifold == before->place_in_manifold + 1 && row.placed == 1 && before->placed == 1
+                               : row.place_in_manifold == 0 && (before == nullptr || manifold(*before) < manifold(row));
+  if (!pair || !numbers || !reals || !follows) throw std::runtime_error("a multiplier of no contact point");
 }
 
-// Of this rank's share of the file.
-std::uint64_t sum_of_hashes(MPI_Comm comm, hid_t file, Id bodies, Id points) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  const IdBlocks of_bodies = id_blocks(comm, bodies), of_points = id_blocks(comm, points);
-  const Id first = of_bodies.first(rank);
-  return sum_of_hashes(first, read_body_rows(file, first, of_bodies.first(rank + 1)),
-                       read_points(file, of_points.first(rank), of_points.first(rank + 1)));
+// The body's numbers, which are those of an enumeration, of a place in a list, or real: anything else is no body.
+Body checked_body(Id id, const BodyRow& row) {
+  const auto fail = [&](const char* what) {
+    throw std::runtime_error("body " + std::to_string(id) + " has " + what + " out of range");
+  };
+  if (!std::all_of(row.begin(), row.end(), [](double x) { return std::isfinite(x); })) fail("a number");
+  const auto is_whole = [](double x, double low, double high) { return x >= low && x <= high && x == std::floor(x); };
+  const double *shape = row.data() + (body_columns - 4), *motion = shape + 1, *material = shape + 2, *group = shape + 3;
+  if (!is_whole(*shape, 0, 0x1p40)) fail("a shape");
+  if (!is_whole(*motion, 0, static_cast<double>(Motion::pinned))) fail("a motion");
+  if (!is_whole(*material, 0, 0x1p31 - 1)) fail("a material");
+  if (!is_whole(*group, -1, 0x1p31 - 1)) fail("a group");
+  const Body body = from_row(id, row);
+  const Shape& of = body.properties.shape;
+  if (static_cast<std::size_t>(of.kind) >= shape_names.size() || of.data >= shape_library().count(of.kind)) fail("a shape");
+  if (!(of.size.minCoeff() >= 0)) fail("a size");
+  if (!(std::abs(body.state.orientation.norm() - 1) < 1e-6)) fail("an orientation");
+  if (body.properties.is_dynamic() && !(body.properties.mass > 0 && body.properties.inertia.minCoeff() >= 0)) fail("a mass");
+  return body;
 }
 
 }  // namespace
 
 Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint) : comm_(comm), path_(path) {
-  std::string fault, hash;
-  std::uint64_t sum = 0;
-  try {
+  agree<InputError>(comm, "", [&] {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(path, error)) throw InputError("there is no checkpoint '" + path + "'");
+  });
+  agree<InputError>(comm, "", [&] { reading(path, [&] { check_seal(comm, path); }); });
+  agree<InputError>(comm, "", [&] {
     reading(path, [&] {
-      std::error_code error;
-      if (!std::filesystem::is_regular_file(path, error)) throw InputError("there is no checkpoint '" + path + "'");
       file_ = h5::open_file(comm, path);
       if (h5::read_string(file_, "format") != format) throw std::runtime_error("its format is not '" + format + "'");
       const auto found = h5::read_string(file_, "fingerprint");
       if (!found.starts_with(fingerprint))
         throw InputError("'" + path + "' belongs to another scene or other overrides (fingerprint " + found + ", this scene " +
                          fingerprint + ")");
-      frame_ = h5::read_integer(file_, "frame"), time_ = h5::read_double(file_, "time"),
-      count_ = h5::read_integer(file_, "bodies");
-      expect_shape(h5::open_dataset(file_, "bodies"), static_cast<hsize_t>(count_), body_columns);
-      const auto points = h5::dimensions(h5::open_dataset(file_, "multipliers/key"))[0];
-      expect_shape(h5::open_dataset(file_, "multipliers/key"), points, key_columns);
-      expect_shape(h5::open_dataset(file_, "multipliers/point"), points, 7);
-      hash = h5::read_string(file_, "hash");
-      sum = sum_of_hashes(comm, file_, count_, static_cast<Id>(points)) + sum_of_hashes(read_constraint_rows(comm, file_)) +
-            sum_of_hashes(read_joint_rows(comm, file_));
+      frame_ = h5::read_integer(file_, "frame"), time_ = h5::read_double(file_, "time");
+      if (frame_ < 0 || !std::isfinite(time_) || time_ < 0) throw std::runtime_error("its frame or time is out of range");
+      const auto bodies = h5::open_table(file_, "bodies", {}, body_columns, H5T_IEEE_F64LE);
+      count_ = static_cast<Id>(h5::rows_of(bodies));
+      if (h5::read_integer(file_, "bodies") != count_) throw std::runtime_error("its number of bodies is not that of its table");
     });
-  } catch (const InputError& e) {
-    fault = e.what();
-  }
-  fault = first_fault(comm, fault);
-  if (!fault.empty()) throw InputError(fault);
-  if (hash_of_all(comm, sum) != hash) damaged(path, "it does not hold what was written there: bits have changed");
+  });
 }
 
 std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
   return reading(path_, [&] {
     if (first < 0 || last > count_ || first > last) throw std::runtime_error("it has no such bodies");
-    const auto rows = read_body_rows(file_, first, last);
+    std::vector<BodyRow> rows(static_cast<std::size_t>(last - first));
+    h5::read_rows(h5::open_table(file_, "bodies", count_, body_columns, H5T_IEEE_F64LE), H5T_NATIVE_DOUBLE,
+                  static_cast<hsize_t>(first), rows.size(), rows.data());
     std::vector<Body> bodies(rows.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) bodies[k] = from_row(first + static_cast<Id>(k), rows[k]);
+    for (std::size_t k = 0; k < rows.size(); ++k) bodies[k] = checked_body(first + static_cast<Id>(k), rows[k]);
     return bodies;
   });
 }
@@ -377,23 +372,20 @@ std::vector<JointImpulses> Checkpoint::read_joint_impulses(const JointList& join
 
 Multipliers Checkpoint::read_multipliers(const World& world) const {
   int rank = 0;
-  MPI_Comm_rank(comm_, &rank);
-  std::string fault;
+  check_mpi(MPI_Comm_rank(comm_, &rank));
   std::vector<PointRow> rows;
-  try {
+  agree<InputError>(comm_, "", [&] {
     rows = reading(path_, [&] {
-      const auto total = static_cast<Id>(h5::dimensions(h5::open_dataset(file_, "multipliers/key"))[0]);
-      const IdBlocks share = id_blocks(comm_, total);
-      auto read = read_points(file_, share.first(rank), share.first(rank + 1));
-      for (const PointRow& p : read)
-        if (p.id_a < 0 || p.id_a >= p.id_b || p.id_b >= count_) throw std::runtime_error("a multiplier of no pair of bodies");
+      const PointTables tables = point_tables(file_);
+      const IdBlocks share = id_blocks(comm_, tables.count);
+      const Id first = share.first(rank), before = std::max<Id>(0, first - 1);  // the last of the rank before is looked at, too
+      auto read = read_points(tables, before, share.first(rank + 1));
+      for (auto k = static_cast<std::size_t>(first - before); k < read.size(); ++k)
+        check_point(read[k], k > 0 ? &read[k - 1] : nullptr, count_);
+      read.erase(read.begin(), read.begin() + std::min<std::ptrdiff_t>(first - before, std::ssize(read)));
       return read;
     });
-  } catch (const InputError& e) {
-    fault = e.what();
-  }
-  fault = first_fault(comm_, fault);
-  if (!fault.empty()) throw InputError(fault);
+  });
   return assemble(Directory(comm_, count_, world).deliver(world, rows));
 }
 

@@ -27,16 +27,17 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
 // Reads a checkpoint, on any number of ranks. All members throw InputError when the file is damaged.
 class Checkpoint {
  public:
-  // Throws InputError on every rank if the file is missing, truncated, no checkpoint, of another scene (its fingerprint does not
-  // begin with this one), or not as it was written:
-  // all of it is read and compared with the hash that it carries. Collective.
+  // Throws InputError on every rank if the file is missing, of another scene (its fingerprint does not begin with this one), or
+  // not as it was written: all of it is compared with its seal (checkpoint_seal.hpp) before anything in it is believed.
+  // Collective.
   Checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint);
 
   std::int64_t frame() const { return frame_; }
   double time() const { return time_; }     // s
   Id body_count() const { return count_; }  // statics included
 
-  // Bodies [first, last). Not collective: each rank reads what it needs.
+  // Bodies [first, last), each number of them within its range: a kind of shape that there is, a shape that the library has, an
+  // orientation of length 1, a mass > 0 ... Not collective: each rank reads what it needs.
   std::vector<Body> read_bodies(Id first, Id last) const;
 
   // The multipliers of all pairs with a home body of `world` (only its home and static ids are looked at), in order of key. Each

@@ -1,10 +1,12 @@
 #include "report/checkpoint_constraints.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
-#include "core/hash.hpp"
+#include "core/checked.hpp"
+#include "core/hdf5.hpp"
 #include "report/by_id.hpp"
 
 namespace unibody {
@@ -46,8 +48,8 @@ template <class C>
 bool write_type(MPI_Comm comm, hid_t group, const ConstraintRowList<C>& rows) {
   const auto mine = static_cast<std::int64_t>(rows.size());
   std::int64_t last = 0, total = 0;
-  MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm);
-  MPI_Allreduce(&mine, &total, 1, MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm));
+  check_mpi(MPI_Allreduce(&mine, &total, 1, MPI_INT64_T, MPI_SUM, comm));
   if (total == 0) return true;
   std::vector<std::int64_t> ids;
   std::vector<double> multipliers;
@@ -67,26 +69,33 @@ bool write_type(MPI_Comm comm, hid_t group, const ConstraintRowList<C>& rows) {
 }
 
 template <class C>
-Id rows_in_file(hid_t file) {
+struct ConstraintTables {
+  h5::Handle ids, multipliers;
+  Id count = 0;
+};
+
+// Of a type that the file does not have, none.
+template <class C>
+ConstraintTables<C> tables_of(hid_t file) {
+  ConstraintTables<C> tables;
   const std::string name = group_of<C>();
-  if (H5Lexists(file, "constraints", H5P_DEFAULT) <= 0 || H5Lexists(file, name.c_str(), H5P_DEFAULT) <= 0) return 0;
-  const auto keys = h5::dimensions(h5::open_dataset(file, name + "/ids"));
-  const auto values = h5::dimensions(h5::open_dataset(file, name + "/multipliers"));
-  if (keys.size() != 2 || values.size() != 2 || keys[0] != values[0] || keys[1] != C::stencil + 1 || values[1] != C::rows)
-    throw std::runtime_error("a table of constraints has another size");
-  return static_cast<Id>(keys[0]);
+  if (!h5::has_link(file, "constraints") || !h5::has_link(file, name)) return tables;
+  tables.ids = h5::open_table(file, name + "/ids", {}, C::stencil + 1, H5T_STD_I64LE);
+  tables.multipliers = h5::open_table(file, name + "/multipliers", h5::rows_of(tables.ids), C::rows, H5T_IEEE_F64LE);
+  tables.count = static_cast<Id>(h5::rows_of(tables.ids));
+  return tables;
 }
 
 template <class C>
-ConstraintRowList<C> read_rows_of_type(hid_t file, Id first, Id last) {
+ConstraintRowList<C> read_rows(const ConstraintTables<C>& tables, Id first, Id last) {
   const auto n = static_cast<std::size_t>(last - first);
   ConstraintRowList<C> rows(n);
-  if (n == 0) return rows;
   std::vector<std::int64_t> ids(n * (C::stencil + 1));
   std::vector<double> multipliers(n * C::rows);
-  h5::read_rows(h5::open_dataset(file, group_of<C>() + "/ids"), H5T_NATIVE_INT64, static_cast<hsize_t>(first), n, ids.data());
-  h5::read_rows(h5::open_dataset(file, group_of<C>() + "/multipliers"), H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n,
-                multipliers.data());
+  h5::read_rows(tables.ids, H5T_NATIVE_INT64, static_cast<hsize_t>(first), n, ids.data());
+  h5::read_rows(tables.multipliers, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, multipliers.data());
+  if (!std::all_of(multipliers.begin(), multipliers.end(), [](double x) { return std::isfinite(x); }))
+    throw std::runtime_error("a multiplier of a constraint is not finite");
   for (std::size_t i = 0; i < n; ++i) {
     rows[i].owner = ids[i * (C::stencil + 1)];
     std::copy_n(ids.data() + i * (C::stencil + 1) + 1, C::stencil, rows[i].ids.begin());
@@ -110,24 +119,10 @@ ConstraintRows constraint_rows(MPI_Comm comm, Id body_count, const World& world,
   return rows;
 }
 
-std::uint64_t sum_of_hashes(const ConstraintRows& rows) {
-  std::uint64_t sum = 0;
-  for_each_type(rows, [&](auto type, const auto& list) {
-    for (const auto& row : list) {
-      Hash hash;
-      hash.add(static_cast<std::int64_t>(type.value)).add(row.owner);
-      for (const Id id : row.ids) hash.add(id);
-      for (const double x : row.multipliers) hash.add(x);
-      sum += hash.value();
-    }
-  });
-  return sum;
-}
-
 bool write_constraint_rows(MPI_Comm comm, hid_t file, const ConstraintRows& rows) {
   std::int64_t total = 0;
   for_each_type(rows, [&](auto, const auto& list) { total += static_cast<std::int64_t>(list.size()); });
-  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm));
   if (total == 0) return true;
   const auto group = h5::create_group(file, "constraints");
   bool good = true;
@@ -138,19 +133,6 @@ bool write_constraint_rows(MPI_Comm comm, hid_t file, const ConstraintRows& rows
   return good;
 }
 
-ConstraintRows read_constraint_rows(MPI_Comm comm, hid_t file) {
-  int rank = 0;
-  MPI_Comm_rank(comm, &rank);
-  ConstraintRows rows;
-  ConstraintSet names;
-  for_each_type(names, [&](auto type, const auto& list) {
-    using C = TypeOf<decltype(list)>;
-    const IdBlocks share = id_blocks(comm, rows_in_file<C>(file));
-    std::get<type.value>(rows) = read_rows_of_type<C>(file, share.first(rank), share.first(rank + 1));
-  });
-  return rows;
-}
-
 ConstraintMultipliers read_constraint_multipliers(hid_t file, const ConstraintSet& constraints) {
   constexpr Id piece = 1'000'000;
   ConstraintMultipliers result;
@@ -158,9 +140,9 @@ ConstraintMultipliers read_constraint_multipliers(hid_t file, const ConstraintSe
     using C = TypeOf<decltype(list)>;
     auto& to = std::get<type.value>(result);
     to.assign(list.size(), {});
-    const Id total = rows_in_file<C>(file);
-    for (Id first = 0; first < total; first += piece)
-      for (const auto& row : read_rows_of_type<C>(file, first, std::min(total, first + piece))) {
+    const auto tables = tables_of<C>(file);
+    for (Id first = 0; first < tables.count; first += piece)
+      for (const auto& row : read_rows<C>(tables, first, std::min(tables.count, first + piece))) {
         const auto at =
             std::lower_bound(list.begin(), list.end(), row.ids, [](const auto& c, const auto& ids) { return c.ids < ids; });
         if (at != list.end() && at->ids == row.ids) to[static_cast<std::size_t>(at - list.begin())] = row.multipliers;

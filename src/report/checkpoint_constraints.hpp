@@ -26,15 +26,11 @@ using ConstraintRows = ConstraintTypes::Tuple<ConstraintRowList>;
 ConstraintRows constraint_rows(MPI_Comm comm, Id body_count, const World& world, const ConstraintSet& constraints,
                                const ConstraintMultipliers& multipliers);
 
-// A sum of hashes, the same in any order.
-std::uint64_t sum_of_hashes(const ConstraintRows& rows);
-
 // Writes group `constraints`, of the types that the scene has; false: the disk fails. Collective.
 [[nodiscard]] bool write_constraint_rows(MPI_Comm comm, hid_t file, const ConstraintRows& rows);
 
-// This rank's share of what the file holds, and the multipliers of the constraints that are here. Each rank reads all rows, a
-// piece at a time. Throw std::runtime_error where the file is damaged.
-ConstraintRows read_constraint_rows(MPI_Comm comm, hid_t file);
+// The multipliers of the constraints that are here. Each rank reads all rows of the file, a piece at a time. Throws
+// std::runtime_error where a table is not what it should be.
 ConstraintMultipliers read_constraint_multipliers(hid_t file, const ConstraintSet& constraints);
 
 }  // namespace unibody

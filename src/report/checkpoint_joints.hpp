@@ -20,15 +20,10 @@ struct JointRowBlock {
 JointRowBlock joint_row_block(MPI_Comm comm, std::int64_t count, const JointList& list, std::span<const JointSlots> slots,
                               std::span<const JointImpulses> impulses);
 
-// A sum of hashes, the same in any order.
-std::uint64_t sum_of_hashes(const JointRowBlock& block);
-
 // Writes data set `joints` where there are any; false: the disk fails. Collective.
 [[nodiscard]] bool write_joint_rows(hid_t file, const JointRowBlock& block);
 
-// This rank's share of what the file holds, and the impulses of the joints that are here. Throw std::runtime_error where the file
-// is damaged.
-JointRowBlock read_joint_rows(MPI_Comm comm, hid_t file);
+// The impulses of the joints that are here. Throws std::runtime_error where the table is not what it should be.
 std::vector<JointImpulses> read_joint_impulses(hid_t file, const JointList& list);
 
 }  // namespace unibody

@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
 #include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "core/hdf5.hpp"
@@ -97,7 +99,7 @@ void write_here(const std::string& path, const ContactProblem& problem, const st
 void check_fclib_path(MPI_Comm comm, const std::string& path, bool overwrite) {
   namespace fs = std::filesystem;
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   std::string fault;
   if (rank == 0) {
     const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
@@ -115,7 +117,7 @@ void check_fclib_path(MPI_Comm comm, const std::string& path, bool overwrite) {
 void write_fclib(MPI_Comm comm, const std::string& path, const ContactProblem& problem, const std::string& title,
                  const std::string& description) {
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   const h5::Quiet quiet;
   const std::string part = path + ".part";
   std::string fault;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/exact_sum.hpp"
 #include "partition/messages.hpp"
@@ -32,7 +34,7 @@ std::vector<NamedValue> joint_columns(MPI_Comm comm, std::size_t joint_count, st
     largest[0] = std::max(largest[0], states[i].drift), largest[1] = std::max(largest[1], states[i].turn);
   }
   const auto total = all_sums(comm, squares);
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, comm));
   const auto n = static_cast<double>(joint_count);
   return {{"joint_drift_max (m)", largest[0]},
           {"joint_drift_rms (m)", std::sqrt(total[0] / n)},
@@ -48,7 +50,7 @@ struct JointFiles::Row {
 
 JointFiles::JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints)
     : comm_(comm), directory_(directory), joints_(joints) {
-  MPI_Comm_rank(comm, &rank_);
+  check_mpi(MPI_Comm_rank(comm, &rank_));
   std::string fault;
   if (rank_ == 0) try {
       const h5::Quiet quiet;
@@ -73,7 +75,7 @@ JointFiles::~JointFiles() {
 void JointFiles::write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
                        std::span<const JointState> states) {
   int size = 1;
-  MPI_Comm_size(comm_, &size);
+  check_mpi(MPI_Comm_size(comm_, &size));
   std::vector<std::vector<Row>> to(static_cast<std::size_t>(size));
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (!slots[i].counted) continue;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collide/collide.hpp"
+#include "core/checked.hpp"
 #include "core/exact_sum.hpp"
 
 namespace unibody {
@@ -66,8 +67,8 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
   counts[bytes] = static_cast<std::int64_t>(bytes_here);
 
   const auto total = all_sums(comm, sums);
-  MPI_Allreduce(MPI_IN_PLACE, counts.data(), integer_count, MPI_INT64_T, MPI_SUM, comm);
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), largest.size(), MPI_DOUBLE, MPI_MAX, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), integer_count, MPI_INT64_T, MPI_SUM, comm));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), largest.size(), MPI_DOUBLE, MPI_MAX, comm));
 
   Measures result;
   result.penetration_max = deepest_of_all;
@@ -87,7 +88,7 @@ Id first_bad_body(MPI_Comm comm, const World& world) {
   Id bad = none;
   for (std::size_t slot = 0; slot < world.size(); ++slot)
     if (!is_finite(world.state(slot))) bad = std::min(bad, world.id[slot]);
-  MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, comm));
   return bad == none ? -1 : bad;
 }
 

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
 #include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "report/by_id.hpp"
@@ -93,7 +95,7 @@ std::string attribute(const std::string& name, const char* kind, const std::stri
 
 void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep) {
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   const auto fault = first_fault(comm, rank == 0 ? prepare_on_one_rank(directory, overwrite, keep) : "");
   if (!fault.empty()) throw InputError(fault);
 }
@@ -106,7 +108,7 @@ Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings
       single_(settings.single_precision),
       count_(count),
       surfaces_(std::move(surfaces)) {
-  MPI_Comm_rank(comm, &rank_);
+  check_mpi(MPI_Comm_rank(comm, &rank_));
   Id corners = 0;
   for (const Surface& surface : surfaces_) corners += surface.count * surface.corners + 4 * surface.tetrahedron_count;
   reserve(10 * count_ + corners);

@@ -3,6 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/hdf5.hpp"
 
@@ -74,7 +76,7 @@ std::string report_row(const FrameReport& report) {
 ReportFile::ReportFile(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns)
     : comm_(comm), path_(path) {
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   if (rank == 0) file_ = std::fopen(path.c_str(), "w");
   const auto fault = first_fault(comm, rank == 0 && file_ == nullptr ? "cannot write '" + path + "'" : "");
   if (!fault.empty()) throw RunError(fault);

@@ -1,5 +1,6 @@
 #include "report/state_hash.hpp"
 
+#include "core/checked.hpp"
 #include "core/hash.hpp"
 
 namespace unibody {
@@ -21,12 +22,12 @@ std::uint64_t body_hash(Id id, const BodyState& s) {
 // The id is part of each body's hash, so the hashes may be added in any order, modulo 2^64: no body needs to travel.
 std::uint64_t state_hash(MPI_Comm comm, const World& world) {
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   std::uint64_t sum = 0;
   for (std::size_t slot = 0; slot < world.homes; ++slot) sum += body_hash(world.id[slot], world.state(slot));
   for (std::size_t slot = world.first_static(); rank == 0 && slot < world.size(); ++slot)
     sum += body_hash(world.id[slot], world.state(slot));
-  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_UINT64_T, MPI_SUM, comm));
   return Hash().add(sum).value();
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/checked.hpp"
 #include "core/exact_sum.hpp"
 
 namespace unibody {
@@ -52,8 +53,8 @@ std::vector<Stretch> measure_stretch(MPI_Comm comm, const World& world, const Co
   });
   const auto total = all_sums(comm, squares);
   const int n = static_cast<int>(material_count);
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), n, MPI_DOUBLE, MPI_MAX, comm);
-  MPI_Allreduce(MPI_IN_PLACE, counts.data(), n, MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), n, MPI_DOUBLE, MPI_MAX, comm));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), n, MPI_INT64_T, MPI_SUM, comm));
   std::vector<Stretch> result(material_count);
   for (std::size_t m = 0; m < material_count; ++m)
     result[m] = {largest[m], counts[m] > 0 ? std::sqrt(total[m] / static_cast<double>(counts[m])) : 0, counts[m]};
@@ -72,7 +73,7 @@ std::vector<NamedValue> constraint_columns(MPI_Comm comm, const Scene& scene, co
   }
   std::array<std::int64_t, ConstraintTypes::size> counts{};
   for_each_type(constraints, [&](auto type, const auto& list) { counts[type.value] = static_cast<std::int64_t>(list.size()); });
-  MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM, comm));
   for_each_type(constraints, [&](auto type, const auto& list) {
     if (counts[type.value] == 0) return;
     using Type = typename std::remove_cvref_t<decltype(list)>::value_type::type;

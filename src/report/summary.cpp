@@ -11,6 +11,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
 #include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "core/hash.hpp"
@@ -32,7 +34,7 @@ Json vector(const Vec3& v) { return Json::array().push(v[0]).push(v[1]).push(v[2
 Json versions() {
   std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
   int length = 0;
-  MPI_Get_library_version(text.data(), &length);
+  check_mpi(MPI_Get_library_version(text.data(), &length));
   const std::string mpi(text.data(), static_cast<std::size_t>(length));
   unsigned a = 0, b = 0, c = 0;
   H5get_libversion(&a, &b, &c);
@@ -90,8 +92,8 @@ Json peak_memory(MPI_Comm comm) {
   getrusage(RUSAGE_SELF, &used);
   const auto here = std::int64_t{1024} * used.ru_maxrss;
   std::int64_t most = 0, sum = 0;
-  MPI_Allreduce(&here, &most, 1, MPI_INT64_T, MPI_MAX, comm);
-  MPI_Allreduce(&here, &sum, 1, MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(&here, &most, 1, MPI_INT64_T, MPI_MAX, comm));
+  check_mpi(MPI_Allreduce(&here, &sum, 1, MPI_INT64_T, MPI_SUM, comm));
   return Json::object().set("largest_rank (B)", most).set("all_ranks (B)", sum);
 }
 
@@ -151,7 +153,7 @@ void Summary::add(const FrameReport& report) {
 
 std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary) {
   int ranks = 1;
-  MPI_Comm_size(comm, &ranks);
+  check_mpi(MPI_Comm_size(comm, &ranks));
   Json files = Json::array();
   for (const auto& file : summary.files) files.push(file);
   Json j = Json::object();
@@ -175,7 +177,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
 
 void write_summary(MPI_Comm comm, const std::string& path, const Scene& scene, const Summary& summary) {
   int rank = 0;
-  MPI_Comm_rank(comm, &rank);
+  check_mpi(MPI_Comm_rank(comm, &rank));
   const std::string text = summary_text(comm, scene, summary), part = path + ".part";
   std::string fault;
   try {

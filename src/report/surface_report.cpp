@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collide/crossings.hpp"
+#include "core/checked.hpp"
 
 namespace unibody {
 
@@ -19,7 +20,7 @@ std::int64_t count_crossings(MPI_Comm comm, const World& world, const Surfaces& 
     const std::int32_t group = surfaces.contact_group(world, edge);
     count += group < 0 || group != surfaces.contact_group(world, face);
   }
-  MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT64_T, MPI_SUM, comm);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_INT64_T, MPI_SUM, comm));
   return count;
 }
 

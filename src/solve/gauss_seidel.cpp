@@ -8,6 +8,7 @@
 #include <mpi.h>
 
 #include "constraints/constraint_batches.hpp"
+#include "core/checked.hpp"
 #include "solve/solver.hpp"
 
 namespace unibody {
@@ -64,7 +65,7 @@ SolveReport gauss_seidel(System& system, const Cut& cut, int iterations, double 
     }
     ++report.iterations;
     if (tolerance <= 0) continue;
-    MPI_Allreduce(&change, &report.residual, 1, MPI_DOUBLE, MPI_MAX, cut.comm());
+    check_mpi(MPI_Allreduce(&change, &report.residual, 1, MPI_DOUBLE, MPI_MAX, cut.comm()));
     report.converged = report.residual <= tolerance;
   }
   system.contacts.hold_centres(system.homes, system.first_static, system.bodies);

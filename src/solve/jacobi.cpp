@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "constraints/constraint_batches.hpp"
+#include "core/checked.hpp"
 #include "solve/momentum.hpp"
 #include "solve/solver.hpp"
 
@@ -31,18 +32,18 @@ void combine(void* in, void* inout, int* length, MPI_Datatype*) {
 class Reduction {
  public:
   explicit Reduction(const Cut& cut) : comm_(cut.comm()), boxes_(cut.boxes_of_sums()) {
-    MPI_Comm_size(comm_, &ranks_), MPI_Comm_rank(comm_, &rank_);
+    check_mpi(MPI_Comm_size(comm_, &ranks_)), check_mpi(MPI_Comm_rank(comm_, &rank_));
     way_ = boxes_.reach_all() && ranks_ <= most_by_mail ? Way::mail : ranks_ <= most_by_messages ? Way::messages : Way::reduction;
     if (way_ != Way::reduction) return;
-    MPI_Type_contiguous(sizeof(SweepSums), MPI_BYTE, &type_);
-    MPI_Type_commit(&type_);
-    MPI_Op_create(combine, 1, &op_);
+    check_mpi(MPI_Type_contiguous(sizeof(SweepSums), MPI_BYTE, &type_));
+    check_mpi(MPI_Type_commit(&type_));
+    check_mpi(MPI_Op_create(combine, 1, &op_));
   }
   ~Reduction() {
     wait();
     if (way_ != Way::reduction) return;
-    MPI_Type_free(&type_);
-    MPI_Op_free(&op_);
+    check_mpi(MPI_Type_free(&type_));
+    check_mpi(MPI_Op_free(&op_));
   }
   Reduction(const Reduction&) = delete;
   Reduction& operator=(const Reduction&) = delete;
@@ -51,7 +52,7 @@ class Reduction {
     own_ = sums_ = sums;
     under_way_ = true;
     if (way_ == Way::reduction) {
-      MPI_Iallreduce(MPI_IN_PLACE, &sums_, 1, type_, op_, comm_, requests_.data());
+      check_mpi(MPI_Iallreduce(MPI_IN_PLACE, &sums_, 1, type_, op_, comm_, requests_.data()));
       return;
     }
     MPI_Request* request = requests_.data();
@@ -60,8 +61,8 @@ class Reduction {
         std::memcpy(boxes_.letter(other), &own_, sizeof own_);
         boxes_.send(other);
       } else {
-        MPI_Irecv(&told, sizeof told, MPI_BYTE, other, tag_sums, comm_, request++);
-        MPI_Isend(&own_, sizeof own_, MPI_BYTE, other, tag_sums, comm_, request++);
+        check_mpi(MPI_Irecv(&told, sizeof told, MPI_BYTE, other, tag_sums, comm_, request++));
+        check_mpi(MPI_Isend(&own_, sizeof own_, MPI_BYTE, other, tag_sums, comm_, request++));
       }
     });
   }
@@ -69,7 +70,7 @@ class Reduction {
     if (!under_way_) return sums_;
     under_way_ = false;
     const int requests = way_ == Way::reduction ? 1 : way_ == Way::messages ? 2 * (ranks_ - 1) : 0;
-    MPI_Waitall(requests, requests_.data(), MPI_STATUSES_IGNORE);
+    check_mpi(MPI_Waitall(requests, requests_.data(), MPI_STATUSES_IGNORE));
     if (way_ == Way::reduction) return sums_;
     for_each_other([&](int other, SweepSums& told) {
       if (way_ == Way::mail) std::memcpy(&told, boxes_.receive(other), sizeof told);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/errors.hpp"
+#include "core/checked.hpp"
 
 namespace unibody {
 
@@ -13,30 +13,29 @@ namespace {
 
 constexpr PetscInt large = 60'000;  // unknowns, above which the fill of a factor takes more than multigrid
 
-void check(PetscErrorCode code) {
-  if (code) throw RunError("PETSc error " + std::to_string(code) + " in the reference solver");
-}
-
 // SNES and what it works on.
 class Newton {
  public:
   Newton(const NewtonProblem& problem, const NewtonSettings& settings) : problem_(problem), settings_(settings) {
     const auto n = static_cast<PetscInt>(problem.size());
-    check(VecCreateSeq(PETSC_COMM_SELF, n, &u_));
-    check(VecDuplicate(u_, &residual_));
+    check_petsc(VecCreateSeq(PETSC_COMM_SELF, n, &u_));
+    check_petsc(VecDuplicate(u_, &residual_));
     make_jacobian(n);
-    check(SNESCreate(PETSC_COMM_SELF, &snes_));
-    check(SNESSetType(snes_, SNESNEWTONLS));
-    check(SNESSetFunction(snes_, residual_, residual, this));
-    check(SNESSetJacobian(snes_, jacobian_, jacobian_, jacobian, this));
-    check(SNESSetDivergenceTolerance(snes_, -1));
-    check(SNESSetForceIteration(snes_, PETSC_TRUE));  // polish() needs a Jacobian
+    check_petsc(SNESCreate(PETSC_COMM_SELF, &snes_));
+    check_petsc(SNESSetType(snes_, SNESNEWTONLS));
+    check_petsc(SNESSetFunction(snes_, residual_, residual, this));
+    check_petsc(SNESSetJacobian(snes_, jacobian_, jacobian_, jacobian, this));
+    check_petsc(SNESSetDivergenceTolerance(snes_, -1));
+    check_petsc(SNESSetForceIteration(snes_, PETSC_TRUE));  // polish() needs a Jacobian
     if (has_points_ && (settings.linear == LinearSolver::cg || (settings.linear == LinearSolver::automatic && n > large)))
       iterate_by_multigrid();
     else
       factorise_directly();
   }
-  ~Newton() { SNESDestroy(&snes_), MatDestroy(&jacobian_), VecDestroy(&residual_), VecDestroy(&u_); }
+  ~Newton() {
+    check_petsc(SNESDestroy(&snes_)), check_petsc(MatDestroy(&jacobian_));
+    check_petsc(VecDestroy(&residual_)), check_petsc(VecDestroy(&u_));
+  }
   Newton(const Newton&) = delete;
   Newton& operator=(const Newton&) = delete;
 
@@ -55,13 +54,13 @@ class Newton {
     has_points_ = !points.empty();
     std::vector<PetscInt> rows, columns;
     problem_.pattern(rows, columns);
-    check(MatCreate(PETSC_COMM_SELF, &jacobian_));
-    check(MatSetSizes(jacobian_, n, n, n, n));
-    check(MatSetType(jacobian_, MATSEQAIJ));
-    if (has_points_) check(MatSetBlockSize(jacobian_, 3));
-    check(MatSetPreallocationCOO(jacobian_, static_cast<PetscCount>(rows.size()), rows.data(), columns.data()));
-    check(MatSetOption(jacobian_, MAT_SYMMETRIC, problem_.is_symmetric() ? PETSC_TRUE : PETSC_FALSE));
-    check(MatSetOption(jacobian_, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+    check_petsc(MatCreate(PETSC_COMM_SELF, &jacobian_));
+    check_petsc(MatSetSizes(jacobian_, n, n, n, n));
+    check_petsc(MatSetType(jacobian_, MATSEQAIJ));
+    if (has_points_) check_petsc(MatSetBlockSize(jacobian_, 3));
+    check_petsc(MatSetPreallocationCOO(jacobian_, static_cast<PetscCount>(rows.size()), rows.data(), columns.data()));
+    check_petsc(MatSetOption(jacobian_, MAT_SYMMETRIC, problem_.is_symmetric() ? PETSC_TRUE : PETSC_FALSE));
+    check_petsc(MatSetOption(jacobian_, MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
     if (has_points_) set_rigid_motions(points);
   }
 
@@ -69,31 +68,31 @@ class Newton {
   void set_rigid_motions(const std::vector<Vec3>& points) {
     Vec places;
     MatNullSpace rigid;
-    check(VecDuplicate(u_, &places));
-    check(VecSetBlockSize(places, 3));
+    check_petsc(VecDuplicate(u_, &places));
+    check_petsc(VecSetBlockSize(places, 3));
     put(Eigen::Map<const Eigen::VectorXd>(points.front().data(), 3 * static_cast<Eigen::Index>(points.size())), places);
-    check(MatNullSpaceCreateRigidBody(places, &rigid));
-    check(MatSetNearNullSpace(jacobian_, rigid));
-    check(MatNullSpaceDestroy(&rigid));
-    check(VecDestroy(&places));
+    check_petsc(MatNullSpaceCreateRigidBody(places, &rigid));
+    check_petsc(MatSetNearNullSpace(jacobian_, rigid));
+    check_petsc(MatNullSpaceDestroy(&rigid));
+    check_petsc(VecDestroy(&places));
   }
 
   // As far as round-off lets it: the last steps end at the floor of the residual, or in a line search that finds no descent.
   NewtonResult attempt(SNESLineSearchType type) {
     SNESLineSearch search;
-    check(SNESGetLineSearch(snes_, &search));
-    check(SNESLineSearchSetType(search, type));
+    check_petsc(SNESGetLineSearch(snes_, &search));
+    check_petsc(SNESLineSearchSetType(search, type));
     const double entries = has_points_ ? std::sqrt(static_cast<double>(problem_.size())) : 1;  // SNES takes the 2-norm
     const double floor = 2 * std::numeric_limits<double>::epsilon() * problem_.scale() * entries;
-    check(SNESSetTolerances(snes_, floor, 0, 1e-15, settings_.iterations, 100 * settings_.iterations));
+    check_petsc(SNESSetTolerances(snes_, floor, 0, 1e-15, settings_.iterations, 100 * settings_.iterations));
     put(problem_.start(), u_);
-    check(SNESSolve(snes_, nullptr, u_));
+    check_petsc(SNESSolve(snes_, nullptr, u_));
 
     NewtonResult result;
     PetscInt iterations = 0;
     const char* reason = nullptr;
-    check(SNESGetIterationNumber(snes_, &iterations));
-    check(SNESGetConvergedReasonString(snes_, &reason));
+    check_petsc(SNESGetIterationNumber(snes_, &iterations));
+    check_petsc(SNESGetConvergedReasonString(snes_, &reason));
     result.iterations = static_cast<int>(iterations), result.reason = reason;
     result.unknowns = get(u_);
     result.residual = problem_.residual(result.unknowns).lpNorm<Eigen::Infinity>();
@@ -119,54 +118,54 @@ class Newton {
   void iterate_by_multigrid() {
     KSP ksp;
     PC pc;
-    check(SNESGetKSP(snes_, &ksp));
-    check(KSPSetType(ksp, problem_.is_symmetric() ? KSPCG : KSPGMRES));
-    check(KSPSetTolerances(ksp, 1e-8, 0, PETSC_DEFAULT, 1000));
-    check(KSPGetPC(ksp, &pc));
-    check(PCSetType(pc, PCGAMG));
+    check_petsc(SNESGetKSP(snes_, &ksp));
+    check_petsc(KSPSetType(ksp, problem_.is_symmetric() ? KSPCG : KSPGMRES));
+    check_petsc(KSPSetTolerances(ksp, 1e-8, 0, PETSC_DEFAULT, 1000));
+    check_petsc(KSPGetPC(ksp, &pc));
+    check_petsc(PCSetType(pc, PCGAMG));
   }
 
   void factorise_directly() {
     KSP ksp;
     PC pc;
-    check(SNESGetKSP(snes_, &ksp));
-    check(KSPSetType(ksp, KSPPREONLY));
-    check(KSPGetPC(ksp, &pc));
-    check(PCSetType(pc, problem_.is_symmetric() ? PCCHOLESKY : PCLU));
+    check_petsc(SNESGetKSP(snes_, &ksp));
+    check_petsc(KSPSetType(ksp, KSPPREONLY));
+    check_petsc(KSPGetPC(ksp, &pc));
+    check_petsc(PCSetType(pc, problem_.is_symmetric() ? PCCHOLESKY : PCLU));
 #ifdef PETSC_HAVE_MUMPS
-    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-    check(KSPSetOperators(ksp, jacobian_, jacobian_));
-    check(PCFactorSetUpMatSolverType(pc));
+    check_petsc(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+    check_petsc(KSPSetOperators(ksp, jacobian_, jacobian_));
+    check_petsc(PCFactorSetUpMatSolverType(pc));
     Mat factor;
-    check(PCFactorGetMatrix(pc, &factor));
-    if (!has_points_) check(MatMumpsSetIcntl(factor, 14, 400));  // % of room: the zeros of stiff rows delay many pivots
+    check_petsc(PCFactorGetMatrix(pc, &factor));
+    if (!has_points_) check_petsc(MatMumpsSetIcntl(factor, 14, 400));  // % of room: the zeros of stiff rows delay many pivots
 #else  // PETSc's own does not pivot: it must not meet the zeros of stiff rows first
-    if (!has_points_) check(PCFactorReorderForNonzeroDiagonal(pc, 1e-12));
+    if (!has_points_) check_petsc(PCFactorReorderForNonzeroDiagonal(pc, 1e-12));
 #endif
   }
 
   Eigen::VectorXd correction(const Eigen::VectorXd& rest) {
     KSP ksp;
-    check(SNESGetKSP(snes_, &ksp));
+    check_petsc(SNESGetKSP(snes_, &ksp));
     put(rest, residual_);
-    check(KSPSolve(ksp, residual_, u_));
+    check_petsc(KSPSolve(ksp, residual_, u_));
     return get(u_);
   }
 
   static Eigen::VectorXd get(Vec from) {
     PetscInt n = 0;
     const PetscScalar* values = nullptr;
-    VecGetLocalSize(from, &n);
-    VecGetArrayRead(from, &values);
+    check_petsc(VecGetLocalSize(from, &n));
+    check_petsc(VecGetArrayRead(from, &values));
     Eigen::VectorXd result = Eigen::Map<const Eigen::VectorXd>(values, n);
-    VecRestoreArrayRead(from, &values);
+    check_petsc(VecRestoreArrayRead(from, &values));
     return result;
   }
   static void put(const Eigen::VectorXd& from, Vec to) {
     PetscScalar* values = nullptr;
-    VecGetArrayWrite(to, &values);
+    check_petsc(VecGetArrayWrite(to, &values));
     Eigen::Map<Eigen::VectorXd>(values, from.size()) = from;
-    VecRestoreArrayWrite(to, &values);
+    check_petsc(VecRestoreArrayWrite(to, &values));
   }
 
   static PetscErrorCode residual(SNES, Vec u, Vec out, void* context) {

@@ -54,7 +54,7 @@ struct NewtonResult {
   std::string reason;      // why SNES stopped
 };
 
-// Needs an initialised PETSc. Throws RunError where PETSc fails; to not converge is no error.
+// Needs an initialised PETSc. A failure of PETSc ends the program (core/checked.hpp); to not converge is no error.
 NewtonResult newton(const NewtonProblem& problem, const NewtonSettings& settings = {});
 
 }  // namespace unibody

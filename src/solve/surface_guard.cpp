@@ -9,6 +9,7 @@
 
 #include "collide/continuous.hpp"
 #include "collide/triangle_distance.hpp"
+#include "core/checked.hpp"
 #include "solve/free_motion.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
@@ -296,7 +297,7 @@ std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) 
     for (const IndexPair& pair : pairs_) test(candidate(pair));
     const auto counts_here = [&](const Hit& hit) { return world_.is_home(hit.ends[world_.is_static(hit.ends[0]) ? 1 : 0]); };
     auto counted = static_cast<std::int64_t>(std::count_if(hits_.begin(), hits_.end(), counts_here));
-    MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_INT64_T, MPI_SUM, halo.comm());
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_INT64_T, MPI_SUM, halo.comm()));
     if (counted == 0) break;
     held += counted;
     const std::vector<Vec3> before = world_.velocity;

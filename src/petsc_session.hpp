@@ -1,0 +1,31 @@
+// PETSc, from its start to its end, with the options of the command line that are its own.
+#pragma once
+
+#include <mpi.h>
+
+#include <string>
+#include <vector>
+
+namespace unibody {
+
+class PetscSession {
+ public:
+  // Throws InputError on every rank where PETSc does not take the options: it is started, and a ghosted vector as those of the
+  // halo is made and updated, before the run depends on one. Collective.
+  PetscSession(MPI_Comm comm, const std::vector<std::string>& options);
+  ~PetscSession();
+  PetscSession(const PetscSession&) = delete;
+  PetscSession& operator=(const PetscSession&) = delete;
+
+  // Says on stderr, by rank 0, which of the options PETSc never looked at: it takes any word.
+  void name_unused_options() const;
+
+ private:
+  void try_options() const;
+
+  MPI_Comm comm_;
+  std::vector<std::string> words_;
+  std::vector<char*> argv_;
+};
+
+}  // namespace unibody
