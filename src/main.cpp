@@ -17,7 +17,9 @@ int fail(int rank, const char* what, int code) {
 
 int guarded_run(int argc, char** argv, int rank) {
   try {
-    return unibody::run(MPI_COMM_WORLD, unibody::parse_options(argc, argv));
+    const int code = unibody::run(MPI_COMM_WORLD, unibody::parse_options(argc, argv));
+    const bool told = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
+    return told || rank != 0 ? code : fail(rank, "cannot write to the standard output: is the disk full?", 3);
   } catch (const unibody::InputError& error) {
     return fail(rank, error.what(), 2);
   } catch (const unibody::RunError& error) {
@@ -32,7 +34,7 @@ int guarded_run(int argc, char** argv, int rank) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  unibody::h5::leave_out_shared_file_pointers();
+  unibody::h5::avoid_shared_semaphores();
   unibody::check_mpi(MPI_Init(&argc, &argv));
   int rank = 0;
   unibody::check_mpi(MPI_Comm_rank(MPI_COMM_WORLD, &rank));

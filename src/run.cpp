@@ -20,6 +20,7 @@
 #include "report/checkpoint.hpp"
 #include "report/elastic_energy.hpp"
 #include "report/fclib_file.hpp"
+#include "report/folder_lock.hpp"
 #include "report/joint_report.hpp"
 #include "report/output.hpp"
 #include "report/progress.hpp"
@@ -131,6 +132,7 @@ class Run {
   std::uint64_t simulate() {
     start_world();
     check_wishes(comm_, scene_, options_, summary_.first_frame);
+    const FolderLock lock(comm_, options_.output);
     prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart);
     simulation_.detect();  // guests are there
     open_files();
@@ -140,6 +142,7 @@ class Run {
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
       rebalance();
       FrameReport report = do_frame(frame);
+      stop_if_not_finite(comm_, report);
       write(frame);
       dump(frame);
       times_.frame_done(report);
@@ -283,6 +286,9 @@ void Run::dump(std::int64_t frame) {
 }
 
 void Run::finish() {
+  report_file_->close();
+  if (frames_) frames_->close();
+  if (joint_files_) joint_files_->close();
   summary_.state_hash = state_hash(comm_, simulation_.world);
   summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
   summary_.restarted_from = options_.restart;

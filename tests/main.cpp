@@ -6,7 +6,7 @@
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  unibody::h5::leave_out_shared_file_pointers();
+  unibody::h5::avoid_shared_semaphores();
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 3;
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <filesystem>
 #include <stdexcept>
+
+#include "core/checked.hpp"
 
 namespace unibody::h5 {
 
@@ -19,6 +22,21 @@ Handle file_access(MPI_Comm comm) {
   // The format of HDF5 1.8: objects without times, and no mark in the file that a killed run would leave behind.
   check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), "choose a file format");
   return access;
+}
+
+// Removes PATH-NUMBER-NUMBER.lock, in which Open MPI would keep the shared pointer of the file: it holds it open, and a run that
+// is killed leaves nothing behind.
+void remove_pointer_files(const std::string& path) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  const std::string begin = fs::path(path).filename().string() + "-";
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(begin) || !name.ends_with(".lock")) continue;
+    const std::string_view numbers = std::string_view(name).substr(begin.size(), name.size() - begin.size() - 5);
+    if (numbers.find_first_not_of("0123456789-") == std::string_view::npos) fs::remove(entry->path(), error);
+  }
 }
 
 Handle row_space(hid_t dataset, hsize_t first, hsize_t count) {
@@ -69,7 +87,7 @@ Handle::Handle(hid_t id, Close closer, const std::string& what) : id_(id), close
 
 herr_t Handle::close() { return id_ < 0 ? 0 : close_(std::exchange(id_, H5I_INVALID_HID)); }
 
-void leave_out_shared_file_pointers() { setenv("OMPI_MCA_sharedfp", "^sm", 0); }
+void avoid_shared_semaphores() { setenv("OMPI_MCA_sharedfp", "^sm", 0); }
 
 Quiet::Quiet() {
   check(H5Eget_auto2(H5E_DEFAULT, &function_, &data_), "find how faults are printed");
@@ -82,11 +100,16 @@ Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block) {
   Handle create(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make a property list");
   check(H5Pset_obj_track_times(create, false), "turn times off");
   check(H5Pset_userblock(create, user_block), "leave room at the start");
-  return Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, access), H5Fclose, "create " + path);
+  Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, access), H5Fclose, "create " + path);
+  check_mpi(MPI_Barrier(comm));  // now all ranks have opened what MPI keeps beside it
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) remove_pointer_files(path);
+  return file;
 }
 
-Handle open_file(MPI_Comm comm, const std::string& path) {
-  const Handle access = file_access(comm);
+Handle open_file(const std::string& path) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make a property list");
   return Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose, "open " + path);
 }
 

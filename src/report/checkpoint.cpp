@@ -335,7 +335,7 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
   agree<InputError>(comm, "", [&] { reading(path, [&] { check_seal(comm, path); }); });
   agree<InputError>(comm, "", [&] {
     reading(path, [&] {
-      file_ = h5::open_file(comm, path);
+      file_ = h5::open_file(path);
       if (h5::read_string(file_, "format") != format) throw std::runtime_error("its format is not '" + format + "'");
       const auto found = h5::read_string(file_, "fingerprint");
       if (!found.starts_with(fingerprint))

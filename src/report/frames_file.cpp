@@ -20,7 +20,11 @@ std::string numbered(const std::string& group, std::int64_t number) {
   return group + "/" + text.data();
 }
 
-bool has(hid_t file, const std::string& name) { return H5Lexists(file, name.c_str(), H5P_DEFAULT) > 0; }
+bool has_attribute(hid_t object, const std::string& name) {
+  const htri_t found = H5Aexists(object, name.c_str());
+  h5::check(found, "look for attribute " + name);
+  return found > 0;
+}
 
 h5::Handle open_group(hid_t file, const std::string& name) {
   return {H5Gopen2(file, name.c_str(), H5P_DEFAULT), H5Gclose, "open group " + name};
@@ -31,11 +35,12 @@ std::vector<std::int64_t> members(hid_t file, const std::string& name) {
   std::vector<std::int64_t> numbers;
   const auto group = open_group(file, name);
   H5G_info_t info{};
-  if (H5Gget_info(group, &info) < 0) return numbers;
+  h5::check(H5Gget_info(group, &info), "list " + name);
   for (hsize_t k = 0; k < info.nlinks; ++k) {
     std::array<char, 32> text{};
     const auto size = H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, k, text.data(), text.size(), H5P_DEFAULT);
-    if (size <= 0 || size >= static_cast<ssize_t>(text.size())) continue;
+    h5::check(size < 0 ? -1 : 0, "list " + name);
+    if (size == 0 || size >= static_cast<ssize_t>(text.size())) continue;
     std::int64_t number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + size, number);
     if (error == std::errc() && end == text.data() + size) numbers.push_back(number);
@@ -60,11 +65,12 @@ std::string file_of(const std::string& path) {
 
 FramesFile::FramesFile(const std::string& path) : path_(file_of(path)) {
   const h5::Quiet quiet;
-  // Not h5::open_file, which would start MPI for a file that one process reads.
-  const hid_t id = H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (id < 0) refuse("can't be opened as an HDF5 file: expected the frames.h5 of a run of unibody");
-  file_ = h5::Handle(id, H5Fclose, "open " + path_);
-  if (!has(file_, "frames")) refuse("has no group /frames: expected the frames.h5 of a run of unibody");
+  try {
+    file_ = h5::open_file(path_);
+  } catch (const std::runtime_error&) {
+    refuse("can't be opened as an HDF5 file: expected the frames.h5 of a run of unibody");
+  }
+  if (!h5::has_link(file_, "frames")) refuse("has no group /frames: expected the frames.h5 of a run of unibody");
   frames_ = members(file_, "frames");
   if (frames_.empty()) refuse("holds no frame yet: expected one at least");
   const std::string name = numbered("/frames", frames_.front()) + "/position";
@@ -82,7 +88,11 @@ h5::Handle FramesFile::open_array(const std::string& name, hsize_t rows, std::in
   const auto extent = h5::dimensions(dataset);
   const bool fits = extent.size() == 2 && (rows == any || extent[0] == rows) &&
                     std::find(columns.begin(), columns.end(), extent[1]) != columns.end() && H5Tget_class(type) == kind;
-  if (fits) return dataset;
+  if (fits) {
+    const hsize_t bytes = extent[0] * extent[1] * H5Tget_size(type);
+    if (extent[0] > (hsize_t{1} << 48) || H5Dget_storage_size(dataset) != bytes) refuse(name + " is not all in the file");
+    return dataset;
+  }
   std::string found, expected = rows == any ? "N" : std::to_string(rows);
   for (const hsize_t n : extent) found.append(found.empty() ? "" : ", ").append(std::to_string(n));
   expected.append(", ").append(std::to_string(*columns.begin()));
@@ -92,7 +102,7 @@ h5::Handle FramesFile::open_array(const std::string& name, hsize_t rows, std::in
 
 std::vector<FramesFile::Cells> FramesFile::surfaces() const {
   const h5::Quiet quiet;
-  if (!has(file_, "surfaces")) refuse("has no group /surfaces: expected the results of a scene with cloths or threads");
+  if (!h5::has_link(file_, "surfaces")) refuse("has no group /surfaces: expected the results of a scene with cloths or threads");
   std::vector<Cells> result;
   for (const std::int64_t number : members(file_, "surfaces")) {
     const std::string group = numbered("/surfaces", number), name = group + "/cells";
@@ -111,7 +121,7 @@ std::vector<FramesFile::Cells> FramesFile::surfaces() const {
       if (id < 0 || id >= body_count_)
         refuse(name + " names body " + std::to_string(id) + ": expected 0 to " + std::to_string(body_count_ - 1));
     const auto own = open_group(file_, group);
-    const bool named = H5Aexists(own, "name") > 0;
+    const bool named = has_attribute(own, "name");
     surface.name = named ? h5::read_string(own, "name") : "surface " + std::to_string(number);
     result.push_back(std::move(surface));
   }
@@ -122,9 +132,10 @@ std::vector<FramesFile::Cells> FramesFile::surfaces() const {
 double FramesFile::time(std::int64_t frame) const {
   const h5::Quiet quiet;
   const std::string group = numbered("/frames", frame);
-  if (!has(file_, group) || H5Aexists_by_name(file_, group.c_str(), "time", H5P_DEFAULT) <= 0)
-    refuse("has no attribute time (s) at " + group);
-  return h5::read_double(open_group(file_, group), "time");
+  if (!h5::has_link(file_, group)) refuse("has no group " + group);
+  const auto own = open_group(file_, group);
+  if (!has_attribute(own, "time")) refuse("has no attribute time (s) at " + group);
+  return h5::read_double(own, "time");
 }
 
 void FramesFile::positions(std::int64_t frame, std::vector<Vec3>& out) const {

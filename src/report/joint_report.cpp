@@ -72,6 +72,15 @@ JointFiles::~JointFiles() {
   if (csv_ != nullptr) std::fclose(csv_);
 }
 
+void JointFiles::close() {
+  const h5::Quiet quiet;
+  bool good = frames_.close() >= 0;
+  good = h5_.close() >= 0 && good;
+  good = (csv_ == nullptr || std::fclose(std::exchange(csv_, nullptr)) == 0) && good;
+  const auto fault = first_fault(comm_, good ? "" : "cannot write joints in '" + directory_ + "': is the disk full?");
+  if (!fault.empty()) throw RunError(fault);
+}
+
 void JointFiles::write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
                        std::span<const JointState> states) {
   int size = 1;

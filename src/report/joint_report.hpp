@@ -31,6 +31,7 @@ class JointFiles {
   // Of this rank's joints.
   void write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
              std::span<const JointState> states);
+  void close();  // nothing may follow
 
  private:
   struct Row;

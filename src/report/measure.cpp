@@ -7,6 +7,7 @@
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "world/limits.hpp"
 
 namespace unibody {
 
@@ -39,6 +40,10 @@ void add_body(const BodyProperties& p, const BodyState& s, const Vec3& gravity, 
 }
 
 }  // namespace
+
+bool is_sound(const BodyState& state) {
+  return is_finite(state) && state.position.cwiseAbs().maxCoeff() <= farthest && state.velocity.norm() < fastest;
+}
 
 Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here) {
   std::array<ExactSum, sum_count> sums;
@@ -87,7 +92,7 @@ Id first_bad_body(MPI_Comm comm, const World& world) {
   constexpr Id none = std::numeric_limits<Id>::max();
   Id bad = none;
   for (std::size_t slot = 0; slot < world.size(); ++slot)
-    if (!is_finite(world.state(slot))) bad = std::min(bad, world.id[slot]);
+    if (!is_sound(world.state(slot))) bad = std::min(bad, world.id[slot]);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT64_T, MPI_MIN, comm));
   return bad == none ? -1 : bad;
 }

@@ -27,7 +27,10 @@ struct Measures {
 // `bytes_here`: what this rank's arrays occupy (of bodies, contacts, solver, halo). Collective.
 Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here = 0);
 
-// The smallest id whose state holds a NaN or an infinity; -1: none. Collective.
+// Whether all numbers of a state are finite, and the place and the speed within the limits of world/limits.hpp.
+bool is_sound(const BodyState& state);
+
+// The smallest id whose state is not sound; -1: none. Collective.
 Id first_bad_body(MPI_Comm comm, const World& world);
 
 }  // namespace unibody

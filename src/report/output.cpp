@@ -27,7 +27,7 @@ std::string prepare_on_one_rank(const std::string& directory, bool overwrite, co
   namespace fs = std::filesystem;
   std::error_code error;
   fs::create_directories(directory, error);
-  if (!fs::is_directory(directory)) return "cannot make the output directory '" + directory + "': " + error.message();
+  if (!fs::is_directory(directory, error)) return "cannot make the output directory '" + directory + "': " + error.message();
   for (const char* name : result_files) {
     const fs::path path = fs::path(directory) / name;
     if (!fs::exists(path)) continue;
@@ -128,6 +128,14 @@ Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings
   throw_if_any(fault);
   if (rank_ == 0) start_xdmf();
   throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ : "");
+}
+
+void Output::close() {
+  const h5::Quiet quiet;
+  bool good = frames_.close() >= 0;
+  good = file_.close() >= 0 && good;
+  if (xdmf_ >= 0) good = ::close(std::exchange(xdmf_, -1)) == 0 && good;
+  throw_if_any(good ? "" : cannot_write(path_));
 }
 
 Output::~Output() {

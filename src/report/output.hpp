@@ -35,6 +35,7 @@ class Output {
 
   // Throws RunError on every rank if the disk fails on any.
   void write(std::int64_t frame, double time, const World& world);
+  void close();  // the same; nothing may follow
 
  private:
   void reserve(Id numbers) const;

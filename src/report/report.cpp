@@ -1,6 +1,8 @@
 #include "report/report.hpp"
 
 #include <array>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/agreement.hpp"
@@ -52,6 +54,18 @@ const std::array columns{
 };
 #undef COLUMN
 
+// What is wrong with the first number that is not finite; empty where all are.
+std::string infinite_column(const FrameReport& report) {
+  const auto fault = [](const std::string& name, double value) {
+    return "the report's " + name + " is no longer finite: " + (std::isnan(value) ? "nan" : "infinity");
+  };
+  for (const Column& c : columns)
+    if (const double value = c.value(report); !std::isfinite(value)) return fault(c.name, value);
+  for (const NamedValue& c : report.constraint_columns)
+    if (c.known && !std::isfinite(c.value)) return fault(c.name, c.value);
+  return {};
+}
+
 }  // namespace
 
 std::string report_header(std::span<const NamedValue> constraint_columns) {
@@ -87,7 +101,18 @@ ReportFile::~ReportFile() {
   if (file_ != nullptr) std::fclose(file_);
 }
 
+void stop_if_not_finite(MPI_Comm comm, const FrameReport& report) {
+  const auto fault = first_fault(comm, infinite_column(report));
+  if (!fault.empty()) throw RunError("frame " + std::to_string(report.step) + ": " + fault);
+}
+
 void ReportFile::append(const FrameReport& report) { write_line(report_row(report)); }
+
+void ReportFile::close() {
+  const bool good = file_ == nullptr || std::fclose(std::exchange(file_, nullptr)) == 0;
+  const auto fault = first_fault(comm_, good ? "" : "cannot write '" + path_ + "': is the disk full?");
+  if (!fault.empty()) throw RunError(fault);
+}
 
 void ReportFile::write_line(const std::string& line) {
   const bool good = file_ == nullptr || (std::fprintf(file_, "%s\n", line.c_str()) >= 0 && std::fflush(file_) == 0);

@@ -36,6 +36,9 @@ inline constexpr int report_comparable_columns = 20;
 std::string report_header(std::span<const NamedValue> constraint_columns = {});
 std::string report_row(const FrameReport& report);
 
+// Throws RunError that names the column on every rank where a number of the report is not finite. Collective.
+void stop_if_not_finite(MPI_Comm comm, const FrameReport& report);
+
 // Writes the file on rank 0 and flushes it after every row. Members are collective and throw RunError on every rank.
 class ReportFile {
  public:
@@ -44,6 +47,7 @@ class ReportFile {
   ReportFile(const ReportFile&) = delete;
   ReportFile& operator=(const ReportFile&) = delete;
   void append(const FrameReport& report);  // rank 0's is written
+  void close();                            // nothing may follow
 
  private:
   void write_line(const std::string& line);

@@ -163,6 +163,7 @@ void read_entry(const Value& entry, Scene& scene) {
   if (const Value* value = entry.find("orientation")) orientation = read_orientation(*value, scene);
 
   BodyGroup group;
+  group.line = entry.line;
   if (const Value* name = entry.find("name")) group.name = name->string("a name");
   const Generated generated = read_generated(entry, body, type, scene);
   group.first = scene.body_count();

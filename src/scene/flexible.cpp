@@ -20,6 +20,7 @@ Nodes read_nodes(const Value& entry, double radius, const Scene& scene) {
   Nodes nodes;
   nodes.particle.properties.shape = {ShapeKind::particle, Vec3(radius, 0, 0)};
   nodes.particle.properties.group = static_cast<std::int32_t>(scene.constraint_groups.size());
+  nodes.line = entry.line;
   if (const Value* name = entry.find("name")) nodes.name = name->string("a name");
   if (const Value* value = entry.find("position")) nodes.position = read_vector(*value, scene, "m");
   if (const Value* value = entry.find("orientation")) nodes.orientation = read_orientation(*value, scene);
@@ -33,7 +34,7 @@ Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(I
                 std::function<void(Id first, Id node, ConstraintSet& out)> touching, std::function<Id(Id)> patch) {
   const Id first = scene.body_count();
   BodyGroup group;
-  group.first = first, group.count = count, group.rotates = false, group.name = nodes.name;
+  group.first = first, group.count = count, group.rotates = false, group.name = nodes.name, group.line = nodes.line;
   group.make = [first, make = std::move(make)](Id k) {
     Body body = make(k);
     body.id = first + k;

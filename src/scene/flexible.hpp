@@ -14,6 +14,7 @@ void read_solids(const Value& list, Scene& scene);
 struct Nodes {
   BodyTemplate particle;  // of the contact radius; its mass is set by node
   std::string name;
+  int line = 0;  // of the entry in the file
   Vec3 position = Vec3::Zero();
   Quat orientation = Quat::Identity();
 

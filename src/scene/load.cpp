@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstring>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "core/errors.hpp"
@@ -17,41 +18,60 @@ namespace {
 
 using Origin = std::shared_ptr<const std::string>;
 
-constexpr int deepest = 64;  // levels; an alias that holds itself would go on for ever
+constexpr int deepest = 64;                       // levels; an alias that holds itself would go on for ever
+constexpr std::size_t most_by_aliases = 200'000;  // values that aliases may add to those that the text writes out
+constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 30;
 
 std::string child_key(const std::string& parent, const std::string& name) { return parent.empty() ? name : parent + "." + name; }
 std::string entry_key(const std::string& parent, std::size_t i) { return parent + "[" + std::to_string(i) + "]"; }
 
-Value convert(const YAML::Node& node, const std::string& key, const Origin& origin, bool in_file, int depth = 0);
+// Makes Values of the nodes of one text. An alias stands for a whole tree, and ten aliases of ten aliases of ... for more trees
+// than there is memory for: the values are counted.
+class Converter {
+ public:
+  Converter(const Origin& origin, bool in_file, std::size_t bytes)
+      : origin_(origin), in_file_(in_file), most_(bytes + most_by_aliases) {}
 
-void convert_map(const YAML::Node& node, Value& value, bool in_file, int depth) {
+  Value convert(const YAML::Node& node, const std::string& key, int depth = 0);
+
+ private:
+  void convert_map(const YAML::Node& node, Value& value, int depth);
+
+  const Origin& origin_;
+  bool in_file_;
+  std::size_t most_, count_ = 0;  // a text has no more values than bytes, but for its aliases
+};
+
+void Converter::convert_map(const YAML::Node& node, Value& value, int depth) {
+  std::set<std::string_view> names;
   for (const auto& item : node) {
-    if (!item.first.IsScalar()) convert(item.first, value.key, value.origin, in_file).fail_expected("a word before the ':'");
-    const std::string name = item.first.Scalar();
-    Value child = convert(item.second, child_key(value.key, name), value.origin, in_file, depth + 1);
-    if (in_file) child.line = item.first.Mark().line + 1;
-    if (value.find(name)) child.fail("the key a second time", "each key once");
+    if (!item.first.IsScalar()) convert(item.first, value.key, depth + 1).fail_expected("a word before the ':'");
+    const std::string& name = item.first.Scalar();
+    Value child = convert(item.second, child_key(value.key, name), depth + 1);
+    if (in_file_) child.line = item.first.Mark().line + 1;
+    if (!names.insert(name).second) child.fail("the key a second time", "each key once");
     value.children.emplace_back(name, std::move(child));
   }
 }
 
-Value convert(const YAML::Node& node, const std::string& key, const Origin& origin, bool in_file, int depth) {
+Value Converter::convert(const YAML::Node& node, const std::string& key, int depth) {
   Value value;
   value.key = key;
-  value.origin = origin;
-  value.line = in_file ? std::max(node.Mark().line, 0) + 1 : 0;
+  value.origin = origin_;
+  value.line = in_file_ ? std::max(node.Mark().line, 0) + 1 : 0;
   if (depth > deepest) value.fail("more than " + std::to_string(deepest) + " levels", "fewer");
+  if (++count_ > most_)
+    value.fail("aliases that stand for more than " + std::to_string(most_by_aliases) + " values", "fewer, or no aliases");
   if (node.IsScalar()) {
     value.kind = Value::Kind::scalar;
     value.text = node.Scalar();
     value.quoted = node.Tag() == "!";
   } else if (node.IsSequence()) {
     value.kind = Value::Kind::list;
-    for (const auto& entry : node)
-      value.entries.push_back(convert(entry, entry_key(key, value.entries.size()), origin, in_file, depth + 1));
+    for (const auto& entry : node) value.entries.push_back(convert(entry, entry_key(key, value.entries.size()), depth + 1));
   } else if (node.IsMap()) {
     value.kind = Value::Kind::map;
-    convert_map(node, value, in_file, depth);
+    convert_map(node, value, depth);
   }
   return value;
 }
@@ -79,7 +99,7 @@ Value parse_yaml(const std::string& text, const std::string& key, const Origin& 
       const std::string line = in_file ? ":" + std::to_string(start.line) : "";
       throw InputError(*origin + line + ": found text after the scene's end, expected one YAML document");
     }
-    return convert(YAML::Load(text), key, origin, in_file);
+    return Converter(origin, in_file, text.size()).convert(YAML::Load(text), key);
   } catch (const YAML::Exception& error) {
     const std::string line = in_file && error.mark.line >= 0 ? ":" + std::to_string(error.mark.line + 1) : "";
     throw InputError(one_line(*origin + line + ": not YAML: " + error.msg));
@@ -89,12 +109,16 @@ Value parse_yaml(const std::string& text, const std::string& key, const Origin& 
 std::string read_text(const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();
+  std::string text;
+  for (char part[1 << 16]; file.read(part, sizeof part), file.gcount() > 0;) {  // a folder can be opened, but not read
+    text.append(part, static_cast<std::size_t>(file.gcount()));
+    if (text.size() > most_bytes)
+      throw InputError(path + ": found more than " + std::to_string(most_bytes) + " bytes, expected a scene (YAML)");
+  }
   if (!file.is_open() || file.bad())
     throw InputError(path + ": found no readable file (" + std::strerror(errno != 0 ? errno : EIO) +
                      "), expected a scene (YAML)");
-  return text.str();
+  return text;
 }
 
 struct Step {  // one step of a path: a key, or a place in a list where the name is empty

@@ -10,6 +10,7 @@
 #include "scene/body_entry.hpp"
 #include "scene/flexible.hpp"
 #include "scene/joints.hpp"
+#include "scene/resolution.hpp"
 #include "scene/stiffness.hpp"
 
 namespace unibody {
@@ -303,6 +304,7 @@ Scene read_scene(const std::string& path, const std::vector<Override>& overrides
   scene.room = room;
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
+  check_resolution(scene);
   check_form(root, scene);
   const auto is_static = [&](Id id) { return group_of(scene, id).is_static; };
   scene.joint_colours = colour_joints(scene.joints, is_static);

@@ -41,6 +41,7 @@ struct BodyGroup {
   bool rotates = true;     // false: particles
   bool generated = false;  // by a generator, even if it is one body
   std::string name;        // of the entry; may be empty
+  int line = 0;            // of the entry in the file; 0: it is not from there
   std::function<Body(Id k)> make;
 };
 

@@ -100,7 +100,7 @@ TEST(RanksOutput, SurfacesToo) {
   write_frames(size_of(MPI_COMM_WORLD), 1, folder / "all", 333, false, surfaces);
   for (const char* file : {"/frames.h5", "/frames.xdmf"})
     EXPECT_TRUE(contents((folder / "one") + file) == contents((folder / "all") + file)) << file;
-  const h5::Handle file = h5::open_file(MPI_COMM_WORLD, folder / "all/frames.h5");
+  const h5::Handle file = h5::open_file(folder / "all/frames.h5");
   std::array<std::int64_t, 3> last{};
   const h5::Handle cells = h5::open_dataset(file, "surfaces/000000/cells");
   h5::read_rows(cells, H5T_NATIVE_INT64, 199, 1, last.data());
@@ -162,7 +162,7 @@ TEST(RanksOutput, AFullDiskLeavesTheEarlierFrames) {
     EXPECT_EQ(contents(folder / "frames.xdmf"), xdmf);
   }
   MPI_Barrier(comm);
-  const h5::Handle file = h5::open_file(comm, folder / "frames.h5");
+  const h5::Handle file = h5::open_file(folder / "frames.h5");
   EXPECT_NO_THROW(h5::open_dataset(file, "frames/000001/velocity"));
   const h5::Quiet quiet;
   EXPECT_THROW(h5::open_dataset(file, "frames/000002/velocity"), std::runtime_error);

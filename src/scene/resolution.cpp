@@ -1,0 +1,100 @@
+#include "scene/resolution.hpp"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "core/errors.hpp"
+#include "world/limits.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double resolved_size = 1e7;    // in units of the rounding of a coordinate
+constexpr double resolved_speed = 1e-6;  // rounding of a coordinate in a step, over the scene's speed
+
+std::string text(double x) {
+  std::ostringstream out;
+  out << x;
+  return out.str();
+}
+
+// What the checks compare.
+struct Extent {
+  double size, place, speed, gained;  // m, m (largest coordinate), m/s, m/s gained from rest on the way of its size
+};
+
+Extent extent_of(const Body& body, const Vec3& gravity) {
+  const BodyProperties& p = body.properties;
+  const BodyState& s = body.state;
+  const double size = smallest_size(p.shape), radius = bounding_radius(p.shape);
+  Extent e{size, s.position.cwiseAbs().maxCoeff(), s.velocity.norm(), 0};
+  if (std::isfinite(radius)) e.speed = std::max(e.speed, s.angular_velocity.norm() * radius);
+  if (p.is_dynamic()) e.gained = std::sqrt((gravity + p.force / p.mass).norm() * size);
+  return e;
+}
+
+[[noreturn]] void fail(const Scene& scene, const BodyGroup& group, Id k, const std::string& found, const std::string& expected) {
+  const std::string where = group.line > 0 ? scene.path + ":" + std::to_string(group.line) : scene.path;
+  const Id id = group.first + k;
+  throw InputError(where + ": body " + std::to_string(id) + " (" + scene.body_name(id) + "): found " + found + ", expected " +
+                   expected);
+}
+
+template <class F>
+void for_each_body_looked_at(const Scene& scene, F&& f) {
+  constexpr Id all = 100'000, ends = 1000;
+  for (const BodyGroup& group : scene.groups)
+    for (Id k = 0; k < group.count; ++k) {
+      if (group.count > all && k == ends) k = group.count - ends;
+      f(group, k, extent_of(group.make(k), scene.gravity));
+    }
+}
+
+void check_body(const Scene& scene, const BodyGroup& group, Id k, const Extent& e) {
+  const auto refuse = [&](const std::string& found, const std::string& expected) { fail(scene, group, k, found, expected); };
+  if (std::isfinite(e.size) && !(e.size >= least_size && e.size <= largest_size))  // a plane has no size
+    refuse("a size of " + text(e.size) + " m", "1e-15 to 1e15 m");
+  if (!(e.place <= farthest)) refuse("a coordinate of " + text(e.place) + " m", "at most 1e15 m");
+  if (!(e.speed < fastest)) refuse("a speed of " + text(e.speed) + " m/s", "less than that of light, 299792458 m/s");
+  const double rounding = epsilon * e.place;
+  if (!group.is_static && !(e.size >= resolved_size * rounding))
+    refuse(
+        "a size of " + text(e.size) + " m where coordinates of " + text(e.place) + " m are rounded by " + text(rounding) + " m",
+        "a size of at least " + text(resolved_size * rounding) + " m, or a place nearer to the origin");
+}
+
+void check_step(const Scene& scene, const BodyGroup& group, Id k, const Extent& e, double speed) {
+  const double step = scene.time.step / scene.time.substeps, rounding = epsilon * std::max(e.place, e.size);
+  if (group.is_static || !(rounding / step > resolved_speed * speed)) return;
+  fail(scene, group, k,
+       "steps of " + text(step) + " s (time.step / time.substeps), in which coordinates of " + text(std::max(e.place, e.size)) +
+           " m are rounded by more than 1e-6 of what bodies move at " + text(speed) + " m/s",
+       "steps of at least " + text(rounding / (resolved_speed * speed)) + " s");
+}
+
+// What gravity adds to a speed in a step is taken off again where a body rests, to its rounding.
+void check_gravity(const Scene& scene, double speed) {
+  const double step = scene.time.step / scene.time.substeps, added = scene.gravity.norm() * step;
+  if (!(epsilon * added > resolved_speed * speed)) return;
+  throw InputError(scene.path + ": found steps of " + text(step) + " s (time.step / time.substeps) in a gravity of " +
+                   text(scene.gravity.norm()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " + text(speed) +
+                   " m/s, expected shorter steps or less gravity");
+}
+
+}  // namespace
+
+void check_resolution(const Scene& scene) {
+  double speed = 0;
+  for_each_body_looked_at(scene, [&](const BodyGroup& group, Id k, const Extent& e) {
+    check_body(scene, group, k, e);
+    speed = std::max({speed, e.speed, std::isfinite(e.gained) ? e.gained : 0});
+  });
+  if (!(speed > 0)) return;  // nothing that would be lost
+  check_gravity(scene, speed);
+  for_each_body_looked_at(scene, [&](const BodyGroup& group, Id k, const Extent& e) { check_step(scene, group, k, e, speed); });
+}
+
+}  // namespace unibody
