@@ -12,7 +12,8 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_cells = 101, tag_large = 102, tag_guests = 103, tag_homes = 104, tag_questions = 105, tag_wanted = 106;
+constexpr int tag_cells = 101, tag_large = 102, tag_guests = 103, tag_homes = 104, tag_questions = 105, tag_wanted = 106,
+              tag_asked = 107, tag_told = 108;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t cells_of_a_large_body = 64;  // beyond this a body is compared by its bounds rather than by its cells
 
@@ -176,6 +177,23 @@ void Halo::update(Field field) const {
   if (size_ == 1) return;
   check_petsc(VecGhostUpdateBegin(vec_[field], INSERT_VALUES, SCATTER_FORWARD));
   check_petsc(VecGhostUpdateEnd(vec_[field], INSERT_VALUES, SCATTER_FORWARD));
+}
+
+void Halo::tell_guests(const World& world, std::span<std::int32_t> values) const {
+  if (size_ == 1) return;
+  std::vector<std::vector<Id>> questions(static_cast<std::size_t>(size_));
+  for (std::size_t g = 0; g < world.guests; ++g)
+    questions[static_cast<std::size_t>(guest_rank_[g])].push_back(world.id[world.homes + g]);
+  const auto asked = exchange_all(comm_, questions, tag_asked);
+  std::vector<std::vector<std::int32_t>> answers(asked.size());
+  for (std::size_t r = 0; r < asked.size(); ++r)
+    for (const Id id : asked[r]) answers[r].push_back(values[static_cast<std::size_t>(world.find(id))]);
+  const auto told = exchange_all(comm_, answers, tag_told);
+  std::vector<std::size_t> next(told.size(), 0);
+  for (std::size_t g = 0; g < world.guests; ++g) {
+    const auto home = static_cast<std::size_t>(guest_rank_[g]);
+    values[world.homes + g] = told[home][next[home]++];
+  }
 }
 
 // What the home bodies may touch in a step; with a skin, so that it holds for some steps.

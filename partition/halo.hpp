@@ -61,6 +61,10 @@ class Halo {
   // One field of the guests from their homes, in between. Collective.
   void update(Field field) const;
 
+  // Sets the guests' values to those that their homes have for them; values: one a slot. Collective, and meant for what is rare:
+  // all ranks talk with all.
+  void tell_guests(const World& world, std::span<std::int32_t> values) const;
+
  private:
   struct Guest;
   std::vector<Bounds> reach(const World& world, const CollideSettings& settings, const Surfaces* surfaces, bool skin) const;

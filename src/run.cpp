@@ -135,6 +135,7 @@ class Run {
     const FolderLock lock(comm_, options_.output);
     prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart);
     simulation_.detect();  // guests are there
+    warn_of_crowds(summary_.first_frame);
     open_files();
     write(summary_.first_frame);
     Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies,
@@ -164,6 +165,20 @@ class Run {
   void dump(std::int64_t frame);
   void finish();
 
+  // Once: nobody means it.
+  void warn_of_crowds(std::int64_t frame) {
+    if (!simulation_.is_crowded() || warned_of_crowds_) return;
+    warned_of_crowds_ = true;
+    const Simulation::CrowdCount count = simulation_.count_crowds();
+    if (rank_ != 0) return;
+    std::fprintf(
+        stderr,
+        "unibody: frame %lld: %lld bodies are where there is room for a few, up to %lld at one place, among them body %lld "
+        "(%s): until they are apart each touches some of the others only\n",
+        static_cast<long long>(frame), static_cast<long long>(count.bodies), static_cast<long long>(count.most),
+        static_cast<long long>(count.one), scene_.body_name(count.one).c_str());
+  }
+
   bool wants_error(std::int64_t frame) const {
     const int every = options_.error_estimate;
     return every > 0 && (frame % every == 0 || frame == scene_.time.frames);
@@ -189,7 +204,7 @@ class Run {
   std::optional<Output> frames_;
   std::optional<JointFiles> joint_files_;
   ContactProblem problem_;
-  bool dumped_ = false;
+  bool dumped_ = false, warned_of_crowds_ = false;
 };
 
 void Run::start_world() {
@@ -230,6 +245,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     report.converged &= step.converged, report.form_left += step.form_left;
   }
   simulation_.detect();
+  warn_of_crowds(frame);
   report.error = last.error;
   report.measures =
       measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));

@@ -7,6 +7,7 @@
 
 #include "attach.hpp"
 #include "build.hpp"
+#include "collide/crowds.hpp"
 #include "constraints/constraint_batches.hpp"
 #include "constraints/friction.hpp"
 #include "core/checked.hpp"
@@ -71,10 +72,30 @@ void Simulation::detect() {
   const PhaseClock::Scope scope(clock_, Phase::collide);
   detected_ = true;
   if (is_alone()) return;
+  crowd_ranks_ = crowd_ranks(world);
+  crowded_ = any_over_ranks(!crowd_ranks_.empty());
+  if (crowded_) {
+    crowd_ranks_.resize(world.size(), -1);
+    halo_.tell_guests(world, crowd_ranks_);
+  }
   const Scratch::Frame frame(scratch_);
-  Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_);
+  Collider(&scratch_).collide(world, collide_settings_, contacts, surfaces_.empty() ? nullptr : &surfaces_, crowd_ranks_);
   leave_out_attached(scene_, world, time(), contacts);
   leave_out_jointed(scene_.joints, joints, contacts);
+}
+
+Simulation::CrowdCount Simulation::count_crowds() const {
+  CrowdCount count;
+  const std::span ranks(crowd_ranks_.data(), std::min(crowd_ranks_.size(), world.homes));
+  for (const std::int32_t rank : ranks) count.bodies += rank >= 0, count.most = std::max<std::int64_t>(count.most, rank + 1);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.bodies, 1, MPI_INT64_T, MPI_SUM, halo_.comm()));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.most, 1, MPI_INT64_T, MPI_MAX, halo_.comm()));
+  for (std::size_t i = 0; i < ranks.size(); ++i)
+    if (ranks[i] + 1 == count.most && (count.one < 0 || world.id[i] < count.one)) count.one = world.id[i];
+  constexpr Id none = std::numeric_limits<Id>::max();
+  if (count.one < 0) count.one = none;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.one, 1, MPI_INT64_T, MPI_MIN, halo_.comm()));
+  return count;
 }
 
 // A single cloth or thread, whose nodes touch nothing.

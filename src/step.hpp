@@ -78,6 +78,13 @@ class Simulation {
 
   bool has_surfaces() const { return !is_alone() && !scene_.surfaces.empty(); }  // that may touch something
   const Surfaces& surfaces() const { return surfaces_; }  // where they may touch anything, or feel the air; else empty
+  // More bodies at one place than can be there (collide/crowds.hpp), on any rank; after detect().
+  bool is_crowded() const { return crowded_; }
+  struct CrowdCount {
+    std::int64_t bodies = 0, most = 0;  // in crowds; in the largest
+    Id one = -1;                        // of those in the largest
+  };
+  CrowdCount count_crowds() const;
   bool has_attachments() const { return !scene_.attachments.empty(); }  // to dynamic bodies
   bool has_joints() const { return !scene_.joints.empty(); }
   std::vector<JointState> joint_states() const;  // of each of `joints`, after a step
@@ -161,7 +168,8 @@ class Simulation {
   JointBatch joint_batch_;
   System system_{&scratch_};  // within step()
   double step_ = 0, tolerance_ = 0, recovery_speed_ = most_automatic_recovery_speed;
-  bool detected_ = false, constraints_made_ = false;
+  bool detected_ = false, constraints_made_ = false, crowded_ = false;
+  std::vector<std::int32_t> crowd_ranks_;  // by slot (crowds.hpp); empty where nothing is crowded
   std::unique_ptr<ConstraintBatches> constraint_batches_;
   std::int64_t built_version_ = -1;  // of the halo, for which their slots hold
   ConstraintColours colours_{};

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "collide/crowds.hpp"
 #include "collide/merge_supports.hpp"
 #include "collide/restitution.hpp"
 #include "core/renew_room.hpp"
@@ -46,7 +47,8 @@ Collider::Collider(std::pmr::memory_resource* memory)
       pairs_(memory),
       broad_phase_(memory) {}
 
-void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces) {
+void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces,
+                       std::span<const std::int32_t> crowd_ranks) {
   const std::size_t manifolds = contacts.manifolds.size(), points = contacts.points.size();  // of the last step
   contacts.clear();
   renew_room(contacts.manifolds, manifolds + manifolds / 32), renew_room(contacts.points, points + points / 32);
@@ -55,9 +57,9 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   if (surfaces)
     for (std::size_t i = 0; i < proxies_.size(); ++i)
       if (surfaces->is_interior(proxies_[i].slot)) roles_[i] = Role::absent;
-  pair_with_planes(settings);
   if (surfaces) add_surfaces(world, *surfaces, settings);
-  broad_phase_.find(bounds_, roles_, pairs_, filters_);
+  find_pairs(world, crowd_ranks);
+  pair_with_planes(settings);
   const std::size_t others = bounds_.size();
   edges_.clear();
   if (surfaces) pair_edges(world, *surfaces, settings);
@@ -73,6 +75,25 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
     collider.finish();
   }
   if (!settings.restitution.empty()) set_bounces(world, settings, contacts);
+}
+
+void Collider::find_pairs(const World& world, std::span<const std::int32_t> crowd_ranks) {
+  if (crowd_ranks.empty()) return broad_phase_.find(bounds_, roles_, pairs_, filters_);
+  std::vector<Crowds::Member> members;
+  for (std::size_t i = 0; i < proxies_.size(); ++i) {
+    const auto slot = static_cast<std::size_t>(proxies_[i].slot);
+    if (crowd_ranks[slot] >= 0)
+      members.push_back(
+          {crowd_cell(world.properties[slot], world.position[slot]), crowd_ranks[slot], static_cast<std::int32_t>(i)});
+  }
+  const Crowds crowds(std::move(members));
+  const std::vector<Bounds> bounds(bounds_.begin(), bounds_.end());
+  const std::vector<Role> roles(roles_.begin(), roles_.end());
+  const std::vector<Filter> filters(filters_.begin(), filters_.end());
+  crowds.stand_for(bounds_, roles_, filters_);
+  broad_phase_.find(bounds_, roles_, pairs_, filters_);
+  crowds.expand(pairs_, bounds, roles, filters);
+  std::copy(roles.begin(), roles.end(), roles_.begin());  // planes look at them, too
 }
 
 void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts) {

@@ -21,12 +21,15 @@ class Collider {
   explicit Collider(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   // `contacts` is overwritten: manifolds in ascending (id_a, id_b), points in ascending feature. With surfaces, nodes of flexible
-  // bodies touch each other's faces and edges; without, they are particles.
-  void collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces = nullptr);
+  // bodies touch each other's faces and edges; without, they are particles. crowd_ranks: by slot, each body's rank in its crowd
+  // (crowds.hpp), or -1; empty: there are no crowds.
+  void collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces = nullptr,
+               std::span<const std::int32_t> crowd_ranks = {});
 
  private:
   void gather(const World& world, const CollideSettings& settings);
   void pair_with_planes(const CollideSettings& settings);
+  void find_pairs(const World& world, std::span<const std::int32_t> crowd_ranks);
   void add_surfaces(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
   void pair_edges(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
   void collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts);

@@ -1,5 +1,8 @@
-// Blocks of tetrahedra: each cell of a lattice split in six around its diagonal (Kuhn), all cells alike, so that the faces of
-// neighbours match. Everything is a pure function of a node's number.
+// Blocks of tetrahedra: each cell of a lattice is split in five, one between four of its corners and one at each of the other
+// four. A corner is of the first kind where its three numbers add up to an odd one: neighbouring cells are mirror images of each
+// other, so that their faces match, and a block of even numbers of cells is its own mirror image in all three directions. (Cells
+// that are all split alike around one diagonal bend sideways under a straight load.) Everything is a pure function of a node's
+// number.
 #include <algorithm>
 
 #include "scene/solid_shape.hpp"
@@ -10,9 +13,9 @@ namespace {
 
 using Cell = std::array<Id, 3>;
 
-// The orders in which a path along the edges of a cell goes from its lowest corner to its highest: a tetrahedron each.
-constexpr std::array<std::array<int, 3>, 6> paths{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}}};
-constexpr bool is_even(std::size_t path) { return path < 3; }
+constexpr Id tetrahedra_of_cell = 5;  // the first between the odd corners, then one at each even corner
+
+bool is_odd(const Cell& c) { return (c[0] + c[1] + c[2]) % 2 != 0; }
 
 struct Block {
   Vec3 size = Vec3::Ones();  // m
@@ -38,20 +41,32 @@ struct Block {
   }
 
   // Corners of a cell's tetrahedron, positively oriented.
-  static std::array<Cell, 4> corners(const Cell& cell, std::size_t path) {
-    std::array<Cell, 4> at{cell, cell, cell, cell};
-    for (std::size_t step = 0; step < 3; ++step)
-      for (std::size_t later = step + 1; later < 4; ++later) ++at[later][static_cast<std::size_t>(paths[path][step])];
-    if (!is_even(path)) std::swap(at[2], at[3]);
+  static std::array<Cell, 4> corners(const Cell& cell, Id tetrahedron) {
+    std::array<std::array<Cell, 4>, 2> kinds;  // the even and the odd corners
+    std::array<std::size_t, 2> count{};
+    for (Id k = 0; k < 2; ++k)
+      for (Id j = 0; j < 2; ++j)
+        for (Id i = 0; i < 2; ++i) {
+          const Cell c{cell[0] + i, cell[1] + j, cell[2] + k};
+          const std::size_t kind = is_odd(c) ? 1 : 0;
+          kinds[kind][count[kind]++] = c;
+        }
+    std::array<Cell, 4> at = kinds[1];
+    if (tetrahedron > 0) {
+      const Cell corner = kinds[0][static_cast<std::size_t>(tetrahedron - 1)];
+      at.fill(corner);
+      for (std::size_t axis = 0; axis < 3; ++axis) at[axis + 1][axis] += corner[axis] == cell[axis] ? 1 : -1;
+    }
+    if (is_odd(cell)) std::swap(at[2], at[3]);  // the mirror image of an even cell
     return at;
   }
 
-  Id tetrahedron_count() const { return cells[0] * cells[1] * cells[2] * static_cast<Id>(paths.size()); }
-  // Nodes of tetrahedron t: path by path of cell after cell, the first axis fastest.
+  Id tetrahedron_count() const { return cells[0] * cells[1] * cells[2] * tetrahedra_of_cell; }
+  // Nodes of tetrahedron t: those of cell after cell, the first axis fastest.
   std::array<Id, 4> tetrahedron(Id t) const {
-    const Id c = t / static_cast<Id>(paths.size());
+    const Id c = t / tetrahedra_of_cell;
     const Cell cell{c % cells[0], c / cells[0] % cells[1], c / (cells[0] * cells[1])};
-    const auto at = corners(cell, static_cast<std::size_t>(t) % paths.size());
+    const auto at = corners(cell, t % tetrahedra_of_cell);
     return {node(at[0]), node(at[1]), node(at[2]), node(at[3])};
   }
 
@@ -64,34 +79,32 @@ struct Block {
           if (const Cell cell{node[0] - i, node[1] - j, node[2] - k}; has_cell(cell)) f(cell, Cell{i, j, k});
   }
 
-  // A quarter of each tetrahedron's at each of its corners: all six of a cell have its lowest and its highest, two any other.
+  // An eighth of each of its cells'. A quarter of each of its tetrahedra's would be five times as much at odd corners as at even
+  // ones, and the light ones would be as stiff as in a step of twice the length.
   double mass_of(const Cell& node) const {
-    Id shares = 0;
-    for_each_cell_at(node, [&](const Cell&, const Cell& corner) {
-      const Id ones = corner[0] + corner[1] + corner[2];
-      shares += ones == 0 || ones == 3 ? 6 : 2;
-    });
-    return law.density * size.prod() / static_cast<double>(24 * cells[0] * cells[1] * cells[2]) * static_cast<double>(shares);
+    Id cells_at = 0;
+    for_each_cell_at(node, [&](const Cell&, const Cell&) { ++cells_at; });
+    return law.density * size.prod() / static_cast<double>(8 * cells[0] * cells[1] * cells[2]) * static_cast<double>(cells_at);
   }
 };
 
 void add_constraints(const Block& block, Id first, Id node, ConstraintSet& out) {
   block.for_each_cell_at(block.cell_of(node), [&](const Cell& cell, const Cell&) {
     const Id parity = cell[0] % 2 + 2 * (cell[1] % 2) + 4 * (cell[2] % 2);
-    for (std::size_t path = 0; path < paths.size(); ++path) {
-      const auto at = Block::corners(cell, path);
+    for (Id t = 0; t < tetrahedra_of_cell; ++t) {
+      const auto at = Block::corners(cell, t);
       std::array<Id, 4> ids;
       for (std::size_t e = 0; e < 4; ++e) ids[e] = block.node(at[e]);
       if (std::find(ids.begin(), ids.end(), node) == ids.end()) continue;
       std::array<Vec3, 4> places;
       for (std::size_t e = 0; e < 4; ++e) places[e] = block.place(at[e]), ids[e] += first;
-      add_tetrahedron(block.law, places, ids, static_cast<std::int32_t>(8 * static_cast<Id>(path) + parity), out);
+      add_tetrahedron(block.law, places, ids, static_cast<std::int32_t>(8 * t + parity), out);
     }
   });
 }
 
 // The triangles of the surface: those of side 0 (low) of axis 0, then of side 1, then of axis 1 ... Two a cell's face, split
-// along the diagonal that the tetrahedra have there.
+// along the diagonal between its odd corners.
 class BlockSurface {
  public:
   explicit BlockSurface(const Block& block) : block_(block) {}
@@ -128,13 +141,17 @@ class BlockSurface {
 
   // Triangle t (0, 1) of a cell's face, counterclockwise from outside.
   std::array<Id, 3> corners(std::size_t axis, Id side, Id i, Id j, Id t) const {
-    const auto node = [&](Id di, Id dj) {
+    const auto corner = [&](Id di, Id dj) {
       Cell c{};
       c[axis] = side * block_.cells[axis], c[(axis + 1) % 3] = i + di, c[(axis + 2) % 3] = j + dj;
-      return block_.node(c);
+      return c;
     };
-    std::array<Id, 3> n =
-        t == 0 ? std::array{node(0, 0), node(1, 0), node(1, 1)} : std::array{node(0, 0), node(1, 1), node(0, 1)};
+    const auto node = [&](Id di, Id dj) { return block_.node(corner(di, dj)); };
+    std::array<Id, 3> n{};
+    if (is_odd(corner(0, 0)))
+      n = t == 0 ? std::array{node(0, 0), node(1, 0), node(1, 1)} : std::array{node(0, 0), node(1, 1), node(0, 1)};
+    else
+      n = t == 0 ? std::array{node(0, 0), node(1, 0), node(0, 1)} : std::array{node(1, 0), node(1, 1), node(0, 1)};
     if (side == 0) std::swap(n[1], n[2]);
     return n;
   }

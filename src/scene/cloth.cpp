@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scene/cloth_shape.hpp"
+#include "scene/weld.hpp"
 
 namespace unibody {
 
@@ -71,7 +72,8 @@ MeshShape read_shape_of(const Value& entry, const ClothLaw& law, const Scene& sc
   if (grid && mesh) mesh->fail("a mesh beside a grid", "only one of grid and mesh");
   if (!grid && !mesh) entry.fail_missing("grid", "a map with size and nodes, or mesh: an OBJ or STL file");
   if (grid && scale) scale->fail_expected("no such key beside a grid");
-  return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, scale ? scale->number(positive, "") : 1, law, scene);
+  const double share = read_weld(entry, "mesh");
+  return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, scale ? scale->number(positive, "") : 1, share, law, scene);
 }
 
 void check_node_mass(const Value& entry, const MeshShape& shape) {
@@ -82,8 +84,8 @@ void check_node_mass(const Value& entry, const MeshShape& shape) {
 
 void read_cloth(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
-  for (const char* key : {"grid", "mesh", "scale", "mass", "mass_per_area", "thickness", "links", "membrane", "area", "bending",
-                          "self_collision", "drag"})
+  for (const char* key : {"grid", "mesh", "scale", "weld", "mass", "mass_per_area", "thickness", "links", "membrane", "area",
+                          "bending", "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
   const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
@@ -97,6 +99,7 @@ void read_cloth(const Value& entry, Scene& scene) {
       shape.patch);
   add_surface(entry, scene, nodes.name, first, shape);
   read_pins(entry, scene, first, shape.count, shape.number);
+  if (!shape.note.empty()) scene.notes.push_back(shape.note);
 }
 
 }  // namespace

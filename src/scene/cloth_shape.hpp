@@ -30,7 +30,7 @@ struct ClothLaw {
 };
 
 MeshShape grid_cloth(const Value& grid, const ClothLaw& law);
-MeshShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene);
+MeshShape mesh_cloth(const Value& file, double scale, double weld_share, const ClothLaw& law, const Scene& scene);
 
 // Constraints at rest between nodes at these places; ids and colours are the caller's.
 template <class Link>

@@ -58,6 +58,7 @@ struct MeshShape {
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> triangles_of;  // those at a node
   Id tetrahedron_count = 0;                                                        // of a solid, for the output
   std::function<std::array<Id, 4>(Id tetrahedron)> tetrahedron;
+  std::string note;  // what a person should know of what was read; may be empty
 };
 
 // A box (m, world axes) that says which nodes are meant, by where they are at the start.

@@ -8,6 +8,7 @@
 #include "scene/mesh_topology.hpp"
 #include "scene/shape_files.hpp"
 #include "scene/surface_file.hpp"
+#include "scene/weld.hpp"
 
 namespace unibody {
 
@@ -84,12 +85,20 @@ class ClothConstraints {
 
 struct MeshCloth {
   TriangleMesh mesh;
+  std::vector<std::int32_t> number;  // of each node of the file, that in the mesh
+  std::string note;
   std::vector<double> mass;  // kg, of each node
   MeshConstraints constraints;
   Incidence triangles_of;
 
-  MeshCloth(TriangleMesh given, const std::string& origin, const ClothLaw& law) : mesh(std::move(given)) {
-    const MeshTopology topology = mesh_topology(mesh, origin);
+  MeshCloth(TriangleMesh given, double weld_share, const std::string& origin, const ClothLaw& law) : mesh(std::move(given)) {
+    const std::size_t before = mesh.nodes.size();
+    number = weld(mesh.nodes, weld_share * extent_of(mesh.nodes));
+    const bool welded = mesh.nodes.size() < before;
+    const std::int64_t dropped = welded ? renumber(mesh.triangles, number) : 0;
+    const MeshTopology topology = mesh_topology(mesh, welded ? origin + ", its nodes welded (weld: 0 keeps them apart)" : origin);
+    note = weld_note(before, mesh.nodes.size(), dropped, "triangle", topology.components);
+    if (!note.empty()) note = origin + ": " + note;
     orient_triangles(mesh, topology, origin);
     check_mesh(mesh, origin);
     constraints = MeshConstraints(ClothConstraints(mesh, topology, law).set, static_cast<Id>(mesh.nodes.size()));
@@ -117,17 +126,20 @@ TriangleMesh read_mesh(const Value& file, const Scene& scene, std::string& path)
 
 }  // namespace
 
-MeshShape mesh_cloth(const Value& file, double scale, const ClothLaw& law, const Scene& scene) {
+MeshShape mesh_cloth(const Value& file, double scale, double weld_share, const ClothLaw& law, const Scene& scene) {
   std::string path;
   TriangleMesh mesh = read_mesh(file, scene, path);
   for (Vec3& node : mesh.nodes) node *= scale;
-  const auto cloth = std::make_shared<const MeshCloth>(std::move(mesh), path, law);
+  const auto cloth = std::make_shared<const MeshCloth>(std::move(mesh), weld_share, path, law);
   MeshShape shape;
+  shape.note = cloth->note;
   shape.count = static_cast<Id>(cloth->mesh.nodes.size());
   shape.place = [cloth](Id k) { return cloth->mesh.nodes[static_cast<std::size_t>(k)]; };
   shape.mass = [cloth](Id k) { return cloth->mass[static_cast<std::size_t>(k)]; };
   shape.touching = [cloth](Id first, Id node, ConstraintSet& out) { cloth->constraints.touching(first, node, out); };
-  shape.number = [count = shape.count](const Value& node) { return node.integer(0, count - 1); };
+  shape.number = [cloth](const Value& node) -> Id {
+    return cloth->number[static_cast<std::size_t>(node.integer(0, std::ssize(cloth->number) - 1))];
+  };
   shape.triangle_count = static_cast<Id>(cloth->mesh.triangles.size());
   shape.triangle = [cloth](Id t) -> std::array<Id, 3> {
     const auto& n = cloth->mesh.triangles[static_cast<std::size_t>(t)];

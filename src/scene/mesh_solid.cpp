@@ -17,8 +17,10 @@ struct MeshSolid {
   MeshConstraints constraints;
   std::vector<std::array<std::int32_t, 3>> surface;
   Incidence triangles_of;
+  std::vector<std::int32_t> number;  // of each node of the file, that in the mesh
 
-  MeshSolid(TetMesh given, const SolidLaw& law) : mesh(std::move(given)), mass(mesh.nodes.size(), 0) {
+  MeshSolid(ReadTetMesh given, const SolidLaw& law)
+      : mesh(std::move(given.mesh)), mass(mesh.nodes.size(), 0), number(std::move(given.number)) {
     ConstraintSet set;
     for (const auto& n : mesh.tets) {
       std::array<Vec3, 4> at;
@@ -35,7 +37,7 @@ struct MeshSolid {
   }
 };
 
-TetMesh read_mesh(const Value& file, double scale, const Scene& scene) {
+ReadTetMesh read_mesh(const Value& file, double scale, double weld_share, const Scene& scene) {
   namespace fs = std::filesystem;
   const std::string path = (fs::path(scene.path).parent_path() / file.string("a .msh or .vtu file")).string();
   std::error_code error;
@@ -43,21 +45,25 @@ TetMesh read_mesh(const Value& file, double scale, const Scene& scene) {
     file.fail(path + (fs::exists(path, error) ? ", which isn't a file" : ", which isn't there"),
               std::string("a .msh or .vtu file, its path from the scene's folder") +
                   (path.find("results/meshes/") != path.npos ? " (scripts/get-meshes fetches it)" : ""));
-  TetMesh mesh = read_tet_mesh(path);
-  for (Vec3& node : mesh.nodes) node *= scale;
-  return mesh;
+  ReadTetMesh read = read_tet_mesh(path, weld_share);
+  for (Vec3& node : read.mesh.nodes) node *= scale;
+  return read;
 }
 
 }  // namespace
 
-MeshShape mesh_solid(const Value& file, double scale, const SolidLaw& law, const Scene& scene) {
-  const auto solid = std::make_shared<const MeshSolid>(read_mesh(file, scale, scene), law);
+MeshShape mesh_solid(const Value& file, double scale, double weld_share, const SolidLaw& law, const Scene& scene) {
+  ReadTetMesh read = read_mesh(file, scale, weld_share, scene);
   MeshShape shape;
+  shape.note = read.note;
+  const auto solid = std::make_shared<const MeshSolid>(std::move(read), law);
   shape.count = static_cast<Id>(solid->mesh.nodes.size());
   shape.place = [solid](Id k) { return solid->mesh.nodes[static_cast<std::size_t>(k)]; };
   shape.mass = [solid](Id k) { return solid->mass[static_cast<std::size_t>(k)]; };
   shape.touching = [solid](Id first, Id node, ConstraintSet& out) { solid->constraints.touching(first, node, out); };
-  shape.number = [count = shape.count](const Value& node) { return node.integer(0, count - 1); };
+  shape.number = [solid](const Value& node) -> Id {
+    return solid->number[static_cast<std::size_t>(node.integer(0, std::ssize(solid->number) - 1))];
+  };
   shape.triangle_count = static_cast<Id>(solid->surface.size());
   shape.triangle = [solid](Id t) -> std::array<Id, 3> {
     const auto& n = solid->surface[static_cast<std::size_t>(t)];

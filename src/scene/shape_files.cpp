@@ -12,6 +12,7 @@
 #include "scene/random.hpp"
 #include "scene/surface_file.hpp"
 #include "scene/triangle_soup.hpp"
+#include "scene/weld.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
@@ -170,6 +171,9 @@ std::string describe(const SoupFaults& faults, bool two_sided) {
       text += (text.empty() ? "left out " : " and ") + std::to_string(count) + (count == 1 ? " triangle " : " triangles ") + what;
   };
   add(faults.without_area, "without area"), add(faults.repeated, "given before");
+  if (faults.welded > 0)
+    text += (text.empty() ? "" : "; ") + std::to_string(faults.welded) +
+            " of its nodes welded to others at the same place (weld: 0 keeps them apart)";
   if (two_sided)
     text += std::string(text.empty() ? "" : "; ") + "its triangles do not agree which side is out: touched from both";
   return text;
@@ -178,7 +182,7 @@ std::string describe(const SoupFaults& faults, bool two_sided) {
 Shape read_soup(const Value& value, const Scene& scene) {
   std::string path;
   TriangleMesh mesh = read_mesh(value, "file", scene, path, true);
-  const SoupFaults faults = mend_soup(mesh, path);
+  const SoupFaults faults = mend_soup(mesh, path, read_weld(value, "file"));
   MeshSurface surface = make_mesh_shape(mesh.nodes, mesh.triangles, 0, faults.both_ways);
   if (const std::string what = describe(faults, surface.two_sided); !what.empty()) surface.note = path + ": " + what;
   return shape_library().add(std::move(surface));
@@ -210,18 +214,23 @@ Shape read_hull(const Value& value, const Scene& scene) {
 }
 
 Shape read_compound(const Value& value, const Scene& scene) {
-  value.map({"parts", "mesh", "scale", "pieces"});
+  value.map({"parts", "mesh", "scale", "weld", "pieces"});
   const Value *list = value.find("parts"), *file = value.find("mesh");
   if ((list != nullptr) == (file != nullptr)) value.fail("both or none of parts and mesh", "one of the two");
   std::vector<Compound::Part> parts;
   if (list) {
-    for (const char* key : {"scale", "pieces"})
+    for (const char* key : {"scale", "weld", "pieces"})
       if (const Value* other = value.find(key)) other->fail_expected("no such key beside parts");
     for (const Value& part : list->list("shapes with positions")) parts.push_back(read_part(part, scene));
     return shape_library().add(make_compound(parts));
   }
   std::string path;
   TriangleMesh mesh = read_mesh(value, "mesh", scene, path);
+  if (!mesh_topology(mesh, path).boundary.empty()) {  // a closed surface may have parts that touch, and keeps them
+    const std::size_t before = mesh.nodes.size();
+    const auto number = weld(mesh.nodes, read_weld(value, "mesh") * extent_of(mesh.nodes));
+    if (mesh.nodes.size() < before) renumber(mesh.triangles, number);
+  }
   const SolidMoments moments = check_closed(mesh, *file, path);
   const Value* cells = value.find("pieces");
   for (Hull& piece : convex_pieces(mesh, static_cast<int>(cells ? cells->integer(1, 32) : 6))) {
@@ -232,11 +241,12 @@ Shape read_compound(const Value& value, const Scene& scene) {
 }
 
 Shape read_mesh_shape(const Value& value, const Scene& scene) {
-  value.map({"file", "scale", "height_field", "tube"});
+  value.map({"file", "scale", "weld", "height_field", "tube"});
   const Value *file = value.find("file"), *field = value.find("height_field"), *tube = value.find("tube");
   if ((file != nullptr) + (field != nullptr) + (tube != nullptr) != 1)
     value.fail("not one of file, height_field and tube", "one of the three");
-  if (const Value* scale = value.find("scale"); scale && !file) scale->fail_expected("no scale without a file");
+  for (const char* key : {"scale", "weld"})
+    if (const Value* other = value.find(key); other && !file) other->fail_expected("no " + std::string(key) + " without a file");
   if (file) return read_soup(value, scene);
   double below = 0;
   const TriangleMesh mesh = field ? read_height_field(*field, below) : read_tube(*tube);

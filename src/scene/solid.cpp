@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "scene/solid_shape.hpp"
+#include "scene/weld.hpp"
 
 namespace unibody {
 
@@ -45,13 +46,14 @@ MeshShape read_shape_of(const Value& entry, const SolidLaw& law, const Scene& sc
   if (block && mesh) mesh->fail("a mesh beside a block", "only one of block and mesh");
   if (!block && !mesh) entry.fail_missing("block", "a map with size and cells, or mesh: a .msh or .vtu file");
   if (block && scale) scale->fail_expected("no such key beside a block");
-  return block ? block_solid(*block, law) : mesh_solid(*mesh, scale ? scale->number(positive, "") : 1, law, scene);
+  const double share = read_weld(entry, "mesh");
+  return block ? block_solid(*block, law) : mesh_solid(*mesh, scale ? scale->number(positive, "") : 1, share, law, scene);
 }
 
 void read_solid(const Value& entry, Scene& scene) {
   std::vector<std::string> keys = node_keys;
   keys.insert(keys.end(), elasticity_keys.begin(), elasticity_keys.end());
-  for (const char* key : {"block", "mesh", "scale", "density", "regions", "energy_volume", "least_volume", "thickness",
+  for (const char* key : {"block", "mesh", "scale", "weld", "density", "regions", "energy_volume", "least_volume", "thickness",
                           "angular_velocity", "loads", "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
@@ -77,6 +79,7 @@ void read_solid(const Value& entry, Scene& scene) {
       shape.touching, shape.patch);
   add_surface(entry, scene, nodes.name, first, shape);
   read_pins(entry, scene, first, shape.count, shape.number);
+  if (!shape.note.empty()) scene.notes.push_back(shape.note);
 }
 
 }  // namespace

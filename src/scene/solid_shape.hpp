@@ -29,7 +29,7 @@ struct SolidLaw {
 };
 
 MeshShape block_solid(const Value& block, const SolidLaw& law);
-MeshShape mesh_solid(const Value& file, double scale, const SolidLaw& law, const Scene& scene);
+MeshShape mesh_solid(const Value& file, double scale, double weld_share, const SolidLaw& law, const Scene& scene);
 
 // Of each node that has one: the force (N) of the entry's `loads`, a list of {within: {min, max}, force}, each spread over the
 // triangles of the surface that lie within.

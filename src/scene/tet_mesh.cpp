@@ -4,18 +4,26 @@
 #include "scene/msh.hpp"
 #include "scene/tet_topology.hpp"
 #include "scene/vtu.hpp"
+#include "scene/weld.hpp"
 
 namespace unibody {
 
-TetMesh read_tet_mesh(const std::string& path) {
+ReadTetMesh read_tet_mesh(const std::string& path, double weld_share) {
   const bool msh = path.ends_with(".msh");
   if (!msh && !path.ends_with(".vtu"))
     throw InputError(path + ": found a mesh of tetrahedra of unknown format, expected a file .msh (Gmsh) or .vtu (VTK)");
-  TetMesh mesh = msh ? read_msh(path) : read_vtu(path);
+  ReadTetMesh read{msh ? read_msh(path) : read_vtu(path), {}, {}};
+  TetMesh& mesh = read.mesh;
   drop_unused_nodes(mesh);
+  const std::size_t before = mesh.nodes.size();
+  read.number = weld(mesh.nodes, weld_share * extent_of(mesh.nodes));
+  const std::int64_t dropped = before == mesh.nodes.size() ? 0 : renumber(mesh.tets, read.number);
   orient_tets(mesh, path);
   check_tets(mesh, path);
-  return mesh;
+  const std::string note =
+      weld_note(before, mesh.nodes.size(), dropped, "tetrahedron", count_parts(mesh.nodes.size(), mesh.tets));
+  if (!note.empty()) read.note = path + ": " + note;
+  return read;
 }
 
 }  // namespace unibody

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/errors.hpp"
+#include "scene/weld.hpp"
 
 namespace unibody {
 
@@ -17,6 +18,25 @@ std::vector<std::int32_t> first_at_place(const std::vector<Vec3>& nodes) {
   std::vector<std::int32_t> first;
   for (const Vec3& x : nodes)
     first.push_back(numbers.try_emplace({x.x(), x.y(), x.z()}, static_cast<std::int32_t>(first.size())).first->second);
+  return first;
+}
+
+// Each node's first that is within the distance (m), or else at the same place. welded: how many of those within the distance are
+// not at the same place.
+std::vector<std::int32_t> first_near(const std::vector<Vec3>& nodes, double distance, std::int64_t& welded) {
+  std::vector<std::int32_t> first = first_at_place(nodes), kept;
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (first[i] == static_cast<std::int32_t>(i)) kept.push_back(first[i]), places.push_back(nodes[i]);
+  const std::vector<std::int32_t> number = weld(places, distance);
+  std::vector<std::int32_t> to(nodes.size(), -1), of_place;  // of each node that is the first at its place; of each that stays
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    const auto place = static_cast<std::size_t>(number[k]);
+    if (place == of_place.size()) of_place.push_back(kept[k]);
+    to[static_cast<std::size_t>(kept[k])] = of_place[place];
+  }
+  welded = static_cast<std::int64_t>(kept.size() - of_place.size());
+  for (std::int32_t& i : first) i = to[static_cast<std::size_t>(i)];
   return first;
 }
 
@@ -65,7 +85,7 @@ void drop_unused_nodes(TriangleMesh& mesh) {
 
 }  // namespace
 
-SoupFaults mend_soup(TriangleMesh& mesh, const std::string& origin) {
+SoupFaults mend_soup(TriangleMesh& mesh, const std::string& origin, double weld_share) {
   const auto count = static_cast<std::int32_t>(mesh.nodes.size());
   for (const Triangle& t : mesh.triangles)
     for (const std::int32_t n : t)
@@ -77,7 +97,7 @@ SoupFaults mend_soup(TriangleMesh& mesh, const std::string& origin) {
     drop_unused_nodes(mesh);
     return faults;
   }
-  const std::vector<std::int32_t> first = first_at_place(mesh.nodes);
+  const std::vector<std::int32_t> first = first_near(mesh.nodes, weld_share * extent_of(mesh.nodes), faults.welded);
   std::map<Triangle, bool> known;  // nodes, ascending -> goes_up
   std::vector<Triangle> kept;
   for (Triangle t : mesh.triangles) {

@@ -212,14 +212,14 @@ TEST(CheckTets, PlacesThatAreNotFinite) {
 }
 
 TEST(ReadTetMesh, PicksTheFormatByTheNamesEnd) {
-  const TetMesh mesh = read_tet_mesh(std::string(UNIBODY_SOURCE_DIR) + "/tests/data/gmsh_41.msh");
+  const TetMesh mesh = read_tet_mesh(std::string(UNIBODY_SOURCE_DIR) + "/tests/data/gmsh_41.msh", 0).mesh;
   EXPECT_EQ(mesh.nodes.size(), 13u);
   EXPECT_EQ(mesh.tets.size(), 16u);
   double volume = 0;
   for (std::size_t t = 0; t < mesh.tets.size(); ++t) volume += tet_volume(mesh, t);
   EXPECT_NEAR(volume, 1.0 / 6, 1e-15);
   try {
-    read_tet_mesh("mesh.stl");
+    read_tet_mesh("mesh.stl", 0);
     ADD_FAILURE();
   } catch (const InputError& error) {
     EXPECT_STREQ(error.what(),

@@ -130,7 +130,7 @@ TEST(ReadVtu, FilesOfVtkInEveryCodingHoldTheSameMesh) {
   for (const char* name : {"ascii", "binary_32", "binary_zlib_64", "appended_64", "appended_zlib_32", "appended_base64_32",
                            "appended_zlib_base64_64"}) {
     SCOPED_TRACE(name);
-    expect_the_mesh(read_tet_mesh(std::string(UNIBODY_SOURCE_DIR) + "/tests/data/vtk_" + name + ".vtu"));
+    expect_the_mesh(read_tet_mesh(std::string(UNIBODY_SOURCE_DIR) + "/tests/data/vtk_" + name + ".vtu", 0).mesh);
   }
 }
 
