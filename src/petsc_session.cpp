@@ -45,20 +45,6 @@ class GhostTrial {
   Vec vec_ = nullptr;
 };
 
-// Returns once all ranks are here. A rank on which PETSc has failed waits for the others for some seconds: those on which it has
-// not may be waiting for this one within PETSc, and then the program ends.
-void meet(MPI_Comm comm, const std::string& fault) {
-  constexpr double patience = 5;  // s
-  MPI_Request request = MPI_REQUEST_NULL;
-  check_mpi(MPI_Ibarrier(comm, &request));
-  if (fault.empty()) return check_mpi(MPI_Wait(&request, MPI_STATUS_IGNORE));
-  const double start = MPI_Wtime();
-  for (int done = 0; done == 0;) {
-    check_mpi(MPI_Test(&request, &done, MPI_STATUS_IGNORE));
-    if (done == 0 && MPI_Wtime() - start > patience) end_all_ranks(fault, std::source_location::current());
-  }
-}
-
 }  // namespace
 
 PetscSession::PetscSession(MPI_Comm comm, const std::vector<std::string>& options) : comm_(comm) {
@@ -85,9 +71,8 @@ void PetscSession::try_options() const {
     check_petsc(PetscPopErrorHandler());
     const char* general = nullptr;
     if (message.empty() && PetscErrorMessage(code, &general, nullptr) == 0 && general != nullptr) message = general;
-    std::string fault = code == 0 ? "" : "PETSc does not work with its options" + options + ": " + message;
-    meet(comm_, fault);
-    fault = first_fault(comm_, fault);
+    const std::string fault =
+        first_fault(comm_, code == 0 ? "" : "PETSc does not work with its options" + options + ": " + message);
     if (!fault.empty()) throw InputError(fault);
   }
 }

@@ -79,8 +79,8 @@ struct Block {
           if (const Cell cell{node[0] - i, node[1] - j, node[2] - k}; has_cell(cell)) f(cell, Cell{i, j, k});
   }
 
-  // An eighth of each of its cells'. A quarter of each of its tetrahedra's would be five times as much at odd corners as at even
-  // ones, and the light ones would be as stiff as in a step of twice the length.
+  // An eighth of each of its cells'. A quarter of each of its tetrahedra's, as nodes of a mesh have it, would be five times as much at
+  // odd corners as at even ones: a block at rest on a slope then creeps 4 to 60 times as fast with the same iterations.
   double mass_of(const Cell& node) const {
     Id cells_at = 0;
     for_each_cell_at(node, [&](const Cell&, const Cell&) { ++cells_at; });

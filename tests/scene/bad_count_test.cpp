@@ -31,7 +31,7 @@ TEST_P(ReadSceneHasNoRoomFor, WithThisMessage) {
 INSTANTIATE_TEST_SUITE_P(
     Counts, ReadSceneHasNoRoomFor,
     testing::Values(
-        BadInput{"lattice", "bodies:\n  - {lattice: {count: 1000000000000, columns: [1, 1], spacing: [1, 1, 1]}, " + sphere,
+        BadInput{"lattice", "bodies:\n  - {lattice: {count: 1000000000000, columns: [1000, 1000], spacing: [1, 1, 1]}, " + sphere,
                  "FILE:2: key 'bodies[0].lattice.count': found 1000000000000, expected at most 3000 bodies"},
         BadInput{"one_body_too_many", "bodies:\n  - {stack: {count: 3001}, " + sphere,
                  "FILE:2: key 'bodies[0].stack.count': found 3001, expected at most 3000 bodies"},

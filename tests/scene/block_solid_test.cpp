@@ -27,6 +27,15 @@ double volume_of(const Scene& scene, const std::array<Id, 4>& ids) {
   return (place(scene, ids[1]) - a).dot((place(scene, ids[2]) - a).cross(place(scene, ids[3]) - a)) / 6;
 }
 
+// The one of a cell's five that has no corner's right angles: its edges are the diagonals of the cell's faces.
+bool is_central(const Scene& scene, const std::array<Id, 4>& ids) {
+  int sides = 0;  // edges along an axis
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t b = 0; b < a; ++b)
+      sides += ((place(scene, ids[a]) - place(scene, ids[b])).array().abs() < 1e-12).count() == 2;
+  return sides == 0;
+}
+
 // All of a type, each as often as its nodes ask for it.
 template <class C>
 std::map<std::array<Id, 4>, std::vector<Constraint<C>>> constraints_of(const Scene& scene) {
@@ -46,12 +55,12 @@ TEST(BlockSolid, TetrahedraFillTheBlockAndAreAtRest) {
   const Scene scene = solid("    least_volume: 0.2\n");
   ASSERT_EQ(scene.body_count(), (nx + 1) * (ny + 1) * (nz + 1));
   const auto tets = constraints_of<Tetrahedron>(scene);
-  ASSERT_EQ(tets.size(), 6u * nx * ny * nz);
+  ASSERT_EQ(tets.size(), 5u * nx * ny * nz);
   double total = 0;
   for (const auto& [ids, each] : tets) {
     EXPECT_EQ(each.size(), 4u);  // once from each of its nodes
     const double volume = volume_of(scene, ids);
-    EXPECT_NEAR(volume, size.prod() / (6 * nx * ny * nz), 1e-15);
+    EXPECT_NEAR(volume, (is_central(scene, ids) ? 2 : 1) * size.prod() / (6 * nx * ny * nz), 1e-15);
     total += volume;
     std::array<Vec4d, 10> p;
     std::array<Vec3x4, 4> x;
@@ -101,13 +110,38 @@ TEST(BlockSolid, NeighboursShareFacesAndTheRestIsTheSurface) {
   for (const auto& [face, times] : asked) EXPECT_EQ(times, 3);
 }
 
-TEST(BlockSolid, ANodeHasAQuarterOfEachOfItsTetrahedra) {
+TEST(BlockSolid, ANodeHasAnEighthOfEachOfItsCells) {
   const Scene scene = solid();
-  std::vector<double> mass(static_cast<std::size_t>(scene.body_count()), 0);
-  for (const auto& [ids, each] : constraints_of<Tetrahedron>(scene))
-    for (const Id id : ids) mass[static_cast<std::size_t>(id)] += 800 * volume_of(scene, ids) / 4;
-  for (Id id = 0; id < scene.body_count(); ++id)
-    EXPECT_NEAR(scene.body(id).properties.mass, mass[static_cast<std::size_t>(id)], 1e-12);
+  double whole = 0;
+  for (Id id = 0; id < scene.body_count(); ++id) {
+    double mass = 800 * size.prod() / (nx * ny * nz);
+    for (Eigen::Index k = 0; k < 3; ++k)
+      if (std::abs(std::abs((place(scene, id) - Vec3(0, 0, 3))[k]) - size[k] / 2) < 1e-12) mass /= 2;  // on a side
+    EXPECT_NEAR(scene.body(id).properties.mass, mass, 1e-12);
+    whole += mass;
+  }
+  EXPECT_NEAR(whole, 800 * size.prod(), 1e-9);
+}
+
+// An even number of cells along an axis: mirrored there, each tetrahedron is one of the block's.
+TEST(BlockSolid, IsItsOwnMirrorImage) {
+  const Scene scene = small_worlds::scene_from_text(
+      "solids:\n  - block: {size: [0.6, 0.5, 0.9], cells: [3, 2, 4]}\n    density: 800\n    youngs_modulus: 1.0e5\n"
+      "    poissons_ratio: 0.3\n    thickness: 0.01\n");
+  std::set<std::set<Id>> all;
+  for (const auto& [ids, each] : constraints_of<Tetrahedron>(scene)) all.insert({ids.begin(), ids.end()});
+  const std::array<Id, 3> nodes{nx + 1, ny + 1, nz + 1};
+  for (const std::size_t axis : {std::size_t{1}, std::size_t{2}}) {
+    for (const auto& tet : all) {
+      std::set<Id> image;
+      for (const Id id : tet) {
+        std::array<Id, 3> at{id % nodes[0], id / nodes[0] % nodes[1], id / (nodes[0] * nodes[1])};
+        at[axis] = nodes[axis] - 1 - at[axis];
+        image.insert(at[0] + nodes[0] * (at[1] + nodes[1] * at[2]));
+      }
+      EXPECT_TRUE(all.contains(image)) << axis;
+    }
+  }
 }
 
 TEST(BlockSolid, TwoOfAColourShareNoNode) {
@@ -120,7 +154,7 @@ TEST(BlockSolid, TwoOfAColourShareNoNode) {
 TEST(BlockSolid, ComplianceIsThatOfTheModuli) {
   const auto tets = constraints_of<Tetrahedron>(solid());
   for (const auto& [ids, each] : tets) {
-    const double length = each[0].parameters[9], volume = size.prod() / (6 * nx * ny * nz);
+    const double length = each[0].parameters[9], volume = volume_of(solid(), ids);
     EXPECT_NEAR(length, std::cbrt(6 * volume), 1e-14);
     const double bulk = 1e5 / (3 * (1 - 2 * 0.3)), shear = 1e5 / (2 * (1 + 0.3));
     EXPECT_NEAR(each[0].compliance[0], length * length / (volume * 3 * bulk), 1e-18);
@@ -170,7 +204,7 @@ TEST(BlockSolid, RegionsHaveTheirOwnModulus) {
   for (const auto& [ids, each] : constraints_of<Tetrahedron>(scene)) {
     double height = 0;
     for (const Id id : ids) height += place(scene, id).z() / 4;
-    const double length = each[0].parameters[9], volume = size.prod() / (6 * nx * ny * nz);
+    const double length = each[0].parameters[9], volume = volume_of(scene, ids);
     const double E = height > 3 ? 3e7 : 1e5;
     EXPECT_NEAR(each[0].compliance[1], 1.3 * length * length / (volume * E), 1e-12 / E);
     EXPECT_EQ(each[0].damping, height > 3 ? 0.1 : 0.0);

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "core/errors.hpp"
+#include "scene/kuhn_mesh.hpp"
+#include "scene/scene_text.hpp"
 #include "solve/elastic_bench.hpp"
 #include "solve/reference_bench.hpp"
 
@@ -163,10 +165,12 @@ TEST(ElasticProblem, OneTetrahedronIsTheExactStep) {
 }
 
 TEST(ElasticProblem, CantileverIsTheExactStep) {
-  Experiment run(scene_from_text("gravity: [0, 0, -9.8]\nsolver: {name: newton}\n" +
-                                 block_text("[1, 0.25, 0.25]", "[4, 1, 1]",
-                                            "position: [0.5, 0.125, 0.125]\n    density: 1000\n    youngs_modulus: 1.0e5\n    "
-                                            "poissons_ratio: 0.3\n    pins: [{within: {min: [0, 0, 0], max: [0, 1, 1]}}]")));
+  const TextFile mesh(kuhn_mesh(Vec3(1, 0.25, 0.25), {4, 1, 1}), ".msh");
+  Experiment run(scene_from_text(
+      "gravity: [0, 0, -9.8]\nsolver: {name: newton}\nsolids:\n  - mesh: " + mesh.path().substr(mesh.path().rfind('/') + 1) +
+      "\n    thickness: 0.001\n    position: [0.5, 0.125, 0.125]\n    density: 1000\n"
+      "    youngs_modulus: 1.0e5\n    poissons_ratio: 0.3\n"
+      "    pins: [{within: {min: [0, 0, 0], max: [0, 1, 1]}}]\n"));
   World& world = run.world();
   std::size_t tip = world.size();
   for (std::size_t i = 0; i < world.size(); ++i) {

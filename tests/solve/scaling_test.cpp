@@ -114,7 +114,7 @@ double rho_of_solid(double youngs_modulus, double share) {
   Experiment run(scene);
   run.simulation->detect();
   const ElasticMesh mesh = mesh_of(run.simulation->constraints, run.world().position, lame(youngs_modulus, poissons_ratio));
-  EXPECT_EQ(mesh.cells.size(), 18u);
+  EXPECT_EQ(mesh.cells.size(), 15u);
   const ConstraintSet set = constraints_of(mesh, youngs_modulus, poissons_ratio);
   IterativeStep step(run.world(), set, Vec3::Zero(), 0.016, "jacobi");
   const std::size_t n = 6 * mesh.cells.size();

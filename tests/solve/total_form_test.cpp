@@ -11,7 +11,7 @@ namespace {
 
 constexpr double most_residual = 1e-4;  // m, a thousandth of an edge: a step that diverges leaves more than a tenth
 
-const std::string many = "iterations: 150, ";
+const std::string many = "iterations: 250, ";
 const std::string solver_list[] = {"accelerated_jacobi", "jacobi", "gauss_seidel"};
 
 std::string block_with(const std::string& solver, const std::string& more = "") {
