@@ -30,9 +30,9 @@ Extent extent_of(const Body& body, const Vec3& gravity) {
   const BodyProperties& p = body.properties;
   const BodyState& s = body.state;
   const double size = smallest_size(p.shape), radius = bounding_radius(p.shape);
-  Extent e{size, s.position.cwiseAbs().maxCoeff(), s.velocity.norm(), 0};
-  if (std::isfinite(radius)) e.speed = std::max(e.speed, s.angular_velocity.norm() * radius);
-  if (p.is_dynamic()) e.gained = std::sqrt((gravity + p.force / p.mass).norm() * size);
+  Extent e{size, s.position.cwiseAbs().maxCoeff(), s.velocity.stableNorm(), 0};
+  if (std::isfinite(radius)) e.speed = std::max(e.speed, s.angular_velocity.stableNorm() * radius);
+  if (p.is_dynamic()) e.gained = std::sqrt((gravity + p.force / p.mass).stableNorm() * size);
   return e;
 }
 
@@ -77,10 +77,10 @@ void check_step(const Scene& scene, const BodyGroup& group, Id k, const Extent& 
 
 // What gravity adds to a speed in a step is taken off again where a body rests, to its rounding.
 void check_gravity(const Scene& scene, double speed) {
-  const double step = scene.time.step / scene.time.substeps, added = scene.gravity.norm() * step;
+  const double step = scene.time.step / scene.time.substeps, added = scene.gravity.stableNorm() * step;
   if (!(epsilon * added > resolved_speed * speed)) return;
   throw InputError(scene.path + ": found steps of " + text(step) + " s (time.step / time.substeps) in a gravity of " +
-                   text(scene.gravity.norm()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " + text(speed) +
+                   text(scene.gravity.stableNorm()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " + text(speed) +
                    " m/s, expected shorter steps or less gravity");
 }
 

@@ -146,7 +146,7 @@ TEST(Tetrahedron, StiffRubberNeedsHundredsOfIterations) {
   const Cantilever beam(5e8, 0.2);
   const auto exact = beam.step("gauss_seidel", Form::total, 30000);
   const auto error = [&](const char* solver, Form form, int iterations, Acceleration acceleration = Acceleration::nesterov) {
-    const auto found = beam.step(solver, form, iterations, Order::sequential, acceleration);  // as the prototype's, nearly
+    const auto found = beam.step(solver, form, iterations, Order::coloured, acceleration);
     double worst = 0;
     for (std::size_t i = 0; i < found.size(); ++i) worst = std::max(worst, (found[i] - exact[i]).lpNorm<Eigen::Infinity>());
     return worst;
@@ -159,8 +159,8 @@ TEST(Tetrahedron, StiffRubberNeedsHundredsOfIterations) {
   EXPECT_LT(error("accelerated_jacobi", Form::incremental, 200), 4e-4);
   EXPECT_LT(error("accelerated_jacobi", Form::incremental, 500), 3e-5);
   EXPECT_LT(error("accelerated_jacobi", Form::incremental, 50, Acceleration::optimized), 1.4e-2 / 2);
-  // The prototype's sweeps alternate their direction and leave 1.6e-2 and 4.0e-4; always forwards they get further.
-  EXPECT_LT(error("gauss_seidel", Form::incremental, 50), 1.6e-2);
+  // The prototype's sweeps alternate their direction and leave 1.6e-2 and 4.0e-4; on the way it depends on the order.
+  EXPECT_NEAR(error("gauss_seidel", Form::incremental, 50), 1.6e-2, 0.15e-2);
   EXPECT_LT(error("gauss_seidel", Form::incremental, 500), 4.0e-4);
 
   // What the reader refuses: the accelerated total form overflows.
