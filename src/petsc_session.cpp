@@ -54,11 +54,18 @@ PetscSession::PetscSession(MPI_Comm comm, const std::vector<std::string>& option
   argv_.push_back(nullptr);
   int argc = static_cast<int>(words_.size());
   char** argv = argv_.data();
-  if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) throw InputError("PETSc does not take its options: see above");
+  PetscBool runs = PETSC_FALSE;
+  check_petsc(PetscInitialized(&runs));
+  starts_ = runs == PETSC_FALSE;
+  const PetscErrorCode code =
+      starts_ ? PetscInitialize(&argc, &argv, nullptr, nullptr) : PetscOptionsInsert(nullptr, &argc, &argv, nullptr);
+  if (code != 0) throw InputError("PETSc does not take its options: see above");
   try_options();
 }
 
-PetscSession::~PetscSession() { check_petsc(PetscFinalize()); }
+PetscSession::~PetscSession() {
+  if (starts_) check_petsc(PetscFinalize());
+}
 
 void PetscSession::try_options() const {
   std::string options;

@@ -1,4 +1,5 @@
-// PETSc, from its start to its end, with the options of the command line that are its own.
+// PETSc, from its start to its end, with the options of the command line that are its own. Where PETSc runs already, of a program
+// that has this one as a part, it is neither started nor ended.
 #pragma once
 
 #include <mpi.h>
@@ -24,6 +25,7 @@ class PetscSession {
   void try_options() const;
 
   MPI_Comm comm_;
+  bool starts_ = true;
   std::vector<std::string> words_;
   std::vector<char*> argv_;
 };

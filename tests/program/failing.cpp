@@ -1,5 +1,5 @@
-// Preloaded into the program, makes one call of a library fail: UNIBODY_FAIL="NAME RANK N" is the N-th call (from 1) of NAME on that
-// rank (-1: on all). The call is not made, and returns an error.
+// Preloaded into the program, makes one call of a library fail: UNIBODY_FAIL="NAME RANK N" is the N-th call (from 1) of NAME on
+// that rank (-1: on all). The call is not made, and returns an error.
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -35,8 +35,8 @@ Function* real(const char* name) {
 
 }  // namespace
 
-#define PASS(name, failure, ...) \
-  if (fails(#name)) return failure; \
+#define PASS(name, failure, ...)                         \
+  if (fails(#name)) return failure;                      \
   static auto* const next = real<decltype(name)>(#name); \
   return next(__VA_ARGS__)
 
@@ -65,8 +65,9 @@ int MPI_Win_allocate_shared(MPI_Aint size, int unit, MPI_Info info, MPI_Comm com
   if (std::getenv("UNIBODY_TELL_WINDOWS") != nullptr) std::fprintf(stderr, "a shared window\n");
   PASS(MPI_Win_allocate_shared, MPI_ERR_OTHER, size, unit, info, comm, base, window);
 }
-int METIS_PartGraphRecursive(idx_t* n, idx_t* constraints, idx_t* begin, idx_t* neighbour, idx_t* weight, idx_t* size, idx_t* edge,
-                             idx_t* parts, real_t* target, real_t* balance, idx_t* options, idx_t* cut, idx_t* part) {
+int METIS_PartGraphRecursive(idx_t* n, idx_t* constraints, idx_t* begin, idx_t* neighbour, idx_t* weight, idx_t* size,
+                             idx_t* edge, idx_t* parts, real_t* target, real_t* balance, idx_t* options, idx_t* cut,
+                             idx_t* part) {
   PASS(METIS_PartGraphRecursive, METIS_ERROR_MEMORY, n, constraints, begin, neighbour, weight, size, edge, parts, target, balance,
        options, cut, part);
 }
