@@ -80,8 +80,8 @@ void check_gravity(const Scene& scene, double speed) {
   const double step = scene.time.step / scene.time.substeps, added = scene.gravity.stableNorm() * step;
   if (!(epsilon * added > resolved_speed * speed)) return;
   throw InputError(scene.path + ": found steps of " + text(step) + " s (time.step / time.substeps) in a gravity of " +
-                   text(scene.gravity.stableNorm()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " + text(speed) +
-                   " m/s, expected shorter steps or less gravity");
+                   text(scene.gravity.stableNorm()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " +
+                   text(speed) + " m/s, expected shorter steps or less gravity");
 }
 
 }  // namespace

@@ -8,6 +8,8 @@ namespace unibody {
 
 namespace {
 
+constexpr double most_unlocked_ratio = 0.45;  // from here on a run says that its tetrahedra lock
+
 const std::vector<std::string> elasticity_keys{"youngs_modulus", "poissons_ratio", "damping"};
 
 // Of a region, what it does not say is as in the rest of the solid.
@@ -80,6 +82,11 @@ void read_solid(const Value& entry, Scene& scene) {
   add_surface(entry, scene, nodes.name, first, shape);
   read_pins(entry, scene, first, shape.count, shape.number);
   if (!shape.note.empty()) scene.notes.push_back(shape.note);
+  if (const Value& ratio = *entry.find("poissons_ratio"); ratio.number(any_number, "") > most_unlocked_ratio)
+    scene.notes.push_back(
+        ratio.key + ": found " + ratio.found() +
+        ": linear tetrahedra of a material that is nearly incompressible are too stiff, in bending by a third with four "
+        "cells across at 0.49 (scenes/README.md#solids has a table)");
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ TEST(Crowds, TheRuleIsThatOfAllPairs) {
   Experiment run(small_worlds::scene_from_text(
       "gravity: [0, 0, 0]\nbodies:\n  - {shape: {box: {size: [3, 3, 0.1]}}, mass: 5, position: [0, 0, -0.1]}\n"
       "  - {shape: {sphere: {radius: 0.05}}, mass: 1, lattice: {count: 200, columns: [1, 1], spacing: [1, 1, 1.0e-5], jitter: "
-      "0.1}}\n"
+      "0.01}}\n"
       "  - {shape: {box: {size: [0.1, 0.2, 0.1]}}, mass: 1, lattice: {count: 60, columns: [1, 1], spacing: [1, 1, 1.0e-5], "
       "jitter: 0.01}}\n"));
   const World& world = run.world();
