@@ -20,7 +20,7 @@ SCENE = """
       - {name: arm, shape: {box: {size: [0.2, 0.1, 0.1]}}, mass: 1, position: [3, 0, 3]}
     joints: [{type: hinge, bodies: [arm, world], anchor: [3, 0, 3.2], axis: [0, 1, 0]}]
     cloths:
-      - {grid: {size: [1, 1], nodes: [3, 3]}, mass: 1, thickness: 0.01, position: [5, 0, 5]}
+      - {grid: {size: [1, 1], nodes: [3, 3]}, mass: 1, thickness: 0.01, position: [5, 0, 5], pins: [{node: [0, 0]}]}
 """
 MASK = (1 << 64) - 1
 SEAL = 512
