@@ -8,9 +8,9 @@
 
 namespace unibody {
 
-// The first rank's non-empty fault, on every rank; empty when none has one. Collective. A rank with a fault may have left a call
-// that the others are still in, and where they would wait for it for ever: it waits for them for ten seconds, and then ends the
-// program on all ranks with exit code 3.
+// Returns the first rank's non-empty fault, on every rank; empty when no rank has one. Collective. A rank that has a fault may
+// have skipped a collective call in which the other ranks then wait for it. Such a rank waits ten seconds for the others to come
+// here, and then ends the program on all ranks with exit code 3.
 std::string first_fault(MPI_Comm comm, const std::string& fault);
 
 // Runs `action` on every rank. Where it throws on any, throws Error(what + the first such rank's message) on every rank. `action`
