@@ -2,11 +2,11 @@
 
 #include <cstdio>
 
+#include "app/options.hpp"
+#include "app/run.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/hdf5.hpp"
-#include "options.hpp"
-#include "run.hpp"
 
 namespace {
 

@@ -98,7 +98,7 @@ double Experiment::gap(Id a, Id b) {
 
 double Experiment::normal_force(Id a, Id b) const {
   double force = 0;
-  const Multipliers& all = simulation->multipliers;
+  const Multipliers& all = simulation->history.contacts();
   for (std::size_t m = 0; m < all.manifolds.size(); ++m)
     if (all.manifolds[m].id_a == std::min(a, b) && all.manifolds[m].id_b == std::max(a, b))
       for (const RememberedPoint& p : all.points_of(m)) force += p.normal;
@@ -152,12 +152,26 @@ void Bench::predict() {
   system.inertia.assign(n + 1, InverseInertia{});
   system.isotropic.assign(n + 1, 1);
   system.wrenches.assign(n + 1, Wrench{});
-  system.counted.assign(contacts.manifolds.size(), 1);
   for (std::size_t i = 0; i < n; ++i) {
     const FreeMotion motion = predict_motion(world.properties[i], world.state(i), gravity, step, planar);
     system.bodies[i] = motion.body, system.inertia[i] = motion.inverse_inertia, system.isotropic[i] = motion.isotropic;
   }
-  cut.build(world, contacts);
+  system.step = step;
+  exchange.start_step(world, contacts), exchange.finish_step();
+}
+
+BuildContext Bench::context() const {
+  BuildContext context{{world}, world, system, settings, system.counts.empty()};
+  context.contacts = &contacts, context.contact_batch = &system.contacts();
+  context.exchange = [](std::span<std::int32_t>) {};
+  context.any_over_ranks = [](bool here) { return here; };
+  return context;
+}
+
+void Bench::build(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups) {
+  BuildContext input = context();
+  input.contact_order = order, input.contact_groups = groups;
+  system.contacts().build(input);
 }
 
 std::vector<std::int32_t> Bench::counts() const {
@@ -172,20 +186,22 @@ void Bench::build_for_jacobi() {
   std::vector<std::uint32_t> order(contacts.manifolds.size());
   std::iota(order.begin(), order.end(), 0);
   const std::vector<std::uint32_t> groups{static_cast<std::uint32_t>(order.size())};
-  system.contacts.build(contacts, order, groups, world, system.bodies, system.inertia, system.isotropic, counts(), settings,
-                        step);
+  const std::vector<std::int32_t> pairs = counts();
+  system.counts.assign(pairs.begin(), pairs.end());
+  build(order, groups);
 }
 
 void Bench::build_sequential(std::span<const std::uint32_t> order) {
   predict();
   std::vector<std::uint32_t> groups(order.size());
   std::iota(groups.begin(), groups.end(), 1);
-  system.contacts.build(contacts, order, groups, world, system.bodies, system.inertia, system.isotropic, {}, settings, step);
+  system.counts.clear();
+  build(order, groups);
 }
 
 void Bench::start(const Stage& stage) {
-  system.contacts.start_stage(stage);
-  system.contacts.set_impulses({});
+  start_stage(system, stage);
+  system.contacts().set_impulses({});
 }
 
 }  // namespace unibody::small_worlds

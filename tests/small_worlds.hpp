@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include "build.hpp"
 #include "solve/free_motion.hpp"
-#include "step.hpp"
+#include "step/build.hpp"
+#include "step/simulation.hpp"
 
 namespace unibody::small_worlds {
 
@@ -71,11 +71,15 @@ struct Bench {
   Vec3 gravity = Vec3::Zero();
   PhaseClock clock;
   Halo halo{MPI_COMM_SELF};
-  Cut cut{halo, clock};
+  Exchange exchange{halo, clock};
   System system;
 
   // One group in key order, with the Jacobi scaling.
   void build_for_jacobi();
+  // With the counts as they are in the system; those of none: as for Gauss-Seidel.
+  void build(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups);
+  BuildContext context() const;  // of the contacts
+
   // One group a manifold, in the given order of manifold numbers.
   void build_sequential(std::span<const std::uint32_t> order);
   std::vector<std::int32_t> counts() const;  // pairs at each slot, the body that is nobody last

@@ -18,19 +18,27 @@ void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
 
 }  // namespace
 
-void AttachmentBatch::build(std::span<const AttachedNode> attached, std::span<const SolverBody> bodies,
-                            std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-                            std::span<const std::int32_t> counts, double scaling, double step, std::size_t homes) {
-  step_ = step;
+void AttachmentBatch::build(const BuildContext& context) {
+  const SolveState& state = context.state;
+  const double scaling = context.settings.scaling;
+  step_ = state.step, any_ = context.has_attachments;
   rows_.clear();
-  rows_.reserve(attached.size());
-  for (const AttachedNode& a : attached) {
+  if (!any_) return;
+  std::pmr::vector<std::int32_t> own(context.memory);
+  if (state.counts.empty()) {
+    own.assign(state.bodies.size(), 0);
+    count(context, own);
+    context.exchange(own);
+  }
+  const std::span<const std::int32_t> counts = own.empty() ? state.counts : own;
+  rows_.reserve(context.attached.size());
+  for (const AttachedNode& a : context.attached) {
     const auto body = static_cast<std::size_t>(a.body), node = static_cast<std::size_t>(a.node);
     const double of_body = std::max(1.0, scaling * counts[body]), of_node = std::max(1.0, scaling * counts[node]);
-    const Mat3 arm = cross_matrix(a.arm), W = inverse_inertia_of(bodies, inertia, isotropic, body);
-    const double linear = of_body * bodies[body].inverse_mass + of_node * bodies[node].inverse_mass;
+    const Mat3 arm = cross_matrix(a.arm), W = inverse_inertia_of(state.bodies, state.inertia, state.isotropic, body);
+    const double linear = of_body * state.bodies[body].inverse_mass + of_node * state.bodies[node].inverse_mass;
     const Mat3 block = linear * Mat3::Identity() + of_body * (arm * W * arm.transpose());
-    rows_.push_back({a.body, a.node, body < homes, a.arm, a.gap / step, block.inverse(), Vec3::Zero(), Vec3::Zero()});
+    rows_.push_back({a.body, a.node, body < state.homes, a.arm, a.gap / step_, block.inverse(), Vec3::Zero(), Vec3::Zero()});
   }
 }
 
@@ -41,27 +49,34 @@ Vec3 AttachmentBatch::defect(const Row& row, std::span<const SolverBody> bodies)
   return row.bias + v + w.cross(row.arm) - of_node;
 }
 
-void AttachmentBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
-                                   SweepSums& sums) {
-  const double per_unit = 1 / sums.unit;
+void AttachmentBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  const Update<double> update = update_of(extrapolation);
+  const std::span<Wrench> wrenches = state.wrenches;
   for (Row& row : rows_) {
-    const Vec3 r = defect(row, bodies), step = -(row.inverse * r);
-    const Vec3 next = row.y + step, forward = next - row.lambda, y = next + beyond.momentum * forward + beyond.overshoot * step,
-               moved = y - row.y;
-    row.lambda = next, row.y = y;
-    const double gradient = r.dot(forward), progress = -r.dot(step);
-    sums.largest = std::max(sums.largest, std::max(std::abs(gradient), progress));
-    sums.change = std::max(sums.change, step_ * r.cwiseAbs().maxCoeff());
-    if (row.counted) sums.gradient += whole_units(gradient, per_unit), sums.progress += whole_units(progress, per_unit);
+    const Vec3 r = defect(row, state.bodies), step = -(row.inverse * r);
+    Vec3 moved;
+    SweepTerms<double> terms;
+    for (int k = 0; k < 3; ++k)
+      moved[k] = update.advance(row.lambda[k], row.y[k], row.y[k] + step[k], step[k], r[k], -r[k], terms,
+                                [&](double x) { return step_ * std::abs(x); });
+    add_terms(sums, terms, row.counted);
     Wrench& of_body = wrenches[static_cast<std::size_t>(row.body)];
     add(of_body.force, moved), add(of_body.torque, row.arm.cross(moved));
     add(wrenches[static_cast<std::size_t>(row.node)].force, -moved);
   }
 }
 
-double AttachmentBatch::residual(std::span<const SolverBody> bodies) const {
+// All at once, by masses split among them.
+double AttachmentBatch::relax(std::size_t, bool, SolveState& state) {
+  SweepSums sums;
+  sweep(state, {}, sums);
+  state.apply_wrenches();
+  return sums.change;
+}
+
+double AttachmentBatch::residual(const SolveState& state) const {
   double worst = 0;
-  for (const Row& row : rows_) worst = std::max(worst, defect(row, bodies).cwiseAbs().maxCoeff());
+  for (const Row& row : rows_) worst = std::max(worst, defect(row, state.bodies).cwiseAbs().maxCoeff());
   return step_ * worst;
 }
 

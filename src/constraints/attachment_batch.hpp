@@ -6,11 +6,13 @@
 // momentum and angular momentum are kept. All rows of a step move at once, for every solver; they start from zero.
 #pragma once
 
+#include <array>
 #include <memory_resource>
 #include <span>
+#include <string_view>
 #include <vector>
 
-#include "constraints/system.hpp"
+#include "constraints/batch.hpp"
 #include "core/types.hpp"
 
 namespace unibody {
@@ -22,21 +24,30 @@ struct AttachedNode {
   Vec3 gap;  // m, from the node to the point of the body where it belongs
 };
 
-class AttachmentBatch {
+class AttachmentBatch : public BatchDefaults {
  public:
+  static constexpr std::string_view name = "attachments";
+  static constexpr bool pushes_wrenches = true;
+
   explicit AttachmentBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : rows_(memory) {}
 
-  // counts: how many constraints share each slot's mass; scaling: factor on them; step: s. An attachment is counted in sums over
-  // all ranks where its body is one of the first `homes`.
-  void build(std::span<const AttachedNode> attached, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, double scaling, double step,
-             std::size_t homes);
+  template <class F>
+  static void for_each_stencil(const BuildContext& context, F&& f) {
+    for (const AttachedNode& a : context.attached) f(0, std::span<const Slot>(std::array{a.body, a.node}));
+  }
+  static void count(const BuildContext& context, std::span<std::int32_t> counts) {
+    count_stencils<AttachmentBatch>(context, counts);
+  }
 
-  // One Jacobi sweep, as ConstraintBatch's.
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
+  // With Gauss-Seidel they share masses among themselves alone. An attachment is counted in sums over all ranks where its body is
+  // home.
+  void build(const BuildContext& context);
 
-  // Natural residual (m): the largest component of h r.
-  double residual(std::span<const SolverBody> bodies) const;
+  std::size_t colours() const { return any_ ? 1 : 0; }
+  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
+  double relax(std::size_t colour, bool backwards, SolveState& state);
+  double residual(const SolveState& state) const;  // the largest component of h r
+  std::size_t bytes() const { return 0; }          // in the solve's scratch memory, which is counted as a whole
 
  private:
   struct Row {
@@ -50,6 +61,7 @@ class AttachmentBatch {
 
   std::pmr::vector<Row> rows_;
   double step_ = 0.016;
+  bool any_ = false;  // the scene has any
 };
 
 }  // namespace unibody

@@ -70,13 +70,17 @@ void ContactBatch::for_each_point(const Lane& at, F&& f) const {
   for (std::uint32_t p = 0; p < m.count; ++p) {
     const std::size_t normal = block.first_point + p, contact = m.first + p;
     Impulse impulse = row(at.lane, normal, block.first_tangent < 0 ? no_tangent : block.first_tangent + p);
-    if (!before_.empty()) impulse.n += before_[contact].n, impulse.s += before_[contact].s, impulse.t += before_[contact].t;
+    if (kept_ == Kept::apart) {
+      const Impulse& before = kept_impulses_[contact];
+      impulse.n += before.n, impulse.s += before.s, impulse.t += before.t;
+    }
     f(normal, contact, lane_of(points[normal].arm_a, at.lane), lane_of(points[normal].arm_b, at.lane),
       Vec3(impulse.n * n + impulse.s * s + impulse.t * t));
   }
 }
 
-void ContactBatch::limit_bounces(const World& world, std::span<const SolverBody> bodies) {
+void ContactBatch::limit_bounces(std::span<const SolverBody> bodies) {
+  const World& world = *world_;
   for (const Lane& at : bouncing_) {
     const Block& block = blocks[at.block];
     const Vec3 n = lane_of(block.n, at.lane);
@@ -94,8 +98,11 @@ void ContactBatch::limit_bounces(const World& world, std::span<const SolverBody>
 }
 
 // A manifold's impulses, times 1 - x, do twice the work (1 - x)(w - x q), with w that of all and q = lambda.D^T W D lambda.
-void ContactBatch::give_back_gains(const World& world, std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
-  if (!before_.empty()) return;
+void ContactBatch::give_back_gains(SolveState& state) {
+  if (kept_ == Kept::apart) return;
+  const World& world = *world_;
+  const std::span<const SolverBody> bodies = state.bodies;
+  const std::span<Wrench> wrenches = state.wrenches;
   const auto store = [](const Vec3& v) { return Vec4d{v.x(), v.y(), v.z(), 0}; };
   for (const Lane& at : bouncing_) {
     const Block& block = blocks[at.block];
@@ -131,7 +138,10 @@ void ContactBatch::give_back_gains(const World& world, std::span<const SolverBod
   start_momenta();
 }
 
-void SurfaceBatch::limit_bounces(const World& world, std::span<const SolverBody> bodies) {
+void SurfaceBatch::renew(const SolveState& state) {
+  if (!any_bounce_) return;
+  const World& world = *world_;
+  const std::span<const SolverBody> bodies = state.bodies;
   for (Block& block : blocks_) {
     const Vec4d without = bias_without_bounce(block);
     for (std::size_t l = 0; l < lanes; ++l) {

@@ -14,37 +14,29 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "constraints/batch.hpp"
 #include "constraints/constraint_type.hpp"
 #include "constraints/direction_sum.hpp"
-#include "constraints/solver_settings.hpp"
-#include "constraints/system.hpp"
 
 namespace unibody {
 
-// What a Jacobi sweep over blocks of four adds up: see SweepSums.
-struct SweepTotals {
-  SweepTotals(const Extrapolation& beyond, double unit)
-      : momentum(broadcast(beyond.momentum)), overshoot(broadcast(beyond.overshoot)), per_unit(1 / unit) {}
-  void add_to(SweepSums& sums, double step) const {
-    for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
-    sums.change = std::max(sums.change, step * horizontal_max(change));
-    sums.largest = std::max(sums.largest, horizontal_max(largest));
-  }
-  Vec4d momentum, overshoot;
-  double per_unit;
-  Vec4d change{}, largest{};
-  Mask4 gradient{}, progress{};
-};
-
 template <ConstraintType C>
-class ConstraintBatch {
+class ConstraintBatch : public BatchDefaults {
  public:
+  static constexpr std::string_view name = C::name;
   static constexpr std::size_t stencil = C::stencil, rows = C::rows, parameter_count = C::parameter_names.size();
+  static constexpr bool lasts = true, stencils_last = true;
+  using Type = C;
+  using Multipliers = std::array<double, rows>;
+  using History = std::vector<Multipliers>;  // of each constraint that is here
+  using Key = std::array<Id, stencil>;       // the bodies' ids
 
   struct Block {
     std::array<std::array<Slot, lanes>, stencil> slot;
@@ -55,34 +47,54 @@ class ConstraintBatch {
     Vec4d damping;                       // s
   };
 
+  static void for_each_element(const Elements& elements, const std::function<void(const Key&, std::span<const Id>)>& f);
+
+  // With the bodies' slots as they are, by the constraints' colours (one of its own for each where the order is sequential).
+  static void for_each_stencil(const BuildContext& context, const std::function<void(std::int32_t, std::span<const Slot>)>& f);
+  static void count(const BuildContext& context, std::span<std::int32_t> counts);
+
+  // For Gauss-Seidel by colour, for the Jacobi solvers by runs of ids and by colour within a run.
+  void build(const BuildContext& context);
+
   // Lays out the constraints in the given order; groups[g] is the end of group g in `order`, and no block spans two groups. An
   // empty lane ties the body that is nobody to itself. `slots(i)` are those of constraint i, counted(i) whether this rank
   // counts it in sums over all.
-  template <typename SlotsOf, typename CountedOf>
-  void build(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
-             std::span<const std::uint32_t> groups, Slot nobody, Form form, SlotsOf&& slots, CountedOf&& counted);
+  void lay_out(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
+               std::span<const std::uint32_t> groups, Slot nobody, Form form,
+               const std::function<std::array<Slot, stencil>(std::uint32_t)>& slots,
+               const std::function<bool(std::uint32_t)>& counted);
 
-  // Index = that of the constraint in build()'s list.
-  using Multipliers = std::array<double, rows>;
+  void start_step() { has_inverses_ = false; }
+
+  std::size_t colours() const { return group_end_.size(); }
+  bool needs_all(std::size_t) const { return false; }
+
+  // Index = that of the constraint in the list.
   void set_multipliers(std::span<const Multipliers> multipliers, double share = 1);  // of these; empty: all zero
   void get_multipliers(std::span<Multipliers> multipliers) const;
+  void start_from(const History& history, const WarmStart& warm);
+  void remember(History& history, double) const;
 
-  // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies: a warm start. Those of links are made
-  // smaller first where their geometric stiffness is more than this (see most_geometric_stiffness).
+  // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies. Those of links are made smaller first
+  // where their geometric stiffness is more than this (see most_geometric_stiffness).
+  void add_impulses(SolveState& state, const WarmStart& warm, double most_stiffness);
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     double most_stiffness = HUGE_VAL);
 
   // Largest geometric stiffness h |lambda| (c_a / m_a + c_b / m_b) / l of links with these multipliers, l their length at rest.
   double geometric_stiffness(const StepStart& start, std::span<const Multipliers> multipliers);
 
-  // One Jacobi sweep in the order of build(): evaluate, step by P^-1, extrapolate, add to `impulses`.
-  void sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
-                    const Extrapolation& beyond, SweepSums& sums);
+  // In the order of the layout: evaluate, step by P^-1, extrapolate, add to the impulses.
+  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
+  void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+             const Extrapolation& extrapolation, SweepSums& sums);
 
-  // One Gauss-Seidel pass over a group, whose constraints share no moving body. Returns the largest change (m).
-  double relax(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
+  // The constraints of a colour share no moving body.
+  double relax(std::size_t colour, bool backwards, SolveState& state);
+  double relax(std::size_t colour, const StepStart& start, std::span<SolverBody> bodies);
 
-  // Natural residual (m): max (h + rho) |r|, zero exactly at a solution.
+  // max (h + rho) |r|
+  double residual(const SolveState& state) const { return residual(state.start(), state.bodies); }
   double residual(const StepStart& start, std::span<const SolverBody> bodies) const;
 
   // Whether two bodies of a constraint move against each other, in a step at these velocities, by more than this share of their
@@ -95,23 +107,7 @@ class ConstraintBatch {
   // For the next step, before set_multipliers().
   void set_form(Form form) { form_ = form; }
 
-  template <typename F>
-  void for_each_stencil(std::size_t group, F&& f) const {
-    std::array<Slot, stencil> ends;
-    for (std::size_t i = lanes * begin_of(group); i < lanes * group_end_[group]; ++i) {
-      if (order_[i] < 0) continue;
-      for (std::size_t e = 0; e < stencil; ++e) ends[e] = blocks_[i / lanes].slot[e][i % lanes];
-      f(std::span<const Slot>(ends));
-    }
-  }
-
-  template <typename F>
-  void for_each_stencil(F&& f) const {
-    for (std::size_t g = 0; g < group_count(); ++g) for_each_stencil(g, f);
-  }
-
   std::size_t size() const { return order_.size(); }
-  std::size_t group_count() const { return group_end_.size(); }
   std::size_t bytes() const;
   const std::vector<Block>& blocks() const { return blocks_; }
 
@@ -158,11 +154,12 @@ class ConstraintBatch {
   inline void bound_stiffness(std::size_t b, const Rows<stencil, rows>& at, double most, double step);
   void add_lines(const StepStart& start, std::span<const SolverBody> bodies, std::span<DirectionSum> sums) const;
   void take_inverses(const StepStart& start);  // at the first pass of a step
-  [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, SweepTotals& totals);
+  [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, const Update<Vec4d>& update,
+                                                     SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
   template <Law law, bool total>
-  void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses, const Extrapolation& beyond,
-             SweepSums& sums);
+  void sweep_as(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                const Extrapolation& extrapolation, SweepSums& sums);
   template <Law law>
   double residual_by(const StepStart& start, std::span<const SolverBody> bodies) const;
   template <Law law, bool total>
@@ -181,6 +178,3 @@ class ConstraintBatch {
 };
 
 }  // namespace unibody
-
-#include "constraints/constraint_kernels.hpp"
-#include "constraints/constraint_layout.hpp"

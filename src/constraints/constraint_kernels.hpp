@@ -1,4 +1,4 @@
-// The passes of ConstraintBatch. Included by its header alone.
+// The passes of ConstraintBatch. Included where its types are made, in constraint_batch.cpp, alone.
 #pragma once
 
 #include "constraints/constraint_batch.hpp"
@@ -233,6 +233,11 @@ void ConstraintBatch<C>::add_multipliers(const StepStart& start, std::span<const
 }
 
 template <ConstraintType C>
+void ConstraintBatch<C>::add_impulses(SolveState& state, const WarmStart& warm, double most_stiffness) {
+  if (warm.share > 0 && !blocks_.empty()) add_impulses(state.start(), state.bodies, state.impulses, most_stiffness);
+}
+
+template <ConstraintType C>
 void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                                       double most_stiffness) {
   if (is_link<C> && most_stiffness < HUGE_VAL) take_inverses(start);
@@ -264,13 +269,14 @@ double ConstraintBatch<C>::geometric_stiffness(const StepStart& start, std::span
 // divisions of one block are under way while the next is read.
 template <ConstraintType C>
 template <typename ConstraintBatch<C>::Law law, bool total>
-void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
-                               const Extrapolation& beyond, SweepSums& sums) {
+void ConstraintBatch<C>::sweep_as(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                                  const Extrapolation& extrapolation, SweepSums& sums) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> r, step;
   const double h = start.step;  // a copy: no store of the loop can change it
   const Vec4d over_step = broadcast(1 / h);
-  SweepTotals totals(beyond, sums.unit);
+  const Update<Vec4d> update = update_of_four(extrapolation);
+  SweepTotals totals(sums.unit);
   for (std::size_t first = 0; first < blocks_.size(); first += ahead) {
     const std::size_t count = std::min(ahead, blocks_.size() - first);
     for (std::size_t i = 0; i < count; ++i) {
@@ -284,59 +290,56 @@ void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBod
       keep_gradients<total>(now, at[i]);
     }
     for (std::size_t i = 0; i < count; ++i) {
-      const Solution moved = extrapolate(first + i, r[i], step[i], totals);
+      const Solution moved = extrapolate(first + i, r[i], step[i], update, totals);
       add(blocks_[first + i], take_impulses<total>(first + i, at[i], moved, y_[first + i]), impulses);
     }
   }
   totals.add_to(sums, h);
 }
 
-// y becomes new + momentum (new - old) + overshoot step, new = y + step. Returns the change of y.
+// Returns the change of y.
 template <ConstraintType C>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r, Solution step,
-                                                                             SweepTotals& totals) {
+                                                                             const Update<Vec4d>& update, SweepTotals& totals) {
   Solution moved;
   const Vec4d part = part_taken(y_[b], step);  // of |r|, what the step takes away
-  Vec4d uphill = broadcast(0), squared = broadcast(0);
+  SweepTerms<Vec4d> terms;
   for (std::size_t k = 0; k < rows; ++k) {
-    const Vec4d next = y_[b][k] + step[k], forward = next - lambda_[b][k];
-    uphill += r[k] * forward;
-    if constexpr (is_unilateral<C>) {
-      squared -= r[k] * part * step[k];
-      totals.change = max(totals.change, abs(r[k] * part));
-    } else {
-      squared -= r[k] * step[k];
-      totals.change = max(totals.change, abs(select(step[k] != broadcast(0), r[k], broadcast(0))));
-    }
-    lambda_[b][k] = next;
-    const Vec4d y = next + totals.momentum * forward + totals.overshoot * step[k];
-    moved[k] = y - y_[b][k];
-    y_[b][k] = y;
+    Vec4d taken;
+    if constexpr (is_unilateral<C>)
+      taken = -(r[k] * part);
+    else
+      taken = select(step[k] != broadcast(0), -r[k], broadcast(0));
+    moved[k] =
+        update.advance(lambda_[b][k], y_[b][k], y_[b][k] + step[k], step[k], r[k], taken, terms, [](Vec4d x) { return abs(x); });
   }
-  totals.largest = max(totals.largest, max(abs(uphill), squared));
-  Mask4 uphill_units = whole_units(uphill, totals.per_unit), squared_units = whole_units(squared, totals.per_unit);
-  if (counted_[b] != all_lanes) {
-    const Mask4 counted = lanes_of(counted_[b]);
-    uphill_units &= counted, squared_units &= counted;
-  }
-  totals.gradient += uphill_units, totals.progress += squared_units;
+  if (counted_[b] == all_lanes)
+    totals.close(terms);
+  else
+    totals.close(terms, lanes_of(counted_[b]));
   return moved;
 }
 
 template <ConstraintType C>
-void ConstraintBatch<C>::sweep_jacobi(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
-                                      const Extrapolation& beyond, SweepSums& sums) {
+void ConstraintBatch<C>::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  sweep(state.start(), state.bodies, state.impulses, extrapolation, sums);
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
+                               const Extrapolation& extrapolation, SweepSums& sums) {
+  if (blocks_.empty()) return;
   if (y_.empty()) y_ = lambda_;
   take_inverses(start);
   const bool soft = !softness_.empty(), total = form_ == Form::total;
   if (start.is_linear())
-    sweep<Law::linear, false>(start, bodies, impulses, beyond, sums);
+    sweep_as<Law::linear, false>(start, bodies, impulses, extrapolation, sums);
   else if (total)
-    soft ? sweep<Law::soft, true>(start, bodies, impulses, beyond, sums)
-         : sweep<Law::stiff, true>(start, bodies, impulses, beyond, sums);
+    soft ? sweep_as<Law::soft, true>(start, bodies, impulses, extrapolation, sums)
+         : sweep_as<Law::stiff, true>(start, bodies, impulses, extrapolation, sums);
   else
-    soft ? sweep<Law::soft, false>(start, bodies, impulses, beyond, sums)
-         : sweep<Law::stiff, false>(start, bodies, impulses, beyond, sums);
+    soft ? sweep_as<Law::soft, false>(start, bodies, impulses, extrapolation, sums)
+         : sweep_as<Law::stiff, false>(start, bodies, impulses, extrapolation, sums);
 }
 
 // In two passes, as in sweep(): the blocks of a group have no moving body in common.
@@ -377,6 +380,11 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
     }
   }
   return h * horizontal_max(change);
+}
+
+template <ConstraintType C>
+double ConstraintBatch<C>::relax(std::size_t colour, bool, SolveState& state) {
+  return relax(colour, state.start(), state.bodies);
 }
 
 template <ConstraintType C>

@@ -1,5 +1,5 @@
-// How ConstraintBatch lays out its constraints, and what a step knows of them before its first pass. Included by its header
-// alone.
+// How ConstraintBatch lays out its constraints, and what a step knows of them before its first pass. Included where its types are
+// made, in constraint_batch.cpp, alone.
 #pragma once
 
 #include "constraints/constraint_batch.hpp"
@@ -7,10 +7,10 @@
 namespace unibody {
 
 template <ConstraintType C>
-template <typename SlotsOf, typename CountedOf>
-void ConstraintBatch<C>::build(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
-                               std::span<const std::uint32_t> groups, Slot nobody, Form form, SlotsOf&& slots,
-                               CountedOf&& counted) {
+void ConstraintBatch<C>::lay_out(std::span<const Constraint<C>> constraints, std::span<const std::uint32_t> order,
+                                 std::span<const std::uint32_t> groups, Slot nobody, Form form,
+                                 const std::function<std::array<Slot, stencil>(std::uint32_t)>& slots,
+                                 const std::function<bool(std::uint32_t)>& counted) {
   blocks_.clear(), softness_.clear(), lambda_.clear(), y_.clear(), counted_.clear(), group_end_.clear(), order_.clear();
   form_ = form;
   bool soft = false;
@@ -54,7 +54,6 @@ void ConstraintBatch<C>::set_multipliers(std::span<const Multipliers> multiplier
       for (std::size_t k = 0; k < rows; ++k)
         lambda_[i / lanes][k][i % lanes] = order_[i] < 0 ? 0 : share * multipliers[static_cast<std::size_t>(order_[i])][k];
   y_.clear();
-  has_inverses_ = false;
   applied_.assign(form_ == Form::total ? blocks_.size() : 0, Impulses{});
 }
 
@@ -64,6 +63,18 @@ void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) con
     if (order_[i] >= 0)
       for (std::size_t k = 0; k < rows; ++k)
         multipliers[static_cast<std::size_t>(order_[i])][k] = lambda_[i / lanes][k][i % lanes];
+}
+
+// Of a warm start whose share is left open: a third, or nothing of types that start cold.
+template <ConstraintType C>
+void ConstraintBatch<C>::start_from(const History& history, const WarmStart& warm) {
+  const double own = warm.setting >= 0 ? warm.setting : starts_cold<C> ? 0 : automatic_share;
+  set_multipliers(own == 0 ? std::span<const Multipliers>() : history, own);
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::remember(History& history, double) const {
+  get_multipliers(history);
 }
 
 // 1/P of rows whose gradients have length 1: it changes with the bodies' weights only, from step to step.

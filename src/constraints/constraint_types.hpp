@@ -26,6 +26,14 @@ struct TypeList {
 using ConstraintTypes =
     TypeList<Distance, BendingLink, Membrane, Dihedral, Area, Tetrahedron, TetrahedronCurrentVolume, InversionGuard>;
 
+// The place of a type in the list.
+template <class C>
+inline constexpr std::size_t type_index = []<class... T>(TypeList<T...>) {
+  std::size_t index = 0;
+  const bool found = ((std::is_same_v<C, T> || (++index, false)) || ...);
+  return found ? index : sizeof...(T);
+}(ConstraintTypes{});
+
 // Calls f(type index, element) for each element of a tuple made by ConstraintTypes::Tuple.
 template <typename Set, typename F>
 void for_each_type(Set& set, F&& f) {

@@ -1,8 +1,11 @@
 #include "constraints/contact_batch.hpp"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
+#include "collide/collide.hpp"
+#include "constraints/contact_for_each.hpp"
 #include "constraints/friction.hpp"
 #include "world/world.hpp"
 
@@ -32,37 +35,40 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       inertias(memory),
       places_(memory),
       rows_(memory),
-      bouncing_(memory) {}
+      bouncing_(memory),
+      counted_(memory),
+      kept_impulses_(memory) {}
 
 // Manifolds are read in key order, where each is next to the one before and so are its bodies: in the order of colours they are
 // strangers, which in large scenes costs more than all that is done with them. Each colour has a block that fills up.
-void ContactBatch::build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
-                         const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-                         std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts,
-                         const SolverSettings& settings, double step) {
-  contacts_ = &contacts, world_ = &world, bias_is_gap_ = true, kept_ = Kept::nothing, friction_ = settings.friction,
-  scaling_ = settings.scaling, step_ = step;
-  bouncing_.clear(), before_ = {};
+void ContactBatch::build(const BuildContext& context) {
+  const auto& [bodies, inertia, isotropic, counts] =
+      std::tie(context.state.bodies, context.state.inertia, context.state.isotropic, context.state.counts);
+  contacts_ = context.contacts, world_ = &context.world, friction_ = context.settings.friction;
+  scaling_ = context.settings.scaling, step_ = context.state.step;
+  is_gauss_seidel_ = counts.empty(), bias_is_gap_ = true, kept_ = Kept::nothing;
+  bouncing_.clear();
+  counted_.resize(contacts_->manifolds.size());
+  for (std::size_t m = 0; m < counted_.size(); ++m) counted_[m] = counts_here(*world_, contacts_->manifolds[m]);
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
-  const bool gauss_seidel = counts.empty();
   const auto inertia_of = [&](Slot s) {
     const double all = bodies[s].inverse_inertia;
     return isotropic[s] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[s];
   };
-  lay_out(order, groups, isotropic, gauss_seidel);
+  lay_out(context.contact_order, context.contact_groups, isotropic, is_gauss_seidel_);
 
   std::pmr::vector<std::uint8_t> filled(blocks.size(), 0, places_.get_allocator());  // lanes
   for (std::uint32_t m = 0; m < places_.size(); ++m) {
     const std::size_t number = places_[m] / lanes, lane = places_[m] % lanes;
     if (filled[number]++ == 0) begin_block(number, nobody);
     Block& block = blocks[number];
-    fill_lane(block, lane, m, world);
+    fill_lane(block, lane, m);
     if (block.inertia >= 0) {
       set_lane(inertias[block.inertia].a, lane, inertia_of(block.slot_a[lane]));
       set_lane(inertias[block.inertia].b, lane, inertia_of(block.slot_b[lane]));
     }
     if (filled[number] < rows_[number].used) continue;
-    if (gauss_seidel)
+    if (is_gauss_seidel_)
       scale_gauss_seidel(block, bodies);
     else
       scale_jacobi(block, bodies, counts);
@@ -126,7 +132,8 @@ void ContactBatch::begin_block(std::size_t number, Slot nobody) {
   clear(tangent_scales, first), clear(tangent_momenta, first);
 }
 
-void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number, const World& world) {
+void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number) {
+  const World& world = *world_;
   const Manifold& m = contacts_->manifolds[number];
   block.slot_a[lane] = m.slot_a, block.slot_b[lane] = m.slot_b;
   block.manifold[lane] = static_cast<std::int32_t>(number);
@@ -145,18 +152,8 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   }
 }
 
-template <class F>
-void ContactBatch::for_each_row(F&& f) const {
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Manifold& m = contacts_->manifolds[i];
-    const Rows& rows = rows_[places_[i] / lanes];
-    for (std::uint32_t p = 0; p < m.count; ++p)
-      f(i, places_[i] % lanes, rows.first_point + p,
-        rows.first_tangent < 0 ? no_tangent : static_cast<std::size_t>(rows.first_tangent) + p, m.first + p);
-  }
-}
-
 void ContactBatch::start_stage(const Stage& stage) {
+  stage_ = stage;
   if (!bias_is_gap_)
     for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
       points[p].bias[l] = contacts_->points[contact].gap;
@@ -164,61 +161,6 @@ void ContactBatch::start_stage(const Stage& stage) {
   for (Point& p : points) p.bias = stage.bias(p.bias);
   if (!contacts_->bounce.empty()) start_bounces();
   bias_is_gap_ = false;
-}
-
-void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
-  for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
-    const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[contact];
-    normals[p].lambda[l] = impulse.n;
-    if (t != no_tangent) tangent_impulses[t].lambda_s[l] = impulse.s, tangent_impulses[t].lambda_t[l] = impulse.t;
-  });
-  start_momenta();
-}
-
-void ContactBatch::start_momenta() {
-  for (std::size_t p = 0; p < normal_momenta.size(); ++p) normal_momenta[p].y = normals[p].lambda;
-  for (std::size_t t = 0; t < tangent_momenta.size(); ++t)
-    tangent_momenta[t].y_s = tangent_impulses[t].lambda_s, tangent_momenta[t].y_t = tangent_impulses[t].lambda_t;
-}
-
-ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_t t) const {
-  if (t == no_tangent) return {normals[p].lambda[l], 0, 0};
-  return {normals[p].lambda[l], tangent_impulses[t].lambda_s[l], tangent_impulses[t].lambda_t[l]};
-}
-
-void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
-  for_each_row(
-      [&](std::size_t, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
-}
-
-void ContactBatch::normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const {
-  for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
-    normal[contact] = normals[p].lambda[l] + (kept_ == Kept::apart ? kept[contact].n : 0);
-  });
-}
-
-void ContactBatch::keep_impulses(bool joint, std::span<Impulse> kept) {
-  get_impulses(kept);
-  kept_ = joint ? Kept::joint : Kept::apart;
-  if (!joint) before_ = kept;
-  if (joint) return start_momenta();
-  for (Normal& n : normals) n.lambda = broadcast(0);
-  for (TangentImpulse& t : tangent_impulses) t.lambda_s = t.lambda_t = broadcast(0);
-  start_momenta();
-}
-
-std::int64_t ContactBatch::leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const {
-  std::int64_t sliding = 0;
-  for_each_row([&](std::size_t m, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
-    const Impulse old = kept_ == Kept::nothing ? Impulse{0, 0, 0} : kept[contact], now = row(l, p, t);
-    const Impulse before = kept_ == Kept::apart ? old : Impulse{0, 0, 0};
-    const double limit = 0.999 * contacts_->manifolds[m].friction * (before.n + now.n), s = before.s + now.s,
-                 f = before.t + now.t;
-    sliding += t != no_tangent && limit > 0 && s * s + f * f >= limit * limit && counted[m];
-    const auto mix = [&](double x, double y) { return x + leak * (kept_ == Kept::apart ? y : y - x); };
-    kept[contact] = kept_ == Kept::nothing ? now : Impulse{mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
-  });
-  return sliding;
 }
 
 }  // namespace unibody

@@ -16,36 +16,12 @@
 #include <span>
 #include <vector>
 
-#include "collide/contacts.hpp"
-#include "constraints/solver_settings.hpp"
-#include "constraints/system.hpp"
+#include "constraints/batch.hpp"
+#include "constraints/multipliers.hpp"
 #include "core/exact_sum.hpp"
 #include "core/raw_vector.hpp"
 
 namespace unibody {
-
-struct World;
-
-// The two stages' right-hand sides: what gap a contact may close within the step.
-struct Stage {
-  enum class Kind { velocity, position } kind = Kind::position;
-  double step = 0.016;           // s
-  double recovery_time = 0.016;  // s; position stage only
-  double recovery_speed = 0.25;  // m/s, 0: unbounded; position stage only
-
-  // Of the velocity level: open gaps may close, and penetration falls by the share gamma a step, at any speed.
-  static Stage stabilised(double step, double gamma) { return {Kind::position, step, step * (1 / gamma - 1), 0}; }
-
-  // Bias (m/s) of the normal row at a gap (m): what the approach speed is measured against. Open gaps may close within the step;
-  // a velocity stage leaves penetration alone; a position stage takes it out at a bounded speed.
-  Vec4d bias(Vec4d gap) const {
-    const Vec4d zero = broadcast(0), open = gap / broadcast(step);
-    if (kind == Kind::velocity) return max(zero, open);
-    const Vec4d outward = gap / broadcast(step + recovery_time);
-    return select(gap >= zero, open, recovery_speed > 0 ? max(outward, broadcast(-recovery_speed)) : outward);
-  }
-  double bias(double gap) const { return bias(broadcast(gap))[0]; }
-};
 
 // The contact frame's first tangent s; the second is n x s. Fixed by the normal alone; in the x-z plane for normals in it.
 inline Vec3 first_tangent_of(const Vec3& n) {
@@ -57,8 +33,12 @@ inline Vec3 first_tangent_of(const Vec3& n) {
   return {0, -scale * n.z(), scale * n.y()};
 }
 
-class ContactBatch {
+class ContactBatch : public BatchDefaults {
  public:
+  using History = Multipliers;
+  static constexpr std::string_view name = "contacts";
+  static constexpr bool in_velocity_stage = true, alternates = true;
+
   struct Block {
     Slot slot_a[lanes], slot_b[lanes];
     Vec3x4 n, s;  // third axis t = n x s
@@ -97,37 +77,47 @@ class ContactBatch {
 
   explicit ContactBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
-  // Lays out the manifolds in the given order. `order` lists manifold numbers; groups[g] is the end of group g in `order`, and a
-  // block never spans two groups (a group is a colour, or everything). counts: constraint count n_b of each slot for the Jacobi
-  // scaling; empty for Gauss-Seidel, whose scale is the point's own block.
-  void build(const Contacts& contacts, std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
-             const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-             std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, const SolverSettings& settings,
-             double step);
+  template <class F>
+  static void for_each_stencil(const BuildContext& context, F&& f) {
+    for (const Manifold& m : context.contacts->manifolds) f(0, std::span<const Slot>(std::array{m.slot_a, m.slot_b}));
+  }
+  static void count(const BuildContext& context, std::span<std::int32_t> counts) {
+    count_stencils<ContactBatch>(context, counts);
+  }
+
+  // Lays out the manifolds in the context's order, by its groups: a block never spans two groups (a group is a colour, or
+  // everything). For Gauss-Seidel, where the state has no counts, a row's scale is the point's own block.
+  void build(const BuildContext& context);
+
+  std::size_t colours() const { return group_end_.size(); }
+  bool needs_all(std::size_t) const { return false; }
 
   void start_stage(const Stage& stage);
+  bool bounces() const { return !bouncing_.empty(); }
 
-  // Before an iteration: how fast bodies must part where they bounce, at most Contacts::bounce, so that what the multipliers do
-  // gives no energy (bounce_limit.cpp). The world is that of the step's start.
-  void limit_bounces(const World& world, std::span<const SolverBody> bodies);
-  bool any_bounces() const { return !bouncing_.empty(); }  // in this stage
+  // Gaps and normals between round bodies at the present velocities, where the stage asks for it: the kernels then work on their
+  // linearisation. And how fast bodies must part where they bounce.
+  void renew(const SolveState& state);
 
-  // After a stage of a Jacobi solver, whose few iterations may leave more than that: weakens a bouncing manifold's multipliers
-  // until they alone give none, and adds what that takes from the bodies to the wrenches. Not where lambda leaves out the
-  // velocity stage's.
-  void give_back_gains(const World& world, std::span<const SolverBody> bodies, std::span<Wrench> wrenches);
+  // How fast bodies must part where they bounce: at most Contacts::bounce, so that what the multipliers do gives no energy
+  // (bounce_limit.cpp).
+  void limit_bounces(std::span<const SolverBody> bodies);
 
-  // Before an iteration: gaps, and normals between round bodies, at the present velocities. The kernels then work on their
-  // linearisation.
-  void reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage);
+  // The few iterations of a Jacobi solver may leave more than that: weakens a bouncing manifold's multipliers until they alone
+  // give none, and adds what that takes from the bodies to the wrenches. Not where lambda leaves out the velocity stage's.
+  void give_back_gains(SolveState& state);
 
-  // One Jacobi sweep over all blocks in key order: evaluate, project, extrapolate, add the impulses to `wrenches`.
-  // counted[m]: whether this rank counts manifold m in the sums (a manifold across a cut is evaluated twice, counted once).
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums,
-                    std::span<const std::uint8_t> counted);
+  void reevaluate(std::span<const SolverBody> bodies);
 
-  // One Gauss-Seidel pass over a group: each manifold changes its bodies at once. Returns the largest change (m).
+  // In key order.
+  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
+
+  // Each manifold changes its bodies at once.
+  double relax(std::size_t colour, bool backwards, SolveState& state) { return relax(colour, backwards, state.bodies); }
   double relax(std::size_t group, bool backwards, std::span<SolverBody> bodies);
+
+  // settle(), where the solver is Jacobi's, then hold_centres().
+  void end_stage(SolveState& state);
 
   // Ends a stage of a Jacobi solver, for which a pile may be too much: a home body that would end the step further in what does
   // not move than its centre is out of it, is relaxed against that alone, in key order. So none is lost through a floor, however
@@ -138,11 +128,9 @@ class ContactBatch {
   // touches is stopped before it, in its linear velocity along the normal alone. Where it holds nothing changes.
   void hold_centres(std::size_t homes, std::size_t first_static, std::span<SolverBody> bodies) const;
 
-  // Natural residual (m): max K |lambda - Proj(lambda - K^-1 r)|. Zero exactly at a solution.
+  // max K |lambda - Proj(lambda - K^-1 r)|
+  double residual(const SolveState& state) const { return residual(state.bodies); }
   double residual(std::span<const SolverBody> bodies) const;
-
-  // Adds all multipliers to the wrenches of their bodies, in key order: applies a warm start.
-  void add_impulses(std::span<Wrench> wrenches) const;
 
   // Multipliers of all points: index = that of the point in Contacts::points; normal, s and t components (N s).
   struct Impulse {
@@ -151,22 +139,37 @@ class ContactBatch {
   void set_impulses(std::span<const Impulse> impulses);
   void get_impulses(std::span<Impulse> impulses) const;
 
-  // Between the stages: writes the velocity stage's multipliers to `kept`; the position stage then starts from zero and adds to
-  // them, or, if `joint`, from them.
-  void keep_impulses(bool joint, std::span<Impulse> kept);
+  void start_from(const Multipliers& history, const WarmStart& warm);
+  void add_impulses(SolveState& state, const WarmStart& warm, double) const {
+    if (warm.contacts_share > 0) add_impulses(state.wrenches);
+  }
+  void add_impulses(std::span<Wrench> wrenches) const;  // in key order
 
-  // At the end: the normal multipliers of both stages together, of all points.
-  void normal_impulses(std::span<const Impulse> kept, std::span<double> normal) const;
+  // Between the stages: keeps the velocity stage's multipliers; the position stage then starts from zero and adds to them, or, if
+  // `joint`, from them.
+  void keep_impulses(bool joint);
+
+  void join_stages();
+
+  // At the end, of both stages together: the multipliers, and the normal ones alone, of all points.
+  std::vector<Impulse> total_impulses() const;
+  void normal_impulses(std::span<double> normal) const;
 
   // At the end, of counted contacts that the position stage pushed on: sum g u, sum g |u| and sum g, with g its normal multiplier
   // (N s) and u the normal velocity that it left (m/s; positive: opening). A coherent opening is a pile that swells. Guests must
   // be as their homes: the sums then have the same bits on any number of ranks.
   using Opening = std::array<ExactSum, 3>;
-  Opening opening(std::span<const SolverBody> bodies, std::span<const std::uint8_t> counted) const;
+  Opening opening(std::span<const SolverBody> bodies) const;
 
-  // At the end: leaves kept + leak * what the position stage added in `kept`; after a single stage all of its multipliers.
-  // Returns the number of counted points whose multipliers of both stages together are at friction's limit.
-  std::int64_t leak_impulses(double leak, std::span<const std::uint8_t> counted, std::span<Impulse> kept) const;
+  // Points whose multipliers of both stages together are at friction's limit.
+  std::int64_t sliding() const;
+
+  // What was kept and leak times what the position stage added to it; after a single stage all of its multipliers.
+  void remember(Multipliers& history, double leak) const;
+
+  std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
+
+  bool is_counted(std::size_t manifold) const { return counted_[manifold] != 0; }  // by this rank in sums over all ranks
 
   std::size_t group_count() const { return group_end_.size(); }
   std::size_t group_end(std::size_t group) const { return group_end_[group]; }  // in blocks
@@ -196,10 +199,11 @@ class ContactBatch {
   void lay_out(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                std::span<const std::uint8_t> isotropic, bool gauss_seidel);
   void begin_block(std::size_t number, Slot nobody);
-  static constexpr std::size_t no_tangent = -1;
+  static constexpr std::size_t no_tangent = -1, most_points = 8;  // of a manifold
   // Calls f(number of the manifold, lane, point, tangent, number in Contacts::points) for every row in use, in key order.
   template <class F>
   void for_each_row(F&& f) const;
+  void forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const;
   bool sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   struct Lane {
     std::uint32_t block, lane;
@@ -210,19 +214,22 @@ class ContactBatch {
   bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
-  void fill_lane(Block& block, std::size_t lane, std::uint32_t number, const World& world);
+  void fill_lane(Block& block, std::size_t lane, std::uint32_t number);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
 
-  std::vector<std::uint32_t> group_end_;    // in blocks
-  std::pmr::vector<std::uint32_t> places_;  // of each manifold: its block times the lanes, and its lane
-  std::pmr::vector<Rows> rows_;             // of each of `blocks`, once more: what is looked up in key order stays in the cache
-  std::pmr::vector<Lane> bouncing_;         // whose manifolds have points that bounce
-  std::span<const Impulse> before_;  // of all points: the velocity stage's multipliers where lambda leaves them out; else empty
+  std::vector<std::uint32_t> group_end_;     // in blocks
+  std::pmr::vector<std::uint32_t> places_;   // of each manifold: its block times the lanes, and its lane
+  std::pmr::vector<Rows> rows_;              // of each of `blocks`, once more: what is looked up in key order stays in the cache
+  std::pmr::vector<Lane> bouncing_;          // whose manifolds have points that bounce
+  std::pmr::vector<std::uint8_t> counted_;   // of each manifold: this rank counts it in sums over all manifolds
+  std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
   const Contacts* contacts_ = nullptr;
   const World* world_ = nullptr;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
+  Stage stage_;
+  bool is_gauss_seidel_ = false;
   bool bias_is_gap_ = false;                                        // just built: Point::bias holds the gap
   enum class Kept { nothing, apart, joint } kept_ = Kept::nothing;  // joint: lambda holds both stages' multipliers
 };

@@ -27,7 +27,14 @@ void set_lane(Vec3x4& v, std::size_t l, const Vec3& x) { v.x[l] = x.x(), v.y[l] 
 
 }  // namespace
 
-void ContactBatch::reevaluate(const World& world, std::span<const SolverBody> bodies, const Stage& stage) {
+void ContactBatch::renew(const SolveState& state) {
+  if (stage_.reevaluates) reevaluate(state.bodies);
+  limit_bounces(state.bodies);
+}
+
+void ContactBatch::reevaluate(std::span<const SolverBody> bodies) {
+  const World& world = *world_;
+  const Stage& stage = stage_;
   for (Block& block : blocks)
     for (std::size_t l = 0; l < lanes; ++l) {
       if (block.manifold[l] < 0) continue;

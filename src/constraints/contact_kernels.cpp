@@ -36,19 +36,15 @@ template <class Record>
   }
 }
 
-struct SweepTerms {
-  Vec4d gradient = broadcast(0), progress = broadcast(0), change = broadcast(0);
-};
-
 template <FrictionModel model, bool tangential>
-SweepTerms sweep_block(ContactBatch& batch, const Block& block, const Extrapolation& beyond, std::span<const SolverBody> bodies,
-                       std::span<Wrench> wrenches) {
+SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Update<Vec4d>& update,
+                              std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
   const std::size_t first = block.first_point, first_tangent = tangential ? static_cast<std::size_t>(block.first_tangent) : 0;
   const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
-  const Vec4d zero = broadcast(0), momentum = broadcast(beyond.momentum), overshoot = broadcast(beyond.overshoot);
+  const Vec4d zero = broadcast(0);
   Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
-  SweepTerms sums;
+  SweepTerms<Vec4d> sums;
   for (std::uint32_t k = 0; k < block.count; ++k) {
     const Point& p = batch.points[first + k];
     Normal& normal = batch.normals[first + k];
@@ -61,15 +57,8 @@ SweepTerms sweep_block(ContactBatch& batch, const Block& block, const Extrapolat
     const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
 
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
-      const Vec4d step = new_lambda - y, forward = new_lambda - lambda, scaled = scale * step;
-      const Vec4d new_y = new_lambda + momentum * forward + overshoot * step;
-      sums.gradient += r * forward;
-      sums.progress += scaled * step;
-      sums.change = max(sums.change, abs(scaled));
-      lambda = new_lambda;
-      const Vec4d dy = new_y - y;
-      y = new_y;
-      return dy;
+      const Vec4d step = new_lambda - y;
+      return update.advance(lambda, y, new_lambda, step, r, scale * step, sums, [](Vec4d taken) { return abs(taken); });
     };
     const Vec4d dn = advance(normal.lambda, along.y, next.n, u.n + p.bias, batch.normal_scales[first + k]);
     Vec4d ds = zero, dt = zero;
@@ -137,27 +126,22 @@ double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBo
   });
 }
 
-void ContactBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
-                                SweepSums& sums, std::span<const std::uint8_t> counted) {
-  const double per_unit = 1 / sums.unit;
+void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  const std::span<const SolverBody> bodies = state.bodies;
+  const std::span<Wrench> wrenches = state.wrenches;
+  const Update<Vec4d> update = update_of_four(extrapolation);
   with_model(friction_, [&]<FrictionModel model>() {
-    Vec4d change = broadcast(0), largest = broadcast(0);
-    Mask4 gradient{}, progress{};
+    SweepTotals totals(sums.unit);
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const Block& block = blocks[i];
       ask_for<const SolverBody>(blocks, i, bodies), ask_for<Wrench>(blocks, i, wrenches);
-      const SweepTerms terms = block.first_tangent < 0 ? sweep_block<model, false>(*this, block, beyond, bodies, wrenches)
-                                                       : sweep_block<model, true>(*this, block, beyond, bodies, wrenches);
-      change = max(change, terms.change);
-      largest = max(largest, max(abs(terms.gradient), terms.progress));
+      const SweepTerms<Vec4d> terms = block.first_tangent < 0 ? sweep_block<model, false>(*this, block, update, bodies, wrenches)
+                                                              : sweep_block<model, true>(*this, block, update, bodies, wrenches);
       Mask4 counts;
-      for (std::size_t l = 0; l < lanes; ++l) counts[l] = block.manifold[l] >= 0 && counted[block.manifold[l]] != 0 ? -1 : 0;
-      gradient += whole_units(terms.gradient, per_unit) & counts;
-      progress += whole_units(terms.progress, per_unit) & counts;
+      for (std::size_t l = 0; l < lanes; ++l) counts[l] = block.manifold[l] >= 0 && counted_[block.manifold[l]] != 0 ? -1 : 0;
+      totals.close(terms, counts);
     }
-    for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient[l], sums.progress += progress[l];
-    sums.change = std::max(sums.change, step_ * horizontal_max(change));
-    sums.largest = std::max(sums.largest, horizontal_max(largest));
+    totals.add_to(sums, step_);
   });
 }
 
@@ -182,7 +166,7 @@ double ContactBatch::residual(std::span<const SolverBody> bodies) const {
   });
 }
 
-ContactBatch::Opening ContactBatch::opening(std::span<const SolverBody> bodies, std::span<const std::uint8_t> counted) const {
+ContactBatch::Opening ContactBatch::opening(std::span<const SolverBody> bodies) const {
   Opening sums;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Block& block = blocks[i];
@@ -195,7 +179,7 @@ ContactBatch::Opening ContactBatch::opening(std::span<const SolverBody> bodies, 
     }
     // Sums of manifolds: which of them share a block depends on the number of ranks.
     for (std::size_t l = 0; l < lanes; ++l)
-      if (block.manifold[l] >= 0 && counted[block.manifold[l]] != 0 && impulse[l] > 0)
+      if (block.manifold[l] >= 0 && counted_[block.manifold[l]] != 0 && impulse[l] > 0)
         sums[0] += work[l], sums[1] += absolute[l], sums[2] += impulse[l];
   }
   return sums;

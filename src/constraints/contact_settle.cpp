@@ -155,4 +155,9 @@ void ContactBatch::hold_centres(std::size_t homes, std::size_t first_static, std
   }
 }
 
+void ContactBatch::end_stage(SolveState& state) {
+  if (!is_gauss_seidel_) settle(state.homes, state.first_static, state.bodies);
+  hold_centres(state.homes, state.first_static, state.bodies);
+}
+
 }  // namespace unibody

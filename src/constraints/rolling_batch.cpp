@@ -22,54 +22,59 @@ double normal_impulse(const ContactBatch& batch, std::size_t block_number, std::
 
 }  // namespace
 
-void RollingBatch::build(std::span<const RollingContact> list, const Contacts& contacts, const ContactBatch& batch,
-                         const World& world, std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia,
-                         std::span<const std::uint8_t> isotropic, std::span<const std::int32_t> counts, double scaling,
-                         double step) {
+std::size_t RollingBatch::pair_of(const BuildContext& context, const Manifold& m) {
+  const auto material = [&](Slot s) {
+    return static_cast<std::size_t>(context.world.properties[static_cast<std::size_t>(s)].material);
+  };
+  return material(m.slot_a) * context.materials + material(m.slot_b);
+}
+
+void RollingBatch::build(const BuildContext& context) {
+  struct Resistance {
+    std::uint32_t manifold;
+    double rolling, spinning;  // m
+  };
+  contacts_ = context.contact_batch, step_ = context.state.step;
   rows_.clear(), group_end_.clear();
-  step_ = step;
+  std::vector<Resistance> list;
+  for_each_resisting(context, [&](std::uint32_t manifold, const Manifold&, double rolling, double spinning) {
+    list.push_back({manifold, rolling, spinning});
+  });
+  group_end_.assign(contacts_->colours(), 0);
   if (list.empty()) return;
   rows_.reserve(list.size());
-  const auto add = [&](const RollingContact& contact, std::size_t block, std::size_t lane) {
-    const Manifold& m = contacts.manifolds[contact.manifold];
-    Row row{contact.manifold,
-            static_cast<std::uint32_t>(block),
-            static_cast<std::uint32_t>(lane),
-            m.slot_a,
-            m.slot_b,
-            contact.rolling,
-            contact.spinning,
-            0,
-            {},
-            {},
-            {},
-            {},
-            {},
-            {},
-            {},
-            {}};
+  const World& world = context.world;
+  const auto& bodies = context.state.bodies;
+  const auto& counts = context.state.counts;
+  const auto add = [&](const Resistance& resistance, std::size_t block, std::size_t lane) {
+    const Manifold& m = context.contacts->manifolds[resistance.manifold];
+    Row row{};
+    row.block = static_cast<std::uint32_t>(block), row.lane = static_cast<std::uint32_t>(lane);
+    row.counted = contacts_->is_counted(resistance.manifold);
+    row.a = m.slot_a, row.b = m.slot_b, row.rolling = resistance.rolling, row.spinning = resistance.spinning;
     row.axes = {m.normal, first_tangent_of(m.normal), m.normal.cross(first_tangent_of(m.normal))};
     const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
-    row.turn_a = inverse_inertia_of(bodies, inertia, isotropic, a),
-    row.turn_b = inverse_inertia_of(bodies, inertia, isotropic, b);
+    row.turn_a = inverse_inertia_of(bodies, context.state.inertia, context.state.isotropic, a);
+    row.turn_b = inverse_inertia_of(bodies, context.state.inertia, context.state.isotropic, b);
     for (const std::size_t s : {a, b})
       if (bodies[s].inverse_mass > 0)
-        row.lever = std::max(row.lever, arm_of(m, contacts.points[m.first], world.position[s], world.velocity[s]).norm());
-    const auto share = [&](std::size_t s) { return counts.empty() ? 1 : std::max(1.0, scaling * counts[s]); };
+        row.lever =
+            std::max(row.lever, arm_of(m, context.contacts->points[m.first], world.position[s], world.velocity[s]).norm());
+    const auto share = [&](std::size_t s) { return counts.empty() ? 1 : std::max(1.0, context.settings.scaling * counts[s]); };
     row.own_scale = scale_of(row, 1, 1), row.scale = scale_of(row, share(a), share(b));
     rows_.push_back(row);
   };
   std::size_t block = 0;
-  for (std::size_t g = 0; g < batch.group_count(); ++g) {
-    for (; block < batch.group_end(g); ++block)
+  for (std::size_t g = 0; g < contacts_->colours(); ++g) {
+    for (; block < contacts_->group_end(g); ++block)
       for (std::size_t l = 0; l < lanes; ++l) {
-        const std::int32_t manifold = batch.blocks[block].manifold[l];
+        const std::int32_t manifold = contacts_->blocks[block].manifold[l];
         if (manifold < 0) continue;
         const auto found = std::lower_bound(list.begin(), list.end(), static_cast<std::uint32_t>(manifold),
-                                            [](const RollingContact& c, std::uint32_t m) { return c.manifold < m; });
+                                            [](const Resistance& c, std::uint32_t m) { return c.manifold < m; });
         if (found != list.end() && found->manifold == static_cast<std::uint32_t>(manifold)) add(*found, block, l);
       }
-    group_end_.push_back(rows_.size());
+    group_end_[g] = rows_.size();
   }
 }
 
@@ -87,8 +92,8 @@ RollingBatch::Torque RollingBatch::rates(const Row& row, std::span<const SolverB
 }
 
 RollingBatch::Torque RollingBatch::project_step(const Row& row, const std::array<double, 2>& scale, const Torque& from,
-                                                const Torque& rates, const ContactBatch& batch) {
-  const double N = normal_impulse(batch, row.block, row.lane);
+                                                const Torque& rates) const {
+  const double N = normal_impulse(*contacts_, row.block, row.lane);
   Torque next{};
   if (row.spinning > 0 && scale[0] > 0) {
     const double most = row.spinning * N;
@@ -106,43 +111,38 @@ Vec3 RollingBatch::torque_of(const Row& row, const Torque& lambda) {
   return lambda[0] * row.axes[0] + lambda[1] * row.axes[1] + lambda[2] * row.axes[2];
 }
 
-void RollingBatch::sweep_jacobi(const ContactBatch& batch, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
-                                const Extrapolation& beyond, SweepSums& sums, std::span<const std::uint8_t> counted) {
-  const double per_unit = 1 / sums.unit;
+void RollingBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  const Update<double> update = update_of(extrapolation);
   for (Row& row : rows_) {
-    const Torque r = rates(row, bodies), next = project_step(row, row.scale, row.y, r, batch);
+    const Torque r = rates(row, state.bodies), next = project_step(row, row.scale, row.y, r);
     Torque moved;
-    double gradient = 0, progress = 0;
+    SweepTerms<double> terms;
     for (std::size_t k = 0; k < 3; ++k) {
-      const double step = next[k] - row.y[k], forward = next[k] - row.lambda[k],
-                   y = next[k] + beyond.momentum * forward + beyond.overshoot * step;
-      const double scaled = row.scale[k == 0 ? 0 : 1] * step;
-      gradient += r[k] * forward, progress += scaled * step;
-      sums.change = std::max(sums.change, step_ * row.lever * std::abs(scaled));
-      moved[k] = y - row.y[k];
-      row.lambda[k] = next[k], row.y[k] = y;
+      const double step = next[k] - row.y[k], taken = row.scale[k == 0 ? 0 : 1] * step;
+      moved[k] = update.advance(row.lambda[k], row.y[k], next[k], step, r[k], taken, terms,
+                                [&](double x) { return step_ * row.lever * std::abs(x); });
     }
-    sums.largest = std::max(sums.largest, std::max(std::abs(gradient), progress));
-    if (counted[row.manifold]) sums.gradient += whole_units(gradient, per_unit), sums.progress += whole_units(progress, per_unit);
+    add_terms(sums, terms, row.counted);
     const Vec3 torque = torque_of(row, moved);
     const Vec4d four{torque.x(), torque.y(), torque.z(), 0};
-    wrenches[static_cast<std::size_t>(row.a)].torque += four, wrenches[static_cast<std::size_t>(row.b)].torque -= four;
+    state.wrenches[static_cast<std::size_t>(row.a)].torque += four;
+    state.wrenches[static_cast<std::size_t>(row.b)].torque -= four;
   }
 }
 
-double RollingBatch::relax(std::size_t group, const ContactBatch& batch, std::span<SolverBody> bodies) {
+double RollingBatch::relax(std::size_t colour, bool, SolveState& state) {
   if (rows_.empty()) return 0;
   double change = 0;
-  for (std::size_t i = group == 0 ? 0 : group_end_[group - 1]; i < group_end_[group]; ++i) {
+  for (std::size_t i = colour == 0 ? 0 : group_end_[colour - 1]; i < group_end_[colour]; ++i) {
     Row& row = rows_[i];
-    const Torque next = project_step(row, row.scale, row.lambda, rates(row, bodies), batch);
+    const Torque next = project_step(row, row.scale, row.lambda, rates(row, state.bodies));
     Torque moved;
     for (std::size_t k = 0; k < 3; ++k) {
       moved[k] = next[k] - row.lambda[k], row.lambda[k] = next[k];
       change = std::max(change, step_ * row.lever * row.scale[k == 0 ? 0 : 1] * std::abs(moved[k]));
     }
     const Vec3 torque = torque_of(row, moved), of_a = row.turn_a * torque, of_b = row.turn_b * torque;
-    SolverBody &a = bodies[static_cast<std::size_t>(row.a)], &b = bodies[static_cast<std::size_t>(row.b)];
+    SolverBody &a = state.bodies[static_cast<std::size_t>(row.a)], &b = state.bodies[static_cast<std::size_t>(row.b)];
     for (int k = 0; k < 3; ++k) a.w[k] += of_a[k], b.w[k] -= of_b[k];
   }
   return change;
@@ -162,10 +162,10 @@ void RollingBatch::join_stages() {
   }
 }
 
-double RollingBatch::residual(const ContactBatch& batch, std::span<const SolverBody> bodies) const {
+double RollingBatch::residual(const SolveState& state) const {
   double worst = 0;
   for (const Row& row : rows_) {
-    const Torque next = project_step(row, row.own_scale, row.lambda, rates(row, bodies), batch);
+    const Torque next = project_step(row, row.own_scale, row.lambda, rates(row, state.bodies));
     for (std::size_t k = 0; k < 3; ++k)
       worst = std::max(worst, row.lever * row.own_scale[k == 0 ? 0 : 1] * std::abs(next[k] - row.lambda[k]));
   }

@@ -13,46 +13,54 @@
 #include <array>
 #include <memory_resource>
 #include <span>
+#include <string_view>
 #include <vector>
 
-#include "collide/contacts.hpp"
 #include "constraints/contact_batch.hpp"
-#include "constraints/system.hpp"
 
 namespace unibody {
 
-// A manifold that resists rolling or spinning.
-struct RollingContact {
-  std::uint32_t manifold;
-  double rolling, spinning;  // m
-};
-
-class RollingBatch {
+class RollingBatch : public BatchDefaults {
  public:
+  static constexpr std::string_view name = "rolling friction";
+  static constexpr bool in_velocity_stage = true, follows = true;
+
   explicit RollingBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : rows_(memory) {}
 
-  // Lays out the list (ascending manifolds) as `batch`, built before, has laid out its contacts. counts: how many constraints
-  // share each slot's mass; empty for Gauss-Seidel. scaling: factor on them; step: s.
-  void build(std::span<const RollingContact> list, const Contacts& contacts, const ContactBatch& batch, const World& world,
-             std::span<const SolverBody> bodies, std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-             std::span<const std::int32_t> counts, double scaling, double step);
+  // Manifolds that resist rolling or spinning, ascending.
+  template <class F>
+  static void for_each_stencil(const BuildContext& context, F&& f) {
+    for_each_resisting(context, [&](std::uint32_t, const Manifold& m, double, double) {
+      f(0, std::span<const Slot>(std::array{m.slot_a, m.slot_b}));
+    });
+  }
+  static void count(const BuildContext& context, std::span<std::int32_t> counts) {
+    count_stencils<RollingBatch>(context, counts);
+  }
 
-  // After a sweep or pass of `batch`, whose normal multipliers are the bound: as its own. relax() returns the largest change (m).
-  void sweep_jacobi(const ContactBatch& batch, std::span<const SolverBody> bodies, std::span<Wrench> wrenches,
-                    const Extrapolation& beyond, SweepSums& sums, std::span<const std::uint8_t> counted);
-  double relax(std::size_t group, const ContactBatch& batch, std::span<SolverBody> bodies);
+  // Lays them out as the batch of the contacts, built before, has laid out its manifolds, whose normal multipliers are the bound.
+  void build(const BuildContext& context);
 
-  // Between the stages: as ContactBatch's. join_stages(): works on the multipliers of both stages from now on.
+  std::size_t colours() const { return group_end_.size(); }
+  bool needs_all(std::size_t) const { return false; }
+
+  // After a sweep, or a pass over the same colour, of the contacts.
+  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
+  double relax(std::size_t colour, bool backwards, SolveState& state);
+
   void keep_impulses(bool joint);
   void join_stages();
 
-  // Natural residual (m): as ContactBatch's, an angle counting by the longer arm from the bodies' centres to the contact.
-  double residual(const ContactBatch& batch, std::span<const SolverBody> bodies) const;
+  // An angle counts by the longer arm from the bodies' centres to the contact.
+  double residual(const SolveState& state) const;
+
+  std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
 
  private:
   using Torque = std::array<double, 3>;  // N m s, about n, s and t
   struct Row {
-    std::uint32_t manifold, block, lane;
+    std::uint32_t block, lane;
+    bool counted;
     Slot a, b;
     double rolling, spinning, lever;  // m
     std::array<Vec3, 3> axes;         // n, s, t
@@ -63,13 +71,29 @@ class RollingBatch {
   };
   static std::array<double, 2> scale_of(const Row& row, double share_a, double share_b);
   static Torque rates(const Row& row, std::span<const SolverBody> bodies);
-  static Torque project_step(const Row& row, const std::array<double, 2>& scale, const Torque& from, const Torque& rates,
-                             const ContactBatch& batch);
+  Torque project_step(const Row& row, const std::array<double, 2>& scale, const Torque& from, const Torque& rates) const;
   static Vec3 torque_of(const Row& row, const Torque& lambda);
 
+  // f(number of the manifold, manifold, coefficient of rolling, of spinning (m))
+  template <class F>
+  static void for_each_resisting(const BuildContext& context, F&& f);
+  static std::size_t pair_of(const BuildContext& context, const Manifold& m);  // of materials, into the context's coefficients
+
   std::pmr::vector<Row> rows_;
+  const ContactBatch* contacts_ = nullptr;
   std::vector<std::size_t> group_end_;
   double step_ = 0.016;
 };
+
+template <class F>
+void RollingBatch::for_each_resisting(const BuildContext& context, F&& f) {
+  if (context.rolling.empty()) return;
+  const auto& manifolds = context.contacts->manifolds;
+  for (std::uint32_t m = 0; m < manifolds.size(); ++m) {
+    const std::size_t pair = pair_of(context, manifolds[m]);
+    if (context.rolling[pair] > 0 || context.spinning[pair] > 0)
+      f(m, manifolds[m], context.rolling[pair], context.spinning[pair]);
+  }
+}
 
 }  // namespace unibody

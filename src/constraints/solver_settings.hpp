@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -81,7 +82,8 @@ inline constexpr double most_automatic_recovery_speed = 0.25;  // m/s, but no fa
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
   int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
-  double tolerance = -1;  // m, natural residual at which a stage stops; 0: never; -1: by the smallest body's size
+  // What is left open is decided by plan() (step/plan.hpp).
+  std::optional<double> tolerance;  // m, natural residual at which a stage stops; 0: never; open: by the smallest body's size
   Acceleration acceleration = Acceleration::automatic;
   MassSharing mass_sharing = MassSharing::directions;
   Level level = Level::position;
@@ -91,27 +93,27 @@ struct SolverSettings {
   // position: the position stage alone. auto: two, but position for Jacobi solvers in scenes with constraints beside contacts,
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
-  // Of two stages (also joint) the share of the iterations that the velocity stage does, (0, 1); -1: by solver and iterations.
+  // Of two stages (also joint) the share of the iterations that the velocity stage does, (0, 1); open: by solver and iterations.
   // What stands rests the sooner the more they are; what is left of penetration is the work of the others.
-  double velocity_share = -1;
+  std::optional<double> velocity_share;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
-  // contacts where it is the only stage. -1: automatic_share, but nothing of tetrahedra and of
+  // contacts where it is the only stage. Open: automatic_share, but nothing of tetrahedra and of
   // what touches them. Velocity level: [0, 1], of its one stage.
-  double warm_start = -1;
+  std::optional<double> warm_start;
   Form form = Form::incremental;
   JointSolve joints = JointSolve::iterative;
   // Share of the position stage's multipliers fed to the velocity stage of the next step, where that of this one has not
-  // converged; [0, 1], -1: by solver and iterations.
-  double leak = -1;
+  // converged; [0, 1], open: by solver and iterations.
+  std::optional<double> leak;
   FrictionModel friction = FrictionModel::disc;
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration
   Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only
   double scaling = 1;             // factor on the constraint count n_b of the Jacobi solvers; (0, 1]
-  // s, time constant rho_c at which penetration is taken out; 0: all in one step; -1: one frame, but 0 of faces and edges of
+  // s, time constant rho_c at which penetration is taken out; 0: all in one step; open: one frame, but 0 of faces and edges of
   // surfaces
-  double recovery_time = -1;
-  double recovery_speed = -1;  // m/s, bound on the speed at which penetration is taken out; 0: unbounded; -1: by size
-  double margin = -1;          // m, contacts are made at gaps below this plus what bodies can travel in the step; -1: by size
+  std::optional<double> recovery_time;
+  std::optional<double> recovery_speed;  // m/s, bound on the speed at which penetration is taken out; 0: unbounded; open: by size
+  std::optional<double> margin;  // m, contacts are made at gaps below this plus what bodies can travel in the step; open: by size
 };
 
 }  // namespace unibody

@@ -1,6 +1,10 @@
 #include "constraints/surface_batch.hpp"
 
+#include <algorithm>
+
+#include "collide/collide.hpp"
 #include "constraints/friction.hpp"
+#include "world/world.hpp"
 
 namespace unibody {
 
@@ -23,13 +27,27 @@ Vec3x4 gathered(const Slot (&slot)[lanes], Where&& where) {
 
 }  // namespace
 
-void SurfaceBatch::start_build(std::size_t count, const SolverSettings& settings, double step) {
-  friction_ = settings.friction, scaling_ = settings.scaling, step_ = step;
-  blocks_.assign((count + lanes - 1) / lanes, Block{});
+void SurfaceBatch::build(const BuildContext& context) {
+  friction_ = context.settings.friction, scaling_ = context.settings.scaling, step_ = context.state.step;
+  world_ = &context.world;
+  const auto& contacts = context.contacts->surface;
+  any_ = context.has_surfaces && context.any_over_ranks(!contacts.empty());
+  any_bounce_ = std::ranges::any_of(contacts, [](const SurfaceContact& c) { return c.bounce > 0; });
+  blocks_.assign((contacts.size() + lanes - 1) / lanes, Block{});
+  if (!any_) return;
+  std::pmr::vector<std::int32_t> own(context.memory);
+  if (context.state.counts.empty()) {
+    own.assign(context.state.bodies.size(), 0);
+    count(context, own);
+    context.exchange(own);
+  }
+  for (std::size_t i = 0; i < contacts.size(); ++i) set_lane(i, contacts[i], context);
+  const std::span<const std::int32_t> counts = own.empty() ? context.state.counts : own;
+  for (Block& block : blocks_) scale(block, context.state.bodies, counts);
 }
 
-void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, std::span<const SolverBody> bodies,
-                            std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic, bool counted) {
+void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context) {
+  const auto& bodies = context.state.bodies;
   Block& block = blocks_[i / lanes];
   const std::size_t l = i % lanes;
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
@@ -46,10 +64,10 @@ void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, std::s
   block.gap[l] = contact.gap, block.beyond[l] = contact.beyond, block.bounce[l] = contact.bounce;
   const auto first = static_cast<std::size_t>(contact.slots[0]);
   const double all = bodies[first].inverse_inertia;
-  const InverseInertia w = isotropic[first] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[first];
+  const InverseInertia w = context.state.isotropic[first] ? InverseInertia{all, all, all, 0, 0, 0} : context.state.inertia[first];
   const double entries[6] = {w.xx, w.yy, w.zz, w.yz, w.xz, w.xy};
   for (std::size_t k = 0; k < 6; ++k) block.inertia[k][l] = entries[k];
-  block.counted[l] = counted ? -1 : 0;
+  block.counted[l] = counts_here(context.world, contact) ? -1 : 0;
 }
 
 // As ContactBatch::scale_jacobi: absolute row sums of the point's own block, masses split by the bodies' constraint counts.
@@ -95,6 +113,7 @@ Vec4d SurfaceBatch::bias_without_bounce(const Block& block) const {
 
 void SurfaceBatch::start_stage(const Stage& stage) {
   stage_ = stage;
+  if (stage.surface_recovery_time >= 0) stage_.recovery_time = stage.surface_recovery_time;
   for (Block& block : blocks_) {
     block.bias = bias_without_bounce(block);
     block.bias = select(block.bounce > broadcast(0), min(block.bias, -block.bounce), block.bias);
@@ -134,31 +153,23 @@ SurfaceBatch::Impulse SurfaceBatch::stepped(const Block& block, const Velocity& 
 }
 
 template <FrictionModel model>
-void SurfaceBatch::sweep(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
-                         SweepSums& sums) {
-  const double per_unit = 1 / sums.unit;
-  const Vec4d momentum = broadcast(beyond.momentum), overshoot = broadcast(beyond.overshoot);
-  Vec4d change = broadcast(0), largest = broadcast(0);
-  Mask4 gradient_units{}, progress_units{};
+void SurfaceBatch::sweep_as(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  const Update<Vec4d> update = update_of_four(extrapolation);
+  const std::span<Wrench> wrenches = state.wrenches;
+  SweepTotals totals(sums.unit);
   for (Block& block : blocks_) {
     const Vec3x4 t = cross(block.n, block.s);
-    const Velocity u = parting(block, t, bodies);
+    const Velocity u = parting(block, t, state.bodies);
     const Impulse next = stepped<model>(block, u, block.y, block.normal.inverse, block.tangential.inverse);
-    Vec4d gradient = broadcast(0), progress = broadcast(0);
+    SweepTerms<Vec4d> terms;
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d to, Vec4d r, Vec4d scale) {
-      const Vec4d step = to - y, forward = to - lambda, scaled = scale * step, new_y = to + momentum * forward + overshoot * step;
-      gradient += r * forward, progress += scaled * step;
-      change = max(change, abs(scaled));
-      const Vec4d moved = new_y - y;
-      lambda = to, y = new_y;
-      return moved;
+      const Vec4d step = to - y;
+      return update.advance(lambda, y, to, step, r, scale * step, terms, [](Vec4d taken) { return abs(taken); });
     };
     const Vec4d n = advance(block.lambda.n, block.y.n, next.n, u.n + block.bias, block.normal.scale);
     const Vec4d s = advance(block.lambda.s, block.y.s, next.s, u.s, block.tangential.scale);
     const Vec4d f = advance(block.lambda.t, block.y.t, next.t, u.t, block.tangential.scale);
-    largest = max(largest, max(abs(gradient), progress));
-    gradient_units += whole_units(gradient, per_unit) & block.counted;
-    progress_units += whole_units(progress, per_unit) & block.counted;
+    totals.close(terms, block.counted);
 
     const Vec3x4 force = (block.n * n + block.s * s) + t * f, torque = cross(block.arm, force);
     for (std::size_t l = 0; l < lanes; ++l) {
@@ -167,17 +178,23 @@ void SurfaceBatch::sweep(std::span<const SolverBody> bodies, std::span<Wrench> w
       wrenches[block.slot[0][l]].torque += Vec4d{torque.x[l], torque.y[l], torque.z[l], 0};
     }
   }
-  for (std::size_t l = 0; l < lanes; ++l) sums.gradient += gradient_units[l], sums.progress += progress_units[l];
-  sums.change = std::max(sums.change, step_ * horizontal_max(change));
-  sums.largest = std::max(sums.largest, horizontal_max(largest));
+  totals.add_to(sums, step_);
 }
 
-void SurfaceBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
-                                SweepSums& sums) {
-  with_model(friction_, [&]<FrictionModel model>() { sweep<model>(bodies, wrenches, beyond, sums); });
+void SurfaceBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  with_model(friction_, [&]<FrictionModel model>() { sweep_as<model>(state, extrapolation, sums); });
 }
 
-double SurfaceBatch::residual(std::span<const SolverBody> bodies) const {
+// All at once, by masses split among them.
+double SurfaceBatch::relax(std::size_t, bool, SolveState& state) {
+  SweepSums sums;
+  sweep(state, {}, sums);
+  state.apply_wrenches();
+  return sums.change;
+}
+
+double SurfaceBatch::residual(const SolveState& state) const {
+  const std::span<const SolverBody> bodies = state.bodies;
   return with_model(friction_, [&]<FrictionModel model>() {
     Vec4d worst = broadcast(0);
     for (const Block& block : blocks_) {

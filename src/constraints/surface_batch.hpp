@@ -9,51 +9,49 @@
 #include <span>
 #include <vector>
 
-#include "collide/contacts.hpp"
 #include "constraints/contact_batch.hpp"
 
 namespace unibody {
 
-class SurfaceBatch {
+class SurfaceBatch : public BatchDefaults {
  public:
+  static constexpr std::string_view name = "contacts of surfaces";
+  static constexpr bool in_velocity_stage = true, pushes_wrenches = true;
+  static constexpr int relaxations = 4;  // with one, five cloths on each other are not held apart
+
   explicit SurfaceBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : blocks_(memory) {}
 
-  // The body that is nobody is the last of `bodies`. counts: how many constraints share each slot's mass. counted(contact):
-  // whether this rank counts it in sums over all ranks.
-  template <typename Counted>
-  void build(std::span<const SurfaceContact> contacts, std::span<const SolverBody> bodies,
-             std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-             std::span<const std::int32_t> counts, const SolverSettings& settings, double step, Counted&& counted) {
-    start_build(contacts.size(), settings, step);
-    for (std::size_t i = 0; i < contacts.size(); ++i) set_lane(i, contacts[i], bodies, inertia, isotropic, counted(contacts[i]));
-    for (Block& block : blocks_) scale(block, bodies, counts);
+  template <class F>
+  static void for_each_stencil(const BuildContext& context, F&& f) {
+    for (const SurfaceContact& contact : context.contacts->surface) f(0, std::span<const Slot>(contact.slots));
+  }
+  static void count(const BuildContext& context, std::span<std::int32_t> counts) {
+    count_stencils<SurfaceBatch>(context, counts);
   }
 
-  bool empty() const { return blocks_.empty(); }
+  // With Gauss-Seidel they share masses among themselves alone.
+  void build(const BuildContext& context);
+
+  std::size_t colours() const { return any_ ? 1 : 0; }
 
   // What has passed through comes back within one position stage, whatever the bound on recovery.
   void start_stage(const Stage& stage);
 
-  // As ContactBatch's.
-  void limit_bounces(const World& world, std::span<const SolverBody> bodies);
+  bool bounces() const { return any_bounce_; }
+  void renew(const SolveState& state);  // as ContactBatch's
 
-  // Between the stages: the second starts from zero and adds to the first's multipliers, or, if `joint`, goes on from them.
   void keep_impulses(bool joint);
-
-  // After the stages: what follows goes on from the multipliers of both together.
   void join_stages();
 
-  // One Jacobi sweep, as ContactBatch's.
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
+  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
+  double relax(std::size_t colour, bool backwards, SolveState& state);
+  double residual(const SolveState& state) const;
 
-  // Natural residual (m).
-  double residual(std::span<const SolverBody> bodies) const;
-
-  // Normal multipliers of all stages together: index = that of the contact in build()'s list.
+  // Normal multipliers of all stages together: index = that of the contact in Contacts::surface.
   void normal_impulses(std::span<double> normal) const;
 
-  // Counted contacts whose multipliers of all stages together are at friction's limit.
   std::int64_t sliding() const;
+  std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
 
  private:
   struct Impulse {
@@ -76,20 +74,21 @@ class SurfaceBatch {
     Vec4d n, s, t;
   };
 
-  void start_build(std::size_t count, const SolverSettings& settings, double step);
-  void set_lane(std::size_t i, const SurfaceContact& contact, std::span<const SolverBody> bodies,
-                std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic, bool counted);
+  void set_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context);
   void scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const;
   Vec4d bias_without_bounce(const Block& block) const;
   static Velocity parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies);
   template <FrictionModel model>
   static Impulse stepped(const Block& block, const Velocity& u, const Impulse& from, Vec4d inverse_n, Vec4d inverse_t);
   template <FrictionModel model>
-  void sweep(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
+  void sweep_as(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
 
   std::pmr::vector<Block> blocks_;
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
+  bool any_ = false;         // on any rank
+  bool any_bounce_ = false;  // on this rank
+  const World* world_ = nullptr;
   Stage stage_;
 };
 

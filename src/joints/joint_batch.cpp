@@ -127,11 +127,10 @@ void JointBatch::set_impulses(std::span<const JointImpulses> impulses, double sh
   }
 }
 
-void JointBatch::get_impulses(std::span<JointImpulses> impulses) const {
+void JointBatch::remember(History& history, double) const {
   for (const Part& part : parts_)
-    with_joint_type(part.type, [&]<class T>() {
-      std::copy_n(part.lambda.begin(), T::rows, impulses[part.joint].value.begin() + part.first);
-    });
+    with_joint_type(
+        part.type, [&]<class T>() { std::copy_n(part.lambda.begin(), T::rows, history[part.joint].value.begin() + part.first); });
 }
 
 // After the step at these velocities: the same turn as finish_motion() makes, but where it holds the energy.
@@ -283,33 +282,30 @@ void add_wrench(const std::array<Vec3, 3>& wrench, Slot a, Slot b, std::span<Wre
 
 }  // namespace
 
-void JointBatch::add_impulses(std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const {
+void JointBatch::add_impulses(SolveState& state, const WarmStart& warm, double) const {
+  if (warm.share <= 0) return;
   for (const Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
-      add_wrench(wrench_of(evaluate<T>(part, bodies), part.lambda), part.side[0].slot, part.side[1].slot, wrenches);
+      add_wrench(wrench_of(evaluate<T>(part, state.bodies), part.lambda), part.side[0].slot, part.side[1].slot, state.wrenches);
     });
 }
 
-void JointBatch::sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond,
-                              SweepSums& sums) {
-  const double per_unit = 1 / sums.unit;
+void JointBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  const Update<double> update = update_of(extrapolation);
+  const std::span<const SolverBody> bodies = state.bodies;
   solve_trees(bodies, true);
   for (Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
       const Step<T> step = part.link < 0 ? step_from<T>(part, part.y, bodies, true) : step_in_tree<T>(part, part.y, bodies);
       std::array<double, T::rows> moved;
-      double gradient = 0, progress = 0;
+      SweepTerms<double> terms;
       for (std::size_t k = 0; k < T::rows; ++k) {
-        const double next = step.next[k], forward = next - part.lambda[k],
-                     y = next + beyond.momentum * forward + beyond.overshoot * (next - part.y[k]);
-        gradient += step.defect[k] * forward, progress += step.defect[k] * (part.y[k] - next);
-        if (next != part.y[k]) sums.change = std::max(sums.change, step_ * length_of<T>(part, k, step.defect[k]));
-        moved[k] = y - part.y[k];
-        part.lambda[k] = next, part.y[k] = y;
+        const double next = step.next[k], r = step.defect[k], by = next - part.y[k];
+        moved[k] = update.advance(part.lambda[k], part.y[k], next, by, r, by != 0 ? -r : 0, terms,
+                                  [&](double x) { return step_ * length_of<T>(part, k, x); });
       }
-      sums.largest = std::max(sums.largest, std::max(std::abs(gradient), progress));
-      if (part.counted) sums.gradient += whole_units(gradient, per_unit), sums.progress += whole_units(progress, per_unit);
-      add_wrench(wrench_of(step.rows, moved), part.side[0].slot, part.side[1].slot, wrenches);
+      add_terms(sums, terms, part.counted);
+      add_wrench(wrench_of(step.rows, moved), part.side[0].slot, part.side[1].slot, state.wrenches);
     });
 }
 
@@ -332,7 +328,11 @@ double JointBatch::push(Part& part, const Step<T>& step, std::span<SolverBody> b
   return change;
 }
 
-double JointBatch::relax(std::size_t colour, std::span<SolverBody> bodies) {
+double JointBatch::relax(std::size_t colour, bool, SolveState& state) {
+  return colour < colour_end_.size() ? relax_colour(colour, state.bodies) : relax_trees(state.bodies);
+}
+
+double JointBatch::relax_colour(std::size_t colour, std::span<SolverBody> bodies) {
   double change = 0;
   for (std::size_t i = colour == 0 ? 0 : colour_end_[colour - 1]; i < colour_end_[colour]; ++i) {
     Part& part = parts_[i];
@@ -355,7 +355,8 @@ double JointBatch::relax_trees(std::span<SolverBody> bodies) {
   return change;
 }
 
-double JointBatch::residual(std::span<const SolverBody> bodies) const {
+double JointBatch::residual(const SolveState& state) const {
+  const std::span<const SolverBody> bodies = state.bodies;
   double worst = 0;
   for (const Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {

@@ -19,11 +19,13 @@
 // is beyond its length and 0 where it is slack, it wants s + E lambda / h + rho (s - s_before) / h = 0, and never pushes.
 #pragma once
 
-#include <memory_resource>
+#include <array>
+#include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 
-#include "constraints/system.hpp"
+#include "constraints/batch.hpp"
 #include "joints/joint.hpp"
 #include "joints/joint_trees.hpp"
 #include "joints/joint_type.hpp"
@@ -37,39 +39,56 @@ struct JointSlots {
   bool counted = true;  // this rank counts it in sums over all ranks
 };
 
-class JointBatch {
+// What there is to build of joints.
+struct JointInput {
+  std::span<const Joint> joints;         // of the scene
+  const JointList* list;                 // that are here
+  const std::vector<JointSlots>* slots;  // of each of these, where their bodies have slots
+  std::int32_t colours = 0;              // of all joints of the scene
+  bool any_tree = false;                 // some of the scene's joints are solved as trees
+};
+
+class JointBatch : public BatchDefaults {
  public:
-  explicit JointBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : parts_(memory) {}
+  using History = std::vector<JointImpulses>;  // of each joint that is here
+  using Key = std::array<Id, 1>;               // the joint's number
+  static constexpr std::string_view name = "joints";
+  static constexpr bool stencils_last = true;
 
-  // Lays out the joints `list` of `joints`, in this order or colour by colour. The body that is nobody is the last of `bodies`.
-  // counts: how many constraints share each slot's mass; empty for Gauss-Seidel. scaling: factor on them; step: s.
-  void build(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots, bool by_colour,
-             std::int32_t colours, const World& world, std::span<const SolverBody> bodies,
-             std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-             std::span<const std::int32_t> counts, double scaling, double step, double stabilisation = -1);
+  // f(key, ids of the bodies) for each joint that is here.
+  template <class F>
+  static void for_each_element(const Elements& elements, F&& f) {
+    if (elements.joints == nullptr) return;
+    for (const std::int64_t number : *elements.joints->list)
+      f(Key{number}, elements.joints->joints[static_cast<std::size_t>(number)].ids);
+  }
 
-  // Adds to the bodies' counts how many rows and blocks the joints put at them.
-  static void count(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
-                    std::span<std::int32_t> counts);
+  // Joints by their colours, and each tree as a whole, of no colour.
+  template <class F>
+  static void for_each_stencil(const BuildContext& context, F&& f) {
+    for_each_tie(context, [&](std::int32_t colour, std::span<const Slot> ends) { f(colour, ends); });
+  }
+  static void count(const BuildContext& context, std::span<std::int32_t> counts);  // rows and blocks
 
-  // Index = that of the joint in build()'s list.
+  // Lays out the joints in the order of the list, or colour by colour. It depends on where the bodies are: in each step anew.
+  void build(const BuildContext& context);
+
+  // The trees come last, all at once.
+  std::size_t colours() const { return any_ ? colour_end_.size() + (any_tree_ ? 1 : 0) : 0; }
+  bool needs_all(std::size_t colour) const { return colour >= colour_end_.size(); }
+
+  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
+  double relax(std::size_t colour, bool backwards, SolveState& state);
+
+  // Index = that of the joint in the list.
   void set_impulses(std::span<const JointImpulses> impulses, double share);
-  void get_impulses(std::span<JointImpulses> impulses) const;
+  void start_from(const History& history, const WarmStart& warm) { set_impulses(history, warm.share); }
+  void add_impulses(SolveState& state, const WarmStart& warm, double) const;
+  void remember(History& history, double) const;
 
-  // Adds D lambda to the bodies' wrenches: a warm start.
-  void add_impulses(std::span<const SolverBody> bodies, std::span<Wrench> wrenches) const;
-
-  // One Jacobi sweep, as ConstraintBatch's.
-  void sweep_jacobi(std::span<const SolverBody> bodies, std::span<Wrench> wrenches, const Extrapolation& beyond, SweepSums& sums);
-
-  // One Gauss-Seidel pass over a colour: each joint changes its bodies at once. Returns the largest change (m).
-  std::size_t colour_count() const { return colour_end_.size(); }
-  double relax(std::size_t colour, std::span<SolverBody> bodies);
-  double relax_trees(std::span<SolverBody> bodies);
-
-  // Natural residual (m): the largest (h + rho) |r| of the joints' own rows, and of bounded ones what a step by their own
-  // mobility would change. Angles count by their joint's lever.
-  double residual(std::span<const SolverBody> bodies) const;
+  // The largest (h + rho) |r| of the joints' own rows, and of bounded ones what a step by their own mobility would change. Angles
+  // count by their joint's lever.
+  double residual(const SolveState& state) const;
 
   std::size_t bytes() const { return parts_.capacity() * sizeof(Part) + trees_.bytes(); }
 
@@ -103,6 +122,9 @@ class JointBatch {
   // a planar scene that is so of rows that would tilt a body out of the plane, and they are left alone.
   static double least_diagonal(const Side& a, const Side& b, double share_a, double share_b, const Vec3& linear,
                                const Vec3& angular, const Vec3& angular_b);
+  static void for_each_tie(const BuildContext& context, const std::function<void(std::int32_t, std::span<const Slot>)>& f);
+  double relax_colour(std::size_t colour, std::span<SolverBody> bodies);
+  double relax_trees(std::span<SolverBody> bodies);
   void add_to_tree(Part& part, std::int32_t tree, std::span<const SolverBody> bodies);
   void solve_trees(std::span<const SolverBody> bodies, bool extrapolated);
   template <class T>
@@ -128,10 +150,11 @@ class JointBatch {
   template <class T>
   static double length_of(const Part& part, std::size_t row, double x);
 
-  std::pmr::vector<Part> parts_;
+  std::vector<Part> parts_;
   std::vector<std::size_t> colour_end_;
   JointTrees trees_;
   std::vector<JointTrees::Vector6> residual_, change_;  // of each of their joints
+  bool any_ = false, any_tree_ = false;                 // of the scene's joints
   double step_ = 0.016, stabilisation_ = -1;            // the latter: gamma of the velocity level, else negative
 };
 

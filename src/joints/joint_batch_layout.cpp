@@ -1,7 +1,9 @@
 // JointBatch: which rows stand for which joints, and in which order.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 #include "joints/joint_batch.hpp"
 #include "joints/joint_types.hpp"
@@ -9,8 +11,31 @@
 
 namespace unibody {
 
-void JointBatch::count(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots,
-                       std::span<std::int32_t> counts) {
+void JointBatch::for_each_tie(const BuildContext& context, const std::function<void(std::int32_t, std::span<const Slot>)>& f) {
+  if (context.elements.joints == nullptr) return;
+  const std::span<const Joint> joints = context.elements.joints->joints;
+  const JointList& list = *context.elements.joints->list;
+  const std::vector<JointSlots>& slots = *context.elements.joints->slots;
+  const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < context.world.homes; };
+  std::map<std::int32_t, std::vector<Slot>> trees;
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Joint& joint = joints[static_cast<std::size_t>(list[i])];
+    const std::array ends{slots[i].a, slots[i].b};
+    if (is_home(ends[0]) || is_home(ends[1])) f(joint.colour, ends);  // else it is here for its tree alone
+    if (joint.tree >= 0) trees[joint.tree].insert(trees[joint.tree].end(), ends.begin(), ends.end());
+  }
+  for (auto& [tree, bodies] : trees) {
+    std::sort(bodies.begin(), bodies.end());
+    bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+    f(-1, bodies);
+  }
+}
+
+void JointBatch::count(const BuildContext& context, std::span<std::int32_t> counts) {
+  if (context.elements.joints == nullptr) return;
+  const std::span<const Joint> joints = context.elements.joints->joints;
+  const JointList& list = *context.elements.joints->list;
+  const std::vector<JointSlots>& slots = *context.elements.joints->slots;
   std::vector<std::uint8_t> in_tree(counts.size(), 0);
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Joint& joint = joints[static_cast<std::size_t>(list[i])];
@@ -93,11 +118,19 @@ void JointBatch::limit_approach(Part& part, JointKind kind) const {
   });
 }
 
-void JointBatch::build(std::span<const Joint> joints, const JointList& list, std::span<const JointSlots> slots, bool by_colour,
-                       std::int32_t colours, const World& world, std::span<const SolverBody> bodies,
-                       std::span<const InverseInertia> inertia, std::span<const std::uint8_t> isotropic,
-                       std::span<const std::int32_t> counts, double scaling, double step, double stabilisation) {
-  step_ = step, stabilisation_ = stabilisation;
+void JointBatch::build(const BuildContext& context) {
+  any_ = context.elements.joints != nullptr;
+  if (!any_) return;
+  const std::span<const Joint> joints = context.elements.joints->joints;
+  const JointList& list = *context.elements.joints->list;
+  const std::vector<JointSlots>& slots = *context.elements.joints->slots;
+  const std::int32_t colours = context.elements.joints->colours;
+  const World& world = context.world;
+  const auto& [bodies, inertia, isotropic, counts] =
+      std::tie(context.state.bodies, context.state.inertia, context.state.isotropic, context.state.counts);
+  const bool by_colour = context.by_colour;
+  const double scaling = context.settings.scaling;
+  step_ = context.state.step, stabilisation_ = context.state.stabilisation, any_tree_ = context.elements.joints->any_tree;
   parts_.clear(), colour_end_.clear(), trees_.clear();
   std::vector<std::uint32_t> order(list.size());
   std::iota(order.begin(), order.end(), 0);

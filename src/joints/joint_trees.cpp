@@ -40,33 +40,6 @@ Matrix6 invert_semidefinite(Matrix6 P) {
 
 }  // namespace
 
-struct JointTrees::Link {
-  std::int32_t tree;
-  std::array<Side, 2> side;
-  Vector6 compliance;
-  std::array<std::int32_t, 2> node{-1, -1};  // of the two bodies
-  std::size_t lower = 0;                     // the side away from the root
-  Matrix6 inverse = Matrix6::Zero();         // of the joint's pivot
-  Vector6 right = Vector6::Zero();
-
-  const Matrix6& below() const { return side[lower].rows; }
-  const Matrix6& above() const { return side[1 - lower].rows; }
-  std::int32_t parent() const { return node[1 - lower]; }
-};
-
-struct JointTrees::Node {
-  std::int32_t link = -1;            // towards the root; -1: the root, free
-  Matrix6 factor = Matrix6::Zero();  // L of the body's pivot L L^T
-  Vector6 z = Vector6::Zero();
-
-  void solve(Vector6& x) const {
-    factor.triangularView<Eigen::Lower>().solveInPlace(x);
-    factor.transpose().triangularView<Eigen::Upper>().solveInPlace(x);
-  }
-};
-
-JointTrees::JointTrees() = default;
-JointTrees::~JointTrees() = default;
 std::size_t JointTrees::size() const { return links_.size(); }
 
 void JointTrees::clear() { links_.clear(), nodes_.clear(); }

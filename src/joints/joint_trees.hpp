@@ -27,8 +27,6 @@ class JointTrees {
     Matrix6 rows;
   };
 
-  JointTrees();
-  ~JointTrees();
   void clear();
 
   // A joint of a tree, the joints of all trees in one order of their own: its number is that of the call. compliance: E / (h (h +
@@ -45,8 +43,31 @@ class JointTrees {
   std::size_t bytes() const;
 
  private:
-  struct Link;
-  struct Node;
+  struct Link {
+    std::int32_t tree;
+    std::array<Side, 2> side;
+    Vector6 compliance;
+    std::array<std::int32_t, 2> node{-1, -1};  // of the two bodies
+    std::size_t lower = 0;                     // the side away from the root
+    Matrix6 inverse = Matrix6::Zero();         // of the joint's pivot
+    Vector6 right = Vector6::Zero();
+
+    const Matrix6& below() const { return side[lower].rows; }
+    const Matrix6& above() const { return side[1 - lower].rows; }
+    std::int32_t parent() const { return node[1 - lower]; }
+  };
+
+  struct Node {
+    std::int32_t link = -1;            // towards the root; -1: the root, free
+    Matrix6 factor = Matrix6::Zero();  // L of the body's pivot L L^T
+    Vector6 z = Vector6::Zero();
+
+    void solve(Vector6& x) const {
+      factor.triangularView<Eigen::Lower>().solveInPlace(x);
+      factor.transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+    }
+  };
+
   void find_order();
 
   std::vector<Link> links_;

@@ -11,7 +11,7 @@
 
 #include <string>
 
-#include "report/contact_problem.hpp"
+#include "step/contact_problem.hpp"
 
 namespace unibody {
 

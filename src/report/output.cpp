@@ -11,7 +11,7 @@
 #include "core/checked.hpp"
 #include "core/disk.hpp"
 #include "core/errors.hpp"
-#include "report/by_id.hpp"
+#include "partition/by_id.hpp"
 #include "report/shape_output.hpp"
 #include "world/shape_library.hpp"
 

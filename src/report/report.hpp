@@ -9,7 +9,7 @@
 
 #include "report/measure.hpp"
 #include "report/stretch.hpp"
-#include "solve/step_error.hpp"
+#include "step/step_error.hpp"
 
 namespace unibody {
 

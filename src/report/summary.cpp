@@ -62,22 +62,23 @@ Json scene_json(const Scene& scene, const Summary& summary) {
 Json settings_json(const Scene& scene, const SolverSettings& s) {
   const auto name = [](const auto& names, auto value) { return Json(names[static_cast<std::size_t>(value)]); };
   Json solver = Json::object();
-  solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance);
+  solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance.value_or(-1));
   if (s.name == "accelerated_jacobi") solver.set("acceleration", name(acceleration_names, s.acceleration));
   if (s.name == "accelerated_jacobi" || s.name == "jacobi") solver.set("mass_sharing", name(mass_sharing_names, s.mass_sharing));
   solver.set("level", name(level_names, s.level));
   if (s.level == Level::velocity) solver.set("stabilisation", s.stabilisation);
   solver.set("stages", name(stages_names, s.stages))
-      .set("warm_start", s.warm_start)
-      .set("velocity_share", s.velocity_share)
-      .set("leak", s.leak);
+      .set("warm_start", s.warm_start.value_or(-1))
+      .set("velocity_share", s.velocity_share.value_or(-1))
+      .set("leak", s.leak.value_or(-1));
   solver.set("friction", name(friction_model_names, s.friction)).set("gap", name(gap_names, s.gap));
   solver.set("form", name(form_names, s.form))
       .set("order", name(order_names, s.order))
       .set("joints", name(joint_solve_names, s.joints))
       .set("scaling", s.scaling);
-  if (s.level == Level::position) solver.set("recovery_time (s)", s.recovery_time).set("recovery_speed (m/s)", s.recovery_speed);
-  solver.set("margin (m)", s.margin);
+  if (s.level == Level::position)
+    solver.set("recovery_time (s)", s.recovery_time.value_or(-1)).set("recovery_speed (m/s)", s.recovery_speed.value_or(-1));
+  solver.set("margin (m)", s.margin.value_or(-1));
   Json time = Json::object();
   time.set("step (s)", scene.time.step).set("frames", scene.time.frames).set("substeps", scene.time.substeps);
   Json output = Json::object();

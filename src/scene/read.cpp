@@ -22,9 +22,9 @@ std::vector<std::string> names_of(const std::array<std::string_view, n>& names) 
   return {names.begin(), names.end()};
 }
 
-// A number, or `auto`, which is -1.
-double number_or_auto(const Value& value, const Range& range, const std::string& unit) {
-  if (value.kind == Value::Kind::scalar && !value.quoted && value.text == "auto") return -1;
+// A number, or `auto`, which leaves it open.
+std::optional<double> number_or_auto(const Value& value, const Range& range, const std::string& unit) {
+  if (value.kind == Value::Kind::scalar && !value.quoted && value.text == "auto") return std::nullopt;
   double x = 0;
   try {
     x = value.number(range, unit);
@@ -54,10 +54,9 @@ const Field<OutputSettings> output_fields[] = {
 
 constexpr const char* position_shares = "auto or a number in [0, 0.5]: a full warm start at position level is unstable";
 
-double read_warm_start(const Value& v) {
-  const double share = number_or_auto(v, any_number, "");
-  const bool is_auto = v.text == "auto";
-  if (!is_auto && !(share >= 0)) v.fail_expected(position_shares);  // from above: check_level
+std::optional<double> read_warm_start(const Value& v) {
+  const std::optional<double> share = number_or_auto(v, any_number, "");
+  if (share && !(*share >= 0)) v.fail_expected(position_shares);  // from above: check_level
   return share;
 }
 
@@ -116,14 +115,14 @@ void check_level(const Value& value, const SolverSettings& solver) {
     if (found && wrong) found->fail_expected(expected);
   };
   if (solver.level == Level::position) {
-    refuse("warm_start", solver.warm_start > 0.5, position_shares);
+    refuse("warm_start", solver.warm_start.value_or(0) > 0.5, position_shares);
     return refuse("stabilisation", true, "level: velocity beside it (position has recovery_time)");
   }
-  refuse("warm_start", solver.warm_start > 1, "auto or a number in [0, 1]");
+  refuse("warm_start", solver.warm_start.value_or(0) > 1, "auto or a number in [0, 1]");
   refuse("name", solver.name == "newton", "an iterative solver at level: velocity");
   refuse("stages", solver.stages != Stages::automatic, "auto at level: velocity, which has one stage");
-  refuse("velocity_share", solver.velocity_share >= 0, "auto at level: velocity, which has one stage");
-  refuse("leak", solver.leak >= 0, "auto at level: velocity, which has one stage");
+  refuse("velocity_share", solver.velocity_share.has_value(), "auto at level: velocity, which has one stage");
+  refuse("leak", solver.leak.has_value(), "auto at level: velocity, which has one stage");
   refuse("gap", solver.gap == Gap::reevaluated, "frozen at level: velocity, whose constraints are linear in a step");
   refuse("form", solver.form == Form::total, "incremental at level: velocity, whose constraints are linear in a step");
 }

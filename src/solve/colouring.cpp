@@ -83,22 +83,22 @@ class TakenColours {
 // rank's offer: the colours taken at the body there, sent when it is first in line there. While it waits, so do those behind it.
 class Colourer {
  public:
-  Colourer(const World& world, const Contacts& contacts, const Cut& cut, std::pmr::memory_resource* memory)
+  Colourer(const World& world, const Contacts& contacts, const Exchange& exchange, std::pmr::memory_resource* memory)
       : world_(world),
         ends_(contacts.manifolds.size(), memory),
-        cut_(cut),
+        exchange_(exchange),
         taken_(world.homes, memory),
         waiting_(by_priority(contacts.manifolds, memory)),
         result_{std::pmr::vector<std::int32_t>(ends_.size(), -1, memory), 0} {
     for (std::size_t m = 0; m < ends_.size(); ++m) ends_[m] = {contacts.manifolds[m].slot_a, contacts.manifolds[m].slot_b};
-    for (std::size_t k = 0; k < cut.neighbours().size(); ++k)
-      for (std::size_t i = 0; i < cut.neighbours()[k].manifolds.size(); ++i)
-        shared_.emplace(cut.neighbours()[k].manifolds[i], Shared{k, i, false, {}});
+    for (std::size_t k = 0; k < exchange.neighbours().size(); ++k)
+      for (std::size_t i = 0; i < exchange.neighbours()[k].manifolds.size(); ++i)
+        shared_.emplace(exchange.neighbours()[k].manifolds[i], Shared{k, i, false, {}});
   }
 
   Colouring run() {
-    std::vector<std::size_t> left(cut_.neighbours().size());
-    for (std::size_t k = 0; k < left.size(); ++k) left[k] = cut_.neighbours()[k].manifolds.size();
+    std::vector<std::size_t> left(exchange_.neighbours().size());
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] = exchange_.neighbours()[k].manifolds.size();
     offers_.resize(left.size());
     pass();
     while (std::any_of(left.begin(), left.end(), [](auto n) { return n > 0; })) {
@@ -169,16 +169,16 @@ class Colourer {
   // With the neighbours that still share an uncoloured manifold. A shared manifold gets its colour on both ranks in the pass
   // after both have offered, so the two count alike and stop together.
   void exchange_offers(std::vector<std::size_t>& left) {
-    const PhaseClock::Scope scope(cut_.clock(), Phase::halo);
+    const PhaseClock::Scope scope(exchange_.clock(), Phase::halo);
     std::vector<int> ranks;
     std::vector<std::size_t> who;
     std::vector<std::vector<std::uint64_t>> out;
     for (std::size_t k = 0; k < left.size(); ++k)
       if (left[k] > 0)
-        ranks.push_back(cut_.neighbours()[k].rank), who.push_back(k), out.push_back(std::move(offers_[k])), offers_[k] = {};
-    const auto in = exchange_with(cut_.comm(), ranks, out, tag_colours);
+        ranks.push_back(exchange_.neighbours()[k].rank), who.push_back(k), out.push_back(std::move(offers_[k])), offers_[k] = {};
+    const auto in = exchange_with(exchange_.comm(), ranks, out, tag_colours);
     for (std::size_t i = 0; i < who.size(); ++i) {
-      const auto& list = cut_.neighbours()[who[i]].manifolds;
+      const auto& list = exchange_.neighbours()[who[i]].manifolds;
       for (std::size_t at = 0; at < in[i].size(); at += 2 + in[i][at + 1]) {
         const auto begin = in[i].begin() + static_cast<std::ptrdiff_t>(at + 2);
         shared_.at(list[in[i][at]]).taken_there.assign(begin, begin + static_cast<std::ptrdiff_t>(in[i][at + 1]));
@@ -190,7 +190,7 @@ class Colourer {
 
   const World& world_;
   std::pmr::vector<Ends> ends_;  // of each manifold: small enough for the cache, where they come in no order
-  const Cut& cut_;
+  const Exchange& exchange_;
   TakenColours taken_;
   std::pmr::vector<std::uint32_t> waiting_;           // in the order of their priorities
   std::unordered_map<std::uint32_t, Shared> shared_;  // manifolds across the cut
@@ -200,8 +200,9 @@ class Colourer {
 
 }  // namespace
 
-Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut, std::pmr::memory_resource* memory) {
-  return Colourer(world, contacts, cut, memory).run();
+Colouring colour_manifolds(const World& world, const Contacts& contacts, const Exchange& exchange,
+                           std::pmr::memory_resource* memory) {
+  return Colourer(world, contacts, exchange, memory).run();
 }
 
 }  // namespace unibody

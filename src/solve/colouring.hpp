@@ -9,7 +9,7 @@
 #include <memory_resource>
 #include <vector>
 
-#include "partition/cut.hpp"
+#include "partition/exchange.hpp"
 
 namespace unibody {
 
@@ -19,7 +19,7 @@ struct Colouring {
 };
 
 // Collective among neighbours.
-Colouring colour_manifolds(const World& world, const Contacts& contacts, const Cut& cut,
+Colouring colour_manifolds(const World& world, const Contacts& contacts, const Exchange& exchange,
                            std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
 }  // namespace unibody

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "collide/surfaces.hpp"
-#include "constraints/system.hpp"
+#include "constraints/solver_body.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
 

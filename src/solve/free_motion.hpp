@@ -9,7 +9,7 @@
 // energy by turning, or turns a body by more than a radian, the body turns as with its new momentum it would freely.
 #pragma once
 
-#include "constraints/system.hpp"
+#include "constraints/solver_body.hpp"
 #include "world/body.hpp"
 
 namespace unibody {

@@ -27,11 +27,10 @@ struct Touch {
 };
 
 // All touches with friction, in key order.
-std::vector<Touch> list_touches(const World& world, const Contacts& contacts, std::span<const ContactBatch::Impulse> kept,
-                                const System& system) {
+std::vector<Touch> list_touches(const World& world, const Contacts& contacts, const System& system) {
   std::vector<Touch> touches;
   std::vector<double> normal(contacts.points.size());
-  system.contacts.normal_impulses(kept, normal);
+  system.contacts().normal_impulses(normal);
   for (std::size_t i = 0; i < contacts.manifolds.size(); ++i) {
     const Manifold& m = contacts.manifolds[i];
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
@@ -40,11 +39,11 @@ std::vector<Touch> list_touches(const World& world, const Contacts& contacts, st
       const auto end = [&](Slot s, double weight) {
         return Touch::End{s, weight, contacts.points[p].position - world.position[static_cast<std::size_t>(s)]};
       };
-      touches.push_back({{end(m.slot_a, 1), end(m.slot_b, -1)}, 2, m.normal, limit, system.counted[i] != 0});
+      touches.push_back({{end(m.slot_a, 1), end(m.slot_b, -1)}, 2, m.normal, limit, system.contacts().is_counted(i)});
     }
   }
   normal.resize(contacts.surface.size());
-  system.surface.normal_impulses(normal);
+  system.batch<SurfaceBatch>().normal_impulses(normal);
   for (std::size_t i = 0; i < contacts.surface.size(); ++i) {
     const SurfaceContact& c = contacts.surface[i];
     const double limit = c.friction * normal[i];
@@ -95,14 +94,13 @@ bool brake(const Touch& touch, std::span<const std::int32_t> sharers, System& sy
 
 }  // namespace
 
-std::int64_t postprocess_friction(const World& world, const Contacts& contacts, std::span<const ContactBatch::Impulse> kept,
-                                  System& system, const Cut& cut) {
-  const std::vector<Touch> touches = list_touches(world, contacts, kept, system);
+std::int64_t postprocess_friction(const World& world, const Contacts& contacts, System& system, const Exchange& exchange) {
+  const std::vector<Touch> touches = list_touches(world, contacts, system);
   std::vector<std::int32_t> sharers(system.bodies.size(), 0);
   for (const Touch& touch : touches)
     for (const Touch::End& end : touch.ends()) ++sharers[static_cast<std::size_t>(end.slot)];
-  cut.exchange(std::span(sharers));
-  cut.exchange(system.bodies);  // the guard of surfaces changes homes alone
+  exchange.refresh(std::span(sharers));
+  exchange.refresh(system.bodies);  // the guard of surfaces changes homes alone
   system.moving = system.bodies;
   system.wrenches.resize(system.bodies.size(), Wrench{});
   std::int64_t sliding = 0;

@@ -15,9 +15,8 @@
 
 namespace unibody {
 
-// Brakes the velocities of system.bodies and keeps those of the solve, with which bodies move, in system.moving. kept: the
-// multipliers of the velocity stage, if there was one. Returns the number of counted contacts that slide on. Collective.
-std::int64_t postprocess_friction(const World& world, const Contacts& contacts, std::span<const ContactBatch::Impulse> kept,
-                                  System& system, const Cut& cut);
+// Brakes the velocities of system.bodies and keeps those of the solve, with which bodies move, in system.moving. Returns the
+// number of counted contacts that slide on. Collective.
+std::int64_t postprocess_friction(const World& world, const Contacts& contacts, System& system, const Exchange& exchange);
 
 }  // namespace unibody

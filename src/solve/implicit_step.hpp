@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "constraints/constraint_types.hpp"
-#include "constraints/system.hpp"
+#include "constraints/solver_body.hpp"
 #include "solve/local_constraint.hpp"
 #include "world/world.hpp"
 

@@ -1,14 +1,13 @@
 // Jacobi and accelerated Jacobi (paper, Algorithm 1, with the signs and the scaling corrected).
 //
-// Every contact reads the velocities of the last iteration and all of them move at once. The masses are split among the contacts
-// of a body, so a step length of 1 is safe; with momentum the error falls as 1/k^2 rather than 1/k.
+// Every constraint reads the velocities of the last iteration and all of them move at once. The masses are split among the
+// constraints of a body, so a step length of 1 is safe; with momentum the error falls as 1/k^2 rather than 1/k.
 
 #include <mpi.h>
 
 #include <array>
 #include <cstring>
 
-#include "constraints/constraint_batches.hpp"
 #include "core/checked.hpp"
 #include "solve/momentum.hpp"
 #include "solve/solver.hpp"
@@ -31,7 +30,7 @@ void combine(void* in, void* inout, int* length, MPI_Datatype*) {
 // take several. Whatever the order, the sums are the same.
 class Reduction {
  public:
-  explicit Reduction(const Cut& cut) : comm_(cut.comm()), boxes_(cut.boxes_of_sums()) {
+  explicit Reduction(const Exchange& exchange) : comm_(exchange.comm()), boxes_(exchange.boxes_of_sums()) {
     check_mpi(MPI_Comm_size(comm_, &ranks_)), check_mpi(MPI_Comm_rank(comm_, &rank_));
     way_ = boxes_.reach_all() && ranks_ <= most_by_mail ? Way::mail : ranks_ <= most_by_messages ? Way::messages : Way::reduction;
     if (way_ != Way::reduction) return;
@@ -104,44 +103,37 @@ class Reduction {
 // The sums' unit: 2^-30 of the largest term of the first sweep. Later terms are smaller as a rule; larger ones are clamped.
 double unit_for(double largest) { return largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) - 30) : 1; }
 
-SolveReport iterate(System& system, const Cut& cut, int iterations, double tolerance, bool accelerated) {
+SolveReport iterate(System& system, const Exchange& exchange, int iterations, double tolerance, bool accelerated) {
   SolveReport report;
-  Reduction reduction(cut);
+  Reduction reduction(exchange);
   Momentum momentum(system.acceleration);
   double unit = 1;
   bool last = iterations < 1;
-  if (system.constraints) system.move_places();
+  if (system.keeps_places) system.move_places();
   for (int k = 0; !last; ++k) {
-    Extrapolation beyond;
+    Extrapolation extrapolation;
     if (k > 0) {
       const SweepSums& sums = reduction.wait();
       report.residual = sums.change;
       report.converged = sums.change <= tolerance;
-      if (accelerated) beyond = momentum.next(sums, k > 1);
+      if (accelerated) extrapolation = momentum.next(sums, k > 1);
       if (k == 1) unit = unit_for(sums.largest);
     } else if (accelerated) {
-      beyond = momentum.next({}, false);
+      extrapolation = momentum.next({}, false);
     }
     last = k == iterations - 1 || report.converged;
-    if (last) beyond = {};  // what is applied in the end must lie in the cone
+    if (last) extrapolation = {};  // what is applied in the end must lie in the cone
 
-    if (system.before_iteration) system.before_iteration();
+    if (system.observer) system.observer();
+    if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
     SweepSums sums;
     sums.unit = unit;
-    system.contacts.sweep_jacobi(system.bodies, system.wrenches, beyond, sums, system.counted);
-    system.rolling.sweep_jacobi(system.contacts, system.bodies, system.wrenches, beyond, sums, system.counted);
-    system.surface.sweep_jacobi(system.bodies, system.wrenches, beyond, sums);
-    if (system.attachments) system.attachments->sweep_jacobi(system.bodies, system.wrenches, beyond, sums);
-    if (system.joints) system.joints->sweep_jacobi(system.bodies, system.wrenches, beyond, sums);
-    if (system.constraints) system.constraints->sweep_jacobi(system.start(), system.bodies, system.impulses, beyond, sums);
+    for_each_acting(system, [&](auto, auto& batch) { batch.sweep(system, extrapolation, sums); });
     reduction.start(sums);
     system.apply_wrenches();
-    if (last) {
-      system.contacts.settle(system.homes, system.first_static, system.bodies);
-      system.contacts.hold_centres(system.homes, system.first_static, system.bodies);
-    }
-    cut.exchange(system.bodies);
-    if (system.constraints) system.move_places(system.homes);
+    if (last) for_each_acting(system, [&](auto, auto& batch) { batch.end_stage(system); });
+    exchange.refresh(system.bodies);
+    if (system.keeps_places) system.move_places(system.homes);
     ++report.iterations;
   }
   report.restarts = momentum.restarts();
@@ -150,12 +142,12 @@ SolveReport iterate(System& system, const Cut& cut, int iterations, double toler
 
 }  // namespace
 
-SolveReport accelerated_jacobi(System& system, const Cut& cut, int iterations, double tolerance) {
-  return iterate(system, cut, iterations, tolerance, true);
+SolveReport accelerated_jacobi(System& system, const Exchange& exchange, int iterations, double tolerance) {
+  return iterate(system, exchange, iterations, tolerance, true);
 }
 
-SolveReport jacobi(System& system, const Cut& cut, int iterations, double tolerance) {
-  return iterate(system, cut, iterations, tolerance, false);
+SolveReport jacobi(System& system, const Exchange& exchange, int iterations, double tolerance) {
+  return iterate(system, exchange, iterations, tolerance, false);
 }
 
 }  // namespace unibody

@@ -14,7 +14,7 @@
 #include <limits>
 
 #include "constraints/solver_settings.hpp"
-#include "constraints/system.hpp"
+#include "constraints/sweep.hpp"
 
 namespace unibody {
 

@@ -25,7 +25,7 @@
 #include "collide/broadphase.hpp"
 #include "collide/collide_settings.hpp"
 #include "collide/surfaces.hpp"
-#include "constraints/system.hpp"
+#include "constraints/solver_body.hpp"
 #include "partition/halo.hpp"
 #include "world/world.hpp"
 

@@ -31,8 +31,8 @@ TEST(Crowds, OfBodiesAtOnePlaceEachMeetsTheNextTwo) {
   Experiment run(small_worlds::scene_from_text(balls(100)));
   run.simulation->detect();
   EXPECT_TRUE(run.simulation->is_crowded());
-  EXPECT_EQ(run.simulation->count_crowds().bodies, 100);
-  EXPECT_EQ(run.simulation->count_crowds().most, 100);
+  EXPECT_EQ(count_crowds(*run.simulation).bodies, 100);
+  EXPECT_EQ(count_crowds(*run.simulation).most, 100);
   std::set<std::pair<Id, Id>> expected;
   for (Id a = 0; a < 100; ++a)
     for (Id b = a + 1; b < std::min<Id>(100, a + 3); ++b) expected.emplace(a, b);

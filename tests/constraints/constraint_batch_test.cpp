@@ -29,7 +29,7 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   const auto start = [&](std::span<const Vec4d> moved = {}) { return StepStart{places, step, moved}; };
   ConstraintBatch<Distance> batch;
   const std::vector<std::uint32_t> order{0}, groups{1};
-  batch.build(
+  batch.lay_out(
       std::span(&link, 1), order, groups, 2, Form::incremental,
       [](std::uint32_t) {
         return std::array<Slot, 2>{0, 1};
@@ -38,7 +38,7 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   std::vector<Vec4d> impulses(3, Vec4d{});
   SweepSums sums;
   std::vector<Vec4d> now = moved(places, bodies, step);
-  batch.sweep_jacobi(start(now), bodies, impulses, {0.5}, sums);
+  batch.sweep(start(now), bodies, impulses, {0.5}, sums);
   EXPECT_EQ(sums.largest, 0);
   EXPECT_EQ(sums.change, 0);
   EXPECT_EQ(batch.relax(0, start(), bodies), 0);
@@ -46,7 +46,7 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
 
   bodies[1].v[0] = 0.1;  // now there is something to see
   now = moved(places, bodies, step);
-  batch.sweep_jacobi(start(now), bodies, impulses, {0.5}, sums);
+  batch.sweep(start(now), bodies, impulses, {0.5}, sums);
   EXPECT_GT(sums.largest, 0);
   EXPECT_GT(batch.residual(start(), bodies), 0);
 }
@@ -61,7 +61,7 @@ TEST(ConstraintBatch, AWarmStartBoundsTheGeometricStiffnessOfLinks) {
   link.ids = {0, 1}, link.parameters = {0.4};
   ConstraintBatch<Distance> batch;
   const std::vector<std::uint32_t> order{0}, groups{1};
-  batch.build(
+  batch.lay_out(
       std::span(&link, 1), order, groups, 2, Form::incremental,
       [](std::uint32_t) {
         return std::array<Slot, 2>{0, 1};
@@ -101,7 +101,7 @@ TEST(ConstraintBatch, AStiffConstraintIsTheSameBesideASoftOne) {
     std::iota(order.begin(), order.end(), 0);
     const std::vector<std::uint32_t> groups{static_cast<std::uint32_t>(count)};
     ConstraintBatch<Distance> batch;
-    batch.build(
+    batch.lay_out(
         std::span(links).first(count), order, groups, 4, Form::incremental,
         [](std::uint32_t i) {
           return std::array<Slot, 2>{static_cast<Slot>(2 * i), static_cast<Slot>(2 * i + 1)};
@@ -112,7 +112,7 @@ TEST(ConstraintBatch, AStiffConstraintIsTheSameBesideASoftOne) {
       std::vector<Vec4d> impulses(5, Vec4d{});
       SweepSums sums;
       const auto now = moved(places, bodies, 0.007);
-      batch.sweep_jacobi({places, 0.007, now}, bodies, impulses, {0.3, 0.2}, sums);
+      batch.sweep({places, 0.007, now}, bodies, impulses, {0.3, 0.2}, sums);
       for (int d = 0; d < 3; ++d) {
         bodies[0].v[d] += bodies[0].inverse_mass * impulses[0][static_cast<std::size_t>(d)];
         found.push_back(impulses[0][static_cast<std::size_t>(d)]);

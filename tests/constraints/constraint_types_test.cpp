@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "collide/bodies.hpp"
-#include "constraints/system.hpp"
+#include "constraints/sweep.hpp"
 
 namespace unibody {
 

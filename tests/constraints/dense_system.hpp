@@ -56,7 +56,7 @@ struct Dense {
 
 // 1/P of each row, as the batch has it.
 inline Eigen::VectorXd inverse_scales(const Bench& bench) {
-  const ContactBatch& batch = bench.system.contacts;
+  const ContactBatch& batch = bench.system.contacts();
   Eigen::VectorXd scale = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(bench.contacts.points.size()));
   for (const auto& block : batch.blocks)
     for (std::size_t l = 0; l < lanes; ++l) {
@@ -74,7 +74,7 @@ inline Eigen::VectorXd inverse_scales(const Bench& bench) {
 
 inline std::vector<ContactBatch::Impulse> impulses_of(const Bench& bench) {
   std::vector<ContactBatch::Impulse> all(bench.contacts.points.size());
-  bench.system.contacts.get_impulses(all);
+  bench.system.contacts().get_impulses(all);
   return all;
 }
 

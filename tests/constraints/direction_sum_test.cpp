@@ -69,7 +69,7 @@ struct Net {
     std::vector<std::uint32_t> order(links.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     const std::vector<std::uint32_t> groups{static_cast<std::uint32_t>(links.size())};
-    batch.build(
+    batch.lay_out(
         links, order, groups, static_cast<Slot>(size()), Form::incremental,
         [&](std::uint32_t i) {
           return std::array<Slot, 2>{static_cast<Slot>(links[i].ids[0]), static_cast<Slot>(links[i].ids[1])};

@@ -94,7 +94,7 @@ TEST(ContactKernels, ApplyImpulses) {
       lambda.segment<3>(3 * static_cast<Eigen::Index>(p)) = Vec3(impulses[p].n, impulses[p].s, impulses[p].t);
     }
     bench->start(stage);
-    bench->system.contacts.set_impulses(impulses);
+    bench->system.contacts().set_impulses(impulses);
     // A block without friction carries normal impulses only.
     const auto carried = impulses_of(*bench);
     for (std::size_t p = 0; p < carried.size(); ++p) {
@@ -102,7 +102,7 @@ TEST(ContactKernels, ApplyImpulses) {
       lambda.segment<2>(3 * static_cast<Eigen::Index>(p) + 1) = Eigen::Vector2d(carried[p].s, carried[p].t);
     }
     EXPECT_GT(lambda.norm(), 0);
-    bench->system.contacts.add_impulses(bench->system.wrenches);
+    bench->system.contacts().add_impulses(bench->system.wrenches);
     bench->system.apply_wrenches();
     expect_close(Dense::velocities(*bench), dense.u + dense.W * dense.D.transpose() * lambda, 1e-13);
   }
@@ -119,7 +119,7 @@ TEST(ContactKernels, JacobiSweepIsThePlainOne) {
       const auto points = bench->contacts.points.size();
       std::vector<Vec3> lambda(points, Vec3::Zero()), y = lambda;
       Eigen::VectorXd u = dense.u;
-      for (const Extrapolation beyond : {Extrapolation{}, {0.3}, {0.7, 0.6}, {}}) {
+      for (const Extrapolation extrapolation : {Extrapolation{}, {0.3}, {0.7, 0.6}, {}}) {
         const Eigen::VectorXd rows = dense.D * u;
         Eigen::VectorXd dy(3 * static_cast<Eigen::Index>(points));
         double gradient = 0, progress = 0;
@@ -127,7 +127,7 @@ TEST(ContactKernels, JacobiSweepIsThePlainOne) {
           const auto row = 3 * static_cast<Eigen::Index>(p);
           const double bias = bias_plain(bench->contacts.points[p].gap);
           const Vec3 next = step_plain(model, y[p], rows.segment<3>(row), bias, mu_of(*bench, p), inverse[row], inverse[row + 1]);
-          const Vec3 next_y = next + beyond.momentum * (next - lambda[p]) + beyond.overshoot * (next - y[p]);
+          const Vec3 next_y = next + extrapolation.momentum * (next - lambda[p]) + extrapolation.overshoot * (next - y[p]);
           gradient += (rows.segment<3>(row) + Vec3(bias, 0, 0)).dot(next - lambda[p]);
           for (int d = 0; d < 3; ++d)
             if (inverse[row + d] > 0) progress += std::pow(next[d] - y[p][d], 2) / inverse[row + d];
@@ -138,7 +138,7 @@ TEST(ContactKernels, JacobiSweepIsThePlainOne) {
 
         SweepSums sums;
         sums.unit = 0x1p-30;
-        bench->system.contacts.sweep_jacobi(bench->system.bodies, bench->system.wrenches, beyond, sums, bench->system.counted);
+        bench->system.contacts().sweep(bench->system, extrapolation, sums);
         bench->system.apply_wrenches();
         EXPECT_NEAR(static_cast<double>(sums.progress) * sums.unit, progress, 1e-8 + 1e-12 * progress);
         EXPECT_NEAR(static_cast<double>(sums.gradient) * sums.unit, gradient, 1e-8 + 1e-12 * std::abs(gradient));
@@ -190,7 +190,7 @@ TEST(ContactKernels, RelaxationIsThePlainOne) {
                 project_plain(model, {n, old[1] - inverse[row + 1] * rows[1], old[2] - inverse[row + 1] * rows[2]}, m.friction);
             apply(row, Vec3(0, lambda[p][1] - old[1], lambda[p][2] - old[2]));
           }
-          bench->system.contacts.relax(g, backwards, bench->system.bodies);
+          bench->system.contacts().relax(g, backwards, bench->system.bodies);
         }
       }
       expect_close(Dense::velocities(*bench), u, 1e-13);
@@ -207,7 +207,7 @@ TEST(ContactKernels, ResidualIsThePlainOne) {
       const auto bench = random_bench(seed, model);
       bench->build_for_jacobi();
       bench->start(stage);
-      jacobi(bench->system, bench->cut, 3, 0);
+      jacobi(bench->system, bench->exchange, 3, 0);
       const Dense dense(*bench);  // with the velocities as they are now
       const Eigen::MatrixXd N = dense.N();
       const auto lambda = impulses_of(*bench);
@@ -222,7 +222,7 @@ TEST(ContactKernels, ResidualIsThePlainOne) {
         worst = std::max({worst, K_n * std::abs(next[0] - from[0]), K_t * (next - from).tail<2>().norm()});
       }
       EXPECT_GT(worst, 1e-3);
-      EXPECT_NEAR(bench->system.contacts.residual(bench->system.bodies), 0.016 * worst, 1e-12);
+      EXPECT_NEAR(bench->system.contacts().residual(bench->system.bodies), 0.016 * worst, 1e-12);
     }
 }
 
@@ -245,13 +245,12 @@ TEST(ContactKernels, GroupingChangesNoBit) {
     bench->build_sequential(order);
     if (!alone) {
       const std::vector<std::uint32_t> one{static_cast<std::uint32_t>(order.size())};
-      bench->system.contacts.build(bench->contacts, order, one, bench->world, bench->system.bodies, bench->system.inertia,
-                                   bench->system.isotropic, {}, bench->settings, bench->step);
+      bench->build(order, one);
     }
     bench->start(stage);
     for (int k = 0; k < 5; ++k)
-      for (std::size_t g = 0; g < bench->system.contacts.group_count(); ++g)
-        bench->system.contacts.relax(g, k % 2 == 1, bench->system.bodies);
+      for (std::size_t g = 0; g < bench->system.contacts().group_count(); ++g)
+        bench->system.contacts().relax(g, k % 2 == 1, bench->system.bodies);
     std::vector<double> bits;
     for (std::size_t b = 0; b < 12; ++b)
       for (int i = 0; i < 3; ++i) bits.push_back(bench->system.bodies[b].v[i]), bits.push_back(bench->system.bodies[b].w[i]);
@@ -290,11 +289,11 @@ TEST(ContactRows, APointWithoutFrictionHasOne) {
         bench.build_for_jacobi();
         if (gauss_seidel) {
           const std::vector<std::uint32_t> order{0, 1, 2, 3, 4, 5, 6, 7}, groups{4, 8};
-          bench.system.contacts = ContactBatch();
-          bench.system.contacts.build(bench.contacts, order, groups, bench.world, bench.system.bodies, bench.system.inertia,
-                                      bench.system.isotropic, {}, bench.settings, bench.step);
+          bench.system.contacts() = ContactBatch();
+          bench.system.counts.clear();
+          bench.build(order, groups);
         }
-        const ContactBatch& batch = bench.system.contacts;
+        const ContactBatch& batch = bench.system.contacts();
         const std::size_t tangents = model == FrictionModel::none ? 0 : rough;  // 4 points in 4 lanes for 4 pairs
         EXPECT_EQ(batch.points.size(), pairs);
         EXPECT_EQ(batch.points.capacity(), pairs);

@@ -42,18 +42,21 @@ struct SurfaceBench : Bench {
     for (const SurfaceContact& c : contacts.surface)
       for (const Slot s : c.slots)
         if (s >= 0) ++counts[static_cast<std::size_t>(s)];
-    build(contacts.surface);
-    system.any_surface = true;
+    build_list(contacts.surface);
   }
-  void build(const std::vector<SurfaceContact>& list) {
-    system.surface.build(list, system.bodies, system.inertia, system.isotropic, counts, settings, step,
-                         [](const SurfaceContact&) { return true; });
+  void build_list(std::vector<SurfaceContact> list) {
+    std::swap(contacts.surface, list);
+    system.counts.assign(counts.begin(), counts.end());
+    BuildContext input = context();
+    input.has_surfaces = true;
+    system.batch<SurfaceBatch>().build(input);
+    std::swap(contacts.surface, list);
   }
   void solve(const Stage& stage, int iterations) {
     start(stage);
-    system.surface.start_stage(stage);
+    system.batch<SurfaceBatch>().start_stage(stage);
     system.step = step;
-    accelerated_jacobi(system, cut, iterations, 0);
+    accelerated_jacobi(system, exchange, iterations, 0);
   }
 };
 
@@ -144,12 +147,12 @@ Eigen::Vector3d inverse_scale_of(SurfaceBench& bench, SurfaceContact c) {
   for (const bool tangential : {false, true}) {
     if (tangential && !rough) continue;
     for (SolverBody& b : bench.system.bodies) std::fill(b.v, b.v + 3, 0), std::fill(b.w, b.w + 3, 0);
-    bench.build({c});
-    bench.system.surface.start_stage(unbounded(Stage::Kind::position));  // bias gap / 2h = -1 m/s
+    bench.build_list({c});
+    bench.system.batch<SurfaceBatch>().start_stage(unbounded(Stage::Kind::position));  // bias gap / 2h = -1 m/s
     for (int d = 0; d < 3 && tangential; ++d)
       bench.system.bodies[static_cast<std::size_t>(c.slots[0])].v[d] = -s[d] / c.weights[0];
     SweepSums sums;
-    bench.system.surface.sweep_jacobi(bench.system.bodies, bench.system.wrenches, {}, sums);
+    bench.system.batch<SurfaceBatch>().sweep(bench.system, {}, sums);
     const Vec4d f = bench.system.wrenches[static_cast<std::size_t>(c.slots[0])].force;
     const Vec3 impulse = Vec3(f[0], f[1], f[2]) / c.weights[0];
     if (tangential)
@@ -183,7 +186,7 @@ TEST(SurfaceBatch, BallOnAPinnedTriangle) {
         double expected = gap > 0 ? -gap / h : position ? std::min(-gap / (2 * h), 0.1) : 0;
         if (position && beyond > 0) expected = beyond / h;  // in one step, whatever the bound
         EXPECT_NEAR(bench.system.bodies[0].v[2], expected, 1e-12) << gap << ' ' << position << ' ' << beyond;
-        EXPECT_NEAR(bench.system.surface.residual(bench.system.bodies), 0, 1e-14);
+        EXPECT_NEAR(bench.system.batch<SurfaceBatch>().residual(bench.system), 0, 1e-14);
       }
 }
 
@@ -215,12 +218,12 @@ TEST(SurfaceBatch, FrictionlessContactsConvergeToTheDirectSolve) {
       pressing += static_cast<std::size_t>(std::popcount(set)), open += static_cast<std::size_t>(n - std::popcount(set));
     }
     ASSERT_GT(exact.size(), 0) << seed;
-    bench->system.surface.start_stage(stage);
+    bench->system.batch<SurfaceBatch>().start_stage(stage);
     const bool solved = r.minCoeff() >= 0;
-    EXPECT_EQ(bench->system.surface.residual(bench->system.bodies) < 1e-12, solved) << seed;
+    EXPECT_EQ(bench->system.batch<SurfaceBatch>().residual(bench->system) < 1e-12, solved) << seed;
     bench->solve(stage, 4000);
     EXPECT_LT((Dense::velocities(*bench) - exact).cwiseAbs().maxCoeff(), 1e-9) << seed;
-    EXPECT_LT(bench->system.surface.residual(bench->system.bodies), 1e-11) << seed;
+    EXPECT_LT(bench->system.batch<SurfaceBatch>().residual(bench->system), 1e-11) << seed;
   }
   EXPECT_GT(pressing, 20u);
   EXPECT_GT(open, 20u);
@@ -263,7 +266,8 @@ TEST(SurfaceBatch, ImpulsesKeepMomentumAndAngularMomentum) {
       const auto before = momentum();
       bench->solve(unbounded(Stage::Kind::position), 7);
       EXPECT_LT((momentum() - before).cwiseAbs().maxCoeff(), 1e-12) << seed;
-      EXPECT_GT((Dense::velocities(*bench) - Dense(*bench).u).norm() + bench->system.surface.residual(bench->system.bodies), 0);
+      EXPECT_GT(
+          (Dense::velocities(*bench) - Dense(*bench).u).norm() + bench->system.batch<SurfaceBatch>().residual(bench->system), 0);
     }
 }
 
@@ -298,9 +302,9 @@ TEST(SurfaceBatch, FrictionAndWhatCountsAsSliding) {
       bench.contacts.surface = {contact({0, 1, 2, 3}, {1, -1. / 3, -1. / 3, -1. / 3}, Vec3::Zero(), Vec3::UnitZ(), 0, mu)};
       bench.build();
       bench.solve(unbounded(Stage::Kind::velocity), 100);
-      bench.system.surface.keep_impulses(joint);
-      bench.system.surface.start_stage(unbounded(Stage::Kind::position));
-      accelerated_jacobi(bench.system, bench.cut, 100, 0);
+      bench.system.batch<SurfaceBatch>().keep_impulses(joint);
+      bench.system.batch<SurfaceBatch>().start_stage(unbounded(Stage::Kind::position));
+      accelerated_jacobi(bench.system, bench.exchange, 100, 0);
       const double K = 1 / m + 1 / (3 * M), normal = 1 / K, stick = 0.5 / K, side = std::min(stick, mu * normal);
       EXPECT_NEAR(bench.system.bodies[0].v[0], 0.5 - side / m, 1e-10);
       EXPECT_NEAR(bench.system.bodies[0].v[2], -1 + normal / m, 1e-10);
@@ -308,7 +312,7 @@ TEST(SurfaceBatch, FrictionAndWhatCountsAsSliding) {
         EXPECT_NEAR(bench.system.bodies[k].v[0], side / (3 * M), 1e-10);
         EXPECT_NEAR(bench.system.bodies[k].v[2], -normal / (3 * M), 1e-10);
       }
-      EXPECT_EQ(bench.system.surface.sliding(), mu < 0.5 ? 1 : 0);
+      EXPECT_EQ(bench.system.batch<SurfaceBatch>().sliding(), mu < 0.5 ? 1 : 0);
     }
 }
 

@@ -14,12 +14,12 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/run.hpp"
+#include "checkpoint/checkpoint_seal.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/hdf5.hpp"
 #include "fuzz/mutation.hpp"
-#include "report/checkpoint_seal.hpp"
-#include "run.hpp"
 
 namespace unibody::fuzz {
 

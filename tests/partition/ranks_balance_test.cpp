@@ -8,7 +8,7 @@
 #include "partition/ranks.hpp"
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
-#include "step_parts.hpp"
+#include "step/step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -41,12 +41,12 @@ Outcome simulate(MPI_Comm comm, bool rebalance) {
   Experiment run(scene_from_text(scene_text), comm);
   Simulation& s = *run.simulation;
   Balance balance(comm, std::nullopt, rebalance);
-  s.move_homes(balance.homes(parts_of(s, *run.scene)));
+  s.move_homes(balance.homes(parts_of(s)));
   Outcome outcome;
   constexpr int frames = 16;
   for (int frame = 0; frame < frames; ++frame) {
     if (balance.due()) {
-      const std::vector<int> homes = balance.homes(parts_of(s, *run.scene));
+      const std::vector<int> homes = balance.homes(parts_of(s));
       int rank = 0;
       MPI_Comm_rank(comm, &rank);
       std::int64_t moved = std::count_if(homes.begin(), homes.end(), [&](int home) { return home != rank; });
@@ -57,7 +57,7 @@ Outcome simulate(MPI_Comm comm, bool rebalance) {
     }
     run.step();
     s.detect();
-    const double imbalance = balance.imbalance(parts_of(s, *run.scene));
+    const double imbalance = balance.imbalance(parts_of(s));
     if (frame >= frames / 2) outcome.imbalance += imbalance / (frames / 2);
   }
   outcome.hash = state_hash(comm, s.world);
@@ -124,15 +124,15 @@ bodies:
   Simulation& s = *run.simulation;
   Balance balance(MPI_COMM_WORLD, std::nullopt, true);
   s.make_constraints();
-  s.move_homes(balance.homes(parts_of(s, *run.scene)));
+  s.move_homes(balance.homes(parts_of(s)));
   s.detect();
   // Two ranks both evaluate the joint at their cut; cells hold three or four links.
   EXPECT_LT(largest_over_mean(s.joints.size()), 1.35);
-  const double even = balance.imbalance(parts_of(s, *run.scene));
+  const double even = balance.imbalance(parts_of(s));
   EXPECT_LT(even, 1.35);
   s.move_homes(std::vector<int>(s.world.homes, 0));  // the chain on one rank, however few its bodies
   s.detect();
-  EXPECT_NEAR(balance.imbalance(parts_of(s, *run.scene)), rank_count(), 0.05 * rank_count());
+  EXPECT_NEAR(balance.imbalance(parts_of(s)), rank_count(), 0.05 * rank_count());
 }
 
 // What bodies are said to cost sums up, over the ranks of any partition, to the work of one rank that has them all; and contacts
@@ -141,12 +141,12 @@ TEST(RanksBalance, CostsOfBodiesSumUpToTheWork) {
   Experiment alone(scene_from_text(sheets_and_chain)), run(scene_from_text(sheets_and_chain), MPI_COMM_WORLD);
   Simulation& s = *run.simulation;
   s.make_constraints();
-  s.move_homes(Balance(MPI_COMM_WORLD, 3, false).homes(parts_of(s, *run.scene)));
+  s.move_homes(Balance(MPI_COMM_WORLD, 3, false).homes(parts_of(s)));
   s.detect(), alone.simulation->detect();
-  const std::vector<float> costs = work_by_body(parts_of(s, *run.scene));
+  const std::vector<float> costs = work_by_body(parts_of(s));
   double sum = std::accumulate(costs.begin(), costs.end(), 0.0);
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
-  const StepParts all = parts_of(*alone.simulation, *alone.scene);
+  const StepParts all = parts_of(*alone.simulation);
   const double whole = work_of(all);
   EXPECT_NEAR(sum, whole, 1e-5 * whole) << "float's rounding";
   ASSERT_GT(all.contacts.surface.size(), 100u);

@@ -4,7 +4,7 @@
 #include "partition/balance.hpp"
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
-#include "step_parts.hpp"
+#include "step/step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -58,7 +58,7 @@ std::vector<std::uint64_t> together(const std::string& text, std::optional<std::
   Experiment run(scene_from_text(text), MPI_COMM_WORLD);
   Balance balance(MPI_COMM_WORLD, seed, true);
   Simulation& s = *run.simulation;
-  s.move_homes(balance.homes(parts_of(s, *run.scene)));
+  s.move_homes(balance.homes(parts_of(s)));
   std::vector<std::uint64_t> hashes;
   int done = 0;
   for (const int look : looks)
@@ -67,7 +67,7 @@ std::vector<std::uint64_t> together(const std::string& text, std::optional<std::
       if (migrate_every > 0 && done % migrate_every == 0) {
         s.detect();
         const Balance other(MPI_COMM_WORLD, seed ? std::optional(*seed + static_cast<std::uint64_t>(done)) : std::nullopt, true);
-        s.move_homes(other.homes(parts_of(s, *run.scene)));
+        s.move_homes(other.homes(parts_of(s)));
       }
       if (done == look) hashes.push_back(state_hash(MPI_COMM_WORLD, s.world));
     }
@@ -202,9 +202,9 @@ TEST(RanksBitwiseControl, BodiesAreOnAllTheRanksThatWereAskedFor) {
     EXPECT_EQ(size, std::atoi(asked));
   }
   Experiment run(scene_from_text(mixed_scene(solvers[0])), MPI_COMM_WORLD);
-  run.simulation->move_homes(Balance(MPI_COMM_WORLD, 1, false).homes(parts_of(*run.simulation, *run.scene)));
+  run.simulation->move_homes(Balance(MPI_COMM_WORLD, 1, false).homes(parts_of(*run.simulation)));
   run.step();
-  EXPECT_EQ(run.simulation->halo().size(), size);
+  EXPECT_EQ(run.simulation->halo.size(), size);
   EXPECT_GT(run.world().homes, 150u / static_cast<unsigned>(2 * size));
   EXPECT_LT(run.world().homes, 300u / static_cast<unsigned>(size) + 1);
   EXPECT_EQ(run.world().guests > 0, size > 1);

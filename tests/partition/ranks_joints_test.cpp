@@ -6,7 +6,7 @@
 #include "partition/balance.hpp"
 #include "partition/ranks.hpp"
 #include "small_worlds.hpp"
-#include "step_parts.hpp"
+#include "step/step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -36,7 +36,7 @@ solver: {iterations: 12, name: )" +
 }
 
 void spread(Experiment& run, std::uint64_t seed) {
-  run.simulation->move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(*run.simulation, *run.scene)));
+  run.simulation->move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(*run.simulation)));
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ TEST(RanksJoints, AMachineHasTheBitsOfOneRank) {
     for (int k = 0; k < 90; ++k) {
       if (k == 30) run.simulation->detect(), spread(run, 17);  // joints and their impulses travel
       alone.step(), run.step();
-      ASSERT_EQ(run.last.joint_residual, alone.last.joint_residual) << solver << ' ' << k;
+      ASSERT_EQ(run.last.residual_of<JointBatch>(), alone.last.residual_of<JointBatch>()) << solver << ' ' << k;
       for (std::size_t i = 0; i < w.homes; ++i) {
         const BodyState here = w.state(i), there = alone.state(w.id[i]);
         ASSERT_EQ(here.position, there.position) << solver << ' ' << k << ' ' << w.id[i];
@@ -64,7 +64,7 @@ TEST(RanksJoints, AMachineHasTheBitsOfOneRank) {
     }
     // Each rank's joints are those of its bodies, and each is counted once.
     int counted = 0;
-    for (const JointSlots& s : run.simulation->slots_of_joints()) counted += s.counted;
+    for (const JointSlots& s : run.simulation->joint_slots) counted += s.counted;
     MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
     EXPECT_EQ(counted, static_cast<int>(run.scene->joints.size()));
     double drift = 0;
@@ -90,7 +90,7 @@ TEST(RanksJoints, ThePartitionKeepsJointedBodiesTogether) {
   const Balance balance(MPI_COMM_WORLD, {}, true);
   for (int k = 0; k < 2; ++k) {
     s.detect();
-    s.move_homes(balance.homes(parts_of(s, *run.scene)));
+    s.move_homes(balance.homes(parts_of(s)));
   }
   s.detect();
   EXPECT_EQ(s.world.guests, 0u) << "no joint is cut";

@@ -13,11 +13,20 @@
 #include "partition/ranks.hpp"
 #include "small_worlds.hpp"
 #include "solve/colouring.hpp"
-#include "step_parts.hpp"
+#include "step/step_parts.hpp"
 
 namespace unibody::small_worlds {
 
 namespace {
+
+// With no constraints but the contacts.
+void start_step(Exchange& exchange, const World& world, const Contacts& contacts) {
+  exchange.start_step(world, contacts);
+  exchange.share(world, [&](const auto& f) {
+    for (const Manifold& m : contacts.manifolds) f(0, std::span<const Slot>(std::array{m.slot_a, m.slot_b}));
+  });
+  exchange.finish_step();
+}
 
 const std::string crowd = R"(
 bodies:
@@ -66,7 +75,7 @@ CollideSettings settings_of(const Scene& scene) {
 
 std::unique_ptr<Experiment> scattered(const std::string& text, std::uint64_t seed) {
   auto run = std::make_unique<Experiment>(scene_from_text(text), MPI_COMM_WORLD);
-  run->simulation->move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(*run->simulation, *run->scene)));
+  run->simulation->move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(*run->simulation)));
   return run;
 }
 
@@ -115,14 +124,14 @@ void expect_guests_told(std::size_t longest_letter) {
   const World& w = run->world();
   const Contacts& contacts = run->simulation->contacts;
   PhaseClock clock;
-  Cut cut(run->simulation->halo(), clock, longest_letter);
-  cut.build(w, contacts);
+  Exchange exchange(run->simulation->halo, clock, longest_letter);
+  start_step(exchange, w, contacts);
   std::set<std::size_t> shared;
   for (const Manifold& m : contacts.manifolds)
     for (const Slot s : {m.slot_a, m.slot_b})
       if (!w.is_home(s) && !w.is_static(s)) shared.insert(static_cast<std::size_t>(s));
   if (rank_count() > 1) {
-    EXPECT_FALSE(cut.empty());
+    EXPECT_FALSE(exchange.empty());
   }
   std::vector<SolverBody> bodies(w.size() + 1, SolverBody{});
   std::vector<std::int32_t> values(w.size() + 1, -7);
@@ -132,8 +141,8 @@ void expect_guests_told(std::size_t longest_letter) {
       for (int d = 0; d < 3; ++d) bodies[i].v[d] = pattern(i, d, round), bodies[i].w[d] = -bodies[i].v[d];
       values[i] = static_cast<std::int32_t>(w.id[i]) + round;
     }
-    cut.exchange(bodies);
-    cut.exchange(std::span(values));
+    exchange.refresh(bodies);
+    exchange.refresh(std::span(values));
     for (std::size_t i = w.homes; i < w.size(); ++i) {
       const bool is_shared = shared.contains(i);
       EXPECT_EQ(values[i], is_shared ? static_cast<std::int32_t>(w.id[i]) + round : -7);
@@ -146,9 +155,9 @@ void expect_guests_told(std::size_t longest_letter) {
   }
 }
 
-TEST(RanksCut, ExchangeBringsEveryGuestItsHomesValues) { expect_guests_told(Cut::usual_letter); }
-TEST(RanksCut, ExchangeByMessagesDoesTheSame) { expect_guests_told(0); }
-TEST(RanksCut, LongOnesByMessagesAndShortOnesByMailDoTheSame) { expect_guests_told(512); }
+TEST(RanksExchange, ExchangeBringsEveryGuestItsHomesValues) { expect_guests_told(Exchange::usual_letter); }
+TEST(RanksExchange, ExchangeByMessagesDoesTheSame) { expect_guests_told(0); }
+TEST(RanksExchange, LongOnesByMessagesAndShortOnesByMailDoTheSame) { expect_guests_told(512); }
 
 TEST(RanksColouring, IsValidAndThatOfOneRank) {
   const auto run = scattered(crowd, 5);
@@ -157,9 +166,9 @@ TEST(RanksColouring, IsValidAndThatOfOneRank) {
   run->simulation->detect(), single.simulation->detect();
   const auto colours = [](Simulation& s) {
     PhaseClock clock;
-    Cut cut(s.halo(), clock);
-    cut.build(s.world, s.contacts);
-    const Colouring found = colour_manifolds(s.world, s.contacts, cut);
+    Exchange exchange(s.halo, clock);
+    start_step(exchange, s.world, s.contacts);
+    const Colouring found = colour_manifolds(s.world, s.contacts, exchange);
     std::map<std::tuple<Id, Id, int>, std::int32_t>
         by_key;  // the third: which of the pair's manifolds; a fast body's core has its own
     for (std::size_t m = 0; m < s.contacts.manifolds.size(); ++m) {
@@ -207,10 +216,10 @@ TEST(RanksMigration, KeepsEveryBodyAndItsMultipliersOnce) {
   };
   Experiment single(scene_from_text(crowd));
   single.steps(20);
-  const auto reference = forces(single.simulation->multipliers);
+  const auto reference = forces(single.simulation->history.contacts());
   ASSERT_GT(reference.size(), 50u);
   for (const std::uint64_t seed : {1, 2, 3, 4}) {
-    s.move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(s, *run->scene)));
+    s.move_homes(Balance(MPI_COMM_WORLD, seed, false).homes(parts_of(s)));
     EXPECT_TRUE(std::is_sorted(s.world.id.begin(), s.world.id.begin() + static_cast<std::ptrdiff_t>(s.world.homes)));
     for (std::size_t i = 0; i < s.world.homes; ++i) EXPECT_EQ(random_home(s.world.id[i], seed, rank_count()), rank_here());
     const auto after = everyone(s.world);
@@ -219,7 +228,7 @@ TEST(RanksMigration, KeepsEveryBodyAndItsMultipliersOnce) {
       EXPECT_TRUE(same_state(after.at(id).state, body.state));
       EXPECT_EQ(std::memcmp(&after.at(id).properties.mass, &body.properties.mass, sizeof(double)), 0);
     }
-    const auto mine = forces(s.multipliers);
+    const auto mine = forces(s.history.contacts());
     std::set<Id> homes(s.world.id.begin(), s.world.id.begin() + static_cast<std::ptrdiff_t>(s.world.homes));
     for (const auto& [key, list] : reference) {
       const bool wanted = homes.contains(key.first) || homes.contains(key.second);
@@ -238,10 +247,10 @@ TEST(RanksPartition, BalancesALattice) {
       MPI_COMM_WORLD);
   Simulation& s = *run->simulation;
   Balance balance(MPI_COMM_WORLD, std::nullopt, true);
-  s.move_homes(balance.homes(parts_of(s, *run->scene)));
+  s.move_homes(balance.homes(parts_of(s)));
   s.detect();
-  EXPECT_LT(balance.imbalance(parts_of(s, *run->scene)), 1.3);
-  EXPECT_GE(balance.imbalance(parts_of(s, *run->scene)), 1.0);
+  EXPECT_LT(balance.imbalance(parts_of(s)), 1.3);
+  EXPECT_GE(balance.imbalance(parts_of(s)), 1.0);
   std::int64_t most = static_cast<std::int64_t>(s.world.homes), all = most;
   MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT64_T, MPI_MAX, MPI_COMM_WORLD);
   MPI_Allreduce(MPI_IN_PLACE, &all, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -262,12 +271,12 @@ TEST(RanksPartition, EmptyRanksAreLegal) {
     Experiment run(scene_from_text(scenes[k]), MPI_COMM_WORLD), single(scene_from_text(scenes[k]));
     Simulation& s = *run.simulation;
     const Balance balance(MPI_COMM_WORLD, std::nullopt, true);
-    s.move_homes(balance.homes(parts_of(s, *run.scene)));
+    s.move_homes(balance.homes(parts_of(s)));
     single.steps(30);
     for (int i = 0; i < 30; ++i) {
       run.step();
       if (i == 10) s.move_homes(std::vector<int>(s.world.homes, rank_count() - 1));
-      if (i == 20) s.detect(), s.move_homes(balance.homes(parts_of(s, *run.scene)));
+      if (i == 20) s.detect(), s.move_homes(balance.homes(parts_of(s)));
     }
     const auto all = everyone(s.world);
     ASSERT_EQ(static_cast<std::int64_t>(all.size()), counts[k]);

@@ -3,7 +3,7 @@
 
 #include "partition/balance.hpp"
 #include "small_worlds.hpp"
-#include "step_parts.hpp"
+#include "step/step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -21,7 +21,7 @@ bodies:
 solver: {iterations: 16, name: )") +
                              solver + "}\n";
     Experiment alone(scene_from_text(text)), run(scene_from_text(text), MPI_COMM_WORLD);
-    run.simulation->move_homes(Balance(MPI_COMM_WORLD, 5, false).homes(parts_of(*run.simulation, *run.scene)));
+    run.simulation->move_homes(Balance(MPI_COMM_WORLD, 5, false).homes(parts_of(*run.simulation)));
     for (int k = 0; k < 25; ++k) {
       alone.step(), run.step();
       ASSERT_EQ(run.last.residual, alone.last.residual) << solver << ' ' << k;

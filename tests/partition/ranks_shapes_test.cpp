@@ -4,7 +4,7 @@
 #include "partition/balance.hpp"
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
-#include "step_parts.hpp"
+#include "step/step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -52,8 +52,7 @@ TEST(RanksShapes, SameBitsOnAnyNumberOfRanks) {
     for (int step = 1; step <= 60; ++step) {
       if (step % 20 == 1) {  // scattered at random
         s.detect();
-        s.move_homes(Balance(MPI_COMM_WORLD, std::uint64_t{5} + static_cast<std::uint64_t>(step), true)
-                         .homes(parts_of(s, *together.scene)));
+        s.move_homes(Balance(MPI_COMM_WORLD, std::uint64_t{5} + static_cast<std::uint64_t>(step), true).homes(parts_of(s)));
       }
       alone.step(), together.step();
       if (step % 20 == 0) {

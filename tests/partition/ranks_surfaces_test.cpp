@@ -5,7 +5,7 @@
 #include "report/state_hash.hpp"
 #include "report/surface_report.hpp"
 #include "small_worlds.hpp"
-#include "step_parts.hpp"
+#include "step/step_parts.hpp"
 
 namespace unibody::small_worlds {
 
@@ -172,7 +172,7 @@ Story told(Experiment& run, MPI_Comm comm, int steps, Between between) {
     MPI_Allreduce(MPI_IN_PLACE, &contacts, 1, MPI_INT64_T, MPI_SUM, comm);
     story.touched |= contacts > 0;
     story.counts.push_back(contacts);
-    story.counts.push_back(count_crossings(comm, run.world(), run.simulation->surfaces()));
+    story.counts.push_back(count_crossings(comm, run.world(), run.simulation->surfaces));
     story.hashes.push_back(state_hash(comm, run.world()));
   }
   return story;
@@ -187,7 +187,7 @@ Story together(const std::string& text, int steps, std::optional<std::uint64_t> 
   Experiment run(scene_from_text(text), MPI_COMM_WORLD);
   Simulation& s = *run.simulation;
   const auto move = [&](std::uint64_t k) {
-    s.move_homes(Balance(MPI_COMM_WORLD, seed ? std::optional(*seed + k) : std::nullopt, true).homes(parts_of(s, *run.scene)));
+    s.move_homes(Balance(MPI_COMM_WORLD, seed ? std::optional(*seed + k) : std::nullopt, true).homes(parts_of(s)));
   };
   move(0);
   return told(run, MPI_COMM_WORLD, steps, [&](int k) {

@@ -134,14 +134,14 @@ TEST(Attachment, AThreadBearsAHangingBall) {
     Experiment run(std::move(scene));
     run.steps(5);
     const auto& links = std::get<ConstraintList<Distance>>(run.simulation->constraints);
-    const auto& impulses = std::get<0>(run.simulation->constraint_multipliers);
+    const auto& impulses = run.simulation->history.of<ConstraintBatch<Distance>>();
     ASSERT_EQ(links.size(), 4u);
     for (std::size_t k = 0; k < 4; ++k) {
       const double below = 1 + 0.125 * (3.5 - static_cast<double>(k));
       EXPECT_NEAR(-impulses[k][0] / run.h(), below * 9.81, 1e-6) << solver << ", link " << k;
     }
     EXPECT_LT((run.position(0) - Vec3(0, 0, -1.1)).norm(), 1e-8) << solver;
-    EXPECT_LT(run.last.attachment_residual, 1e-9) << solver;
+    EXPECT_LT(run.last.residual_of<AttachmentBatch>(), 1e-9) << solver;
   }
 }
 
@@ -158,7 +158,7 @@ TEST(Attachment, ThreeThreadsShareABall) {
     scene.solver.name = solver, scene.solver.iterations = 3000, scene.solver.tolerance = 0;
     Experiment run(std::move(scene));
     run.steps(3);
-    for (const auto& impulse : std::get<0>(run.simulation->constraint_multipliers))
+    for (const auto& impulse : run.simulation->history.of<ConstraintBatch<Distance>>())
       EXPECT_NEAR(-impulse[0] / run.h(), (10 + 1.0 / 3) * 9.81, 1e-3) << solver;
     EXPECT_LT(run.position(0).norm(), 1e-7) << solver;
   }

@@ -180,11 +180,11 @@ TEST(FrictionPostprocess, IsWhatPlainAlgebraGives) {
     const auto bench = random_bench(seed, FrictionModel::postprocess);
     bench->build_for_jacobi();
     bench->start({Stage::Kind::position, h, h, 0.25});
-    accelerated_jacobi(bench->system, bench->cut, 40, 0);
+    accelerated_jacobi(bench->system, bench->exchange, 40, 0);
     const Dense dense(*bench);
     const auto solved = impulses_of(*bench);
     const Expected expected = expected_change(*bench, dense, solved);
-    const std::int64_t counted = postprocess_friction(bench->world, bench->contacts, {}, bench->system, bench->cut);
+    const std::int64_t counted = postprocess_friction(bench->world, bench->contacts, bench->system, bench->exchange);
     const Eigen::VectorXd after = Dense::velocities(*bench);
     EXPECT_LT((after - dense.u - expected.change).norm(), 1e-12 * (1 + expected.change.norm())) << "seed " << seed;
     EXPECT_LT(kinetic_energy(*bench, dense, after), kinetic_energy(*bench, dense, dense.u)) << "seed " << seed;

@@ -68,7 +68,7 @@ TEST(Incline, PublishedFiguresOfStickAndSlip) {
     }
     EXPECT_LT(run.velocity(0).norm(), 1e-4);
     Vec3 force = Vec3::Zero();
-    for (const RememberedPoint& p : run.simulation->multipliers.points) force += p.normal * Vec3::UnitZ() + p.tangential;
+    for (const RememberedPoint& p : run.simulation->history.contacts().points) force += p.normal * Vec3::UnitZ() + p.tangential;
     EXPECT_LT((force / 9.8 - Vec3(-.2425, 0, .9701)).norm(), 1e-3);
   }
 }

@@ -54,7 +54,7 @@ TEST(Invariants, MomentumOfAClosedSystem) {
     for (int k = 0; k < 120; ++k) {
       const Total before = total(run);
       run.step();
-      contacts += run.simulation->multipliers.points.size();
+      contacts += run.simulation->history.contacts().points.size();
       ASSERT_LT((run.momentum() - p).norm(), 1e-12 * before.linear) << solver << ", step " << k;
       ASSERT_LT((run.angular_momentum() - L).norm(), 1e-12 * before.angular) << solver << ", step " << k;
       p = run.momentum(), L = run.angular_momentum();
@@ -125,7 +125,8 @@ TEST(Invariants, PainlevesRod) {
           add(scene, rod);
           add(scene, ground());
           Experiment run(scene);
-          const double start = run.energy(), unsolved = 1 * std::abs(speed) * run.simulation->tolerance() / run.h();
+          const double start = run.energy(),
+                       unsolved = 1 * std::abs(speed) * run.simulation->settings_used().tolerance.value() / run.h();
           double least = start, deepest = 0;
           for (int k = 0; k < 300; ++k) {
             const StepReport report = run.step();
@@ -152,7 +153,7 @@ TEST(Invariants, DeepOverlapOfAPair) {
     fastest = std::max({fastest, run.velocity(0).norm(), run.velocity(1).norm()});
   }
   EXPECT_LT(run.penetration(), 1e-4);
-  const double bound = 0.25 + run.simulation->tolerance() / run.h();  // the solver stops at this residual
+  const double bound = 0.25 + run.simulation->settings_used().tolerance.value() / run.h();  // the solver stops at this residual
   EXPECT_LE((run.velocity(0) - run.velocity(1)).norm(), bound);
   EXPECT_LE(fastest, bound);
   EXPECT_GT((run.position(1) - run.position(0)).norm(), 0.199);

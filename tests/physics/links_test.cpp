@@ -35,7 +35,7 @@ struct ChainState {
 ChainState state_of(Experiment& run, double load) {
   ChainState state;
   const auto& all = std::get<ConstraintList<Distance>>(run.simulation->constraints);
-  const auto& impulses = std::get<0>(run.simulation->constraint_multipliers);  // of distances, the first type
+  const auto& impulses = run.simulation->history.of<ConstraintBatch<Distance>>();  // of distances, the first type
   EXPECT_EQ(all.size(), static_cast<std::size_t>(links));
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Id i = all[k].ids[1];  // the node below

@@ -95,8 +95,8 @@ TEST(Newton, ItsImpulsesAreThoseOfTheLaw) {
   Experiment run(beam("[4, 1, 1]", 0.016, -9.8));
   run.steps(3);
   std::size_t count = 0;
-  for_each_type(run.simulation->constraints, [&]<class C>(auto type, const ConstraintList<C>& list) {
-    const auto& impulses = std::get<type.value>(run.simulation->constraint_multipliers);
+  for_each_type(run.simulation->constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+    const auto& impulses = run.simulation->history.of<ConstraintBatch<C>>();
     ASSERT_EQ(impulses.size(), list.size());
     for (std::size_t i = 0; i < list.size(); ++i, ++count) {
       std::array<Vec4d, C::parameter_names.size()> parameters;

@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/contact_problem.hpp"
 #include "small_worlds.hpp"
+#include "step/contact_problem.hpp"
 
 namespace unibody::small_worlds {
 

@@ -47,9 +47,9 @@ TEST(Scale, ASmallSceneDoesWhatTheLargeOneDoes) {
       const std::string settings = "solver: {name: " + solver + "}\n";
       Experiment large(scene_from_text(text(1) + settings)), small(scene_from_text(text(s) + settings));
       const SolverSettings of_large = large.simulation->settings_used(), of_small = small.simulation->settings_used();
-      EXPECT_EQ(of_small.tolerance, s * of_large.tolerance);
-      EXPECT_EQ(of_small.margin, s * of_large.margin);
-      EXPECT_EQ(of_small.recovery_speed, t * of_large.recovery_speed);
+      EXPECT_EQ(of_small.tolerance, s * *of_large.tolerance);
+      EXPECT_EQ(of_small.margin, s * *of_large.margin);
+      EXPECT_EQ(of_small.recovery_speed, t * *of_large.recovery_speed);
       std::size_t most = 0;
       for (int k = 0; k < 150; ++k) {
         const StepReport a = large.step(), b = small.step();

@@ -165,8 +165,8 @@ TEST(Sliding, FrictionOpposesTheVelocity) {
         Experiment run(scene);
         for (int k = 0; k < 50; ++k) {
           run.step();
-          ASSERT_EQ(run.simulation->multipliers.points.size(), 1u);
-          const RememberedPoint& p = run.simulation->multipliers.points[0];
+          ASSERT_EQ(run.simulation->history.contacts().points.size(), 1u);
+          const RememberedPoint& p = run.simulation->history.contacts().points[0];
           EXPECT_NEAR(p.normal, g, 1e-9 * g);
           const Vec3 expected = -.3 * g * run.velocity(0).normalized();
           EXPECT_LT((p.tangential - expected).norm(), 1e-9 * g) << solver << " at " << degrees << " degrees, step " << k;

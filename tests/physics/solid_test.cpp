@@ -191,7 +191,7 @@ TEST(Solid, HardMaterialsConvergeOrSayThatTheyDidNot) {
       if (solver == "gauss_seidel") scene.solver.form = Form::total;  // the other by defaults
       Experiment run(std::move(scene));
       run.step();
-      converged = run.last.converged, tolerance = run.simulation->tolerance();
+      converged = run.last.converged, tolerance = run.simulation->settings_used().tolerance.value();
       return run.world().position;
     };
     bool converged = false;

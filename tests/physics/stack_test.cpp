@@ -65,7 +65,7 @@ double sag_sweeping_upwards(int iterations) {
     bench.build_sequential(order);
     bench.start({Stage::Kind::position, bench.step, 0, 0});
     for (int k = 0; k < iterations; ++k)
-      for (std::size_t m = 0; m < n; ++m) bench.system.contacts.relax(m, false, bench.system.bodies);
+      for (std::size_t m = 0; m < n; ++m) bench.system.contacts().relax(m, false, bench.system.bodies);
     for (std::size_t i = 0; i < 10; ++i)
       bench.world.set_state(i, finish_motion(bench.world.properties[i], bench.world.state(i), bench.system.bodies[i],
                                              Vec3::Zero(), bench.step, true));
@@ -262,7 +262,7 @@ Outcome heavy_on_light(const std::string& solver, int iterations, Stages stages,
     const double before = overlap;
     overlap = run.penetration();
     if (in_place && converged) {
-      EXPECT_LT(overlap, before + 3 * run.simulation->tolerance())
+      EXPECT_LT(overlap, before + 3 * run.simulation->settings_used().tolerance.value())
           << solver << ' ' << iterations << ", h " << step << ", ratio " << ratio << ", step " << k;
     }
     in_place = in_place && std::abs(run.position(1).z() - 1.5) < 0.01;

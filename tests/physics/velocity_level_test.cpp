@@ -317,7 +317,7 @@ TEST(VelocityLevel, MomentumOfAClosedSystem) {
     std::size_t touching = 0;
     for (int n = 0; n < 60; ++n) {
       run.step();
-      touching += run.simulation->multipliers.points.size();
+      touching += run.simulation->history.contacts().points.size();
     }
     EXPECT_GT(touching, 100u);
     EXPECT_LT((run.momentum() - p).norm(), 1e-12 * size) << solver;

@@ -1,12 +1,18 @@
-#include "report/checkpoint.hpp"
+#include "checkpoint/checkpoint.hpp"
 
 #include "core/errors.hpp"
-#include "report/by_id.hpp"
+#include "partition/by_id.hpp"
 #include "report/state_hash.hpp"
 #include "report_worlds.hpp"
 
 namespace unibody {
 namespace {
+
+History history_of(Multipliers multipliers) {
+  History history;
+  history.contacts() = std::move(multipliers);
+  return history;
+}
 
 using namespace testing_worlds;
 
@@ -73,7 +79,7 @@ void expect_equal(const Body& a, const Body& b) {
 }
 
 void write(MPI_Comm comm, const World& w, const std::string& path, std::int64_t frame = 17) {
-  write_checkpoint(comm, path, mark, frame, 0.1 * static_cast<double>(frame), bodies, w, multipliers(w));
+  write_checkpoint(comm, path, mark, frame, 0.1 * static_cast<double>(frame), bodies, {w}, history_of(multipliers(w)));
 }
 
 TEST(RanksCheckpoint, RoundTripAcrossPartitions) {
@@ -116,7 +122,7 @@ TEST(RanksCheckpoint, NoContactsAndFewBodies) {
   const Folder folder;
   const MPI_Comm comm = MPI_COMM_WORLD;
   const World w = world(comm, 2, [](Id) { return 0; });
-  write_checkpoint(comm, folder / "c", mark, 0, 0, 2, w, {});
+  write_checkpoint(comm, folder / "c", mark, 0, 0, 2, {w}, {});
   const Checkpoint checkpoint(comm, folder / "c", mark);
   EXPECT_EQ(checkpoint.read_bodies(0, 2).size(), 2u);
   EXPECT_TRUE(checkpoint.read_multipliers(w).manifolds.empty());
@@ -140,7 +146,7 @@ TEST(RanksCheckpoint, RefusesWhatItCannotContinue) {
   const MPI_Comm comm = MPI_COMM_WORLD;
   const World w = world(comm, bodies, [](Id) { return 0; });
   write(comm, w, folder / "good");
-  write_checkpoint(comm, folder / "other", fingerprint("scene "), 1, 0, bodies, w, {});
+  write_checkpoint(comm, folder / "other", fingerprint("scene "), 1, 0, bodies, {w}, {});
   if (rank_of(comm) == 0) {
     const std::string bytes = contents(folder / "good");
     put(folder / "half", bytes.substr(0, bytes.size() / 2));

@@ -1,7 +1,7 @@
 #include "report/output.hpp"
 
 #include "core/errors.hpp"
-#include "report/by_id.hpp"
+#include "partition/by_id.hpp"
 #include "report/state_hash.hpp"
 #include "report_worlds.hpp"
 

@@ -79,12 +79,12 @@ TEST(ReadScene, EverySolverKey) {
                                ball)
                                .solver;
   EXPECT_EQ(a.acceleration, Acceleration::automatic);
-  EXPECT_EQ(a.tolerance, -1);
-  EXPECT_EQ(a.velocity_share, -1);
-  EXPECT_EQ(a.leak, -1);
-  EXPECT_EQ(a.recovery_time, -1);
-  EXPECT_EQ(a.recovery_speed, -1);
-  EXPECT_EQ(a.margin, -1);
+  EXPECT_EQ(a.tolerance, std::nullopt);
+  EXPECT_EQ(a.velocity_share, std::nullopt);
+  EXPECT_EQ(a.leak, std::nullopt);
+  EXPECT_EQ(a.recovery_time, std::nullopt);
+  EXPECT_EQ(a.recovery_speed, std::nullopt);
+  EXPECT_EQ(a.margin, std::nullopt);
   EXPECT_EQ(a.level, Level::position);
   const SolverSettings v =
       scene_from("solver: {level: velocity, stabilisation: 0.3, warm_start: 1, iterations: 1}\n" + ball).solver;

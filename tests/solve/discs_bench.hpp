@@ -78,7 +78,7 @@ struct Discs : Bench {
 
   double sum_of_forces() const {
     std::vector<ContactBatch::Impulse> all(contacts.points.size());
-    system.contacts.get_impulses(all);
+    system.contacts().get_impulses(all);
     double sum = 0;
     for (const auto& i : all) sum += i.n / h;
     return sum;
@@ -86,16 +86,15 @@ struct Discs : Bench {
 
   // Errors of the applied state after k = 0..50 iterations of one solve of 50.
   std::vector<double> errors(SolveFunction solve) {
-    const Stage stage{Stage::Kind::position, h, 0, 0};
+    Stage stage{Stage::Kind::position, h, 0, 0};
+    stage.reevaluates = true;
     build_for_jacobi();
     start(stage);
     std::vector<double> list;
-    system.before_iteration = [&] {
-      list.push_back(error());
-      system.contacts.reevaluate(world, system.bodies, stage);
-    };
+    system.renews = true;
+    system.observer = [&] { list.push_back(error()); };
     system.acceleration = Acceleration::nesterov;  // of which the figures are
-    solve(system, cut, 50, 0);
+    solve(system, exchange, 50, 0);
     list.push_back(error());
     return list;
   }
@@ -117,8 +116,8 @@ struct Discs : Bench {
     std::vector<double> list{error()};
     for (int k = 0; k < 50; ++k) {
       for (std::size_t m = 0; m < order.size(); ++m) {
-        if (m == 0 || gaps == Gaps::each_contact) system.contacts.reevaluate(world, system.bodies, stage);
-        system.contacts.relax(m, false, system.bodies);
+        if (m == 0 || gaps == Gaps::each_contact) system.contacts().reevaluate(system.bodies);
+        system.contacts().relax(m, false, system.bodies);
       }
       list.push_back(error());
     }

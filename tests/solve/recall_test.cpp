@@ -1,5 +1,5 @@
 // Warm start: which old multipliers a contact point begins with.
-#include "solve/recall.hpp"
+#include "constraints/recall.hpp"
 
 #include <gtest/gtest.h>
 

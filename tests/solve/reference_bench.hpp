@@ -2,7 +2,6 @@
 #pragma once
 
 #include "collide/bodies.hpp"
-#include "constraints/constraint_batches.hpp"
 #include "small_worlds.hpp"
 #include "solve/reference.hpp"
 
@@ -54,7 +53,6 @@ inline double largest(const std::vector<Vec3>& a) { return largest_difference(a,
 // One step's solve by an iterative solver, that can be taken further.
 struct IterativeStep {
   Bench bench;
-  ConstraintBatches batches;
   const ConstraintSet& constraints;
   const Solver& solver;
 
@@ -67,11 +65,16 @@ struct IterativeStep {
     for_each_type(set, [&](auto type, const auto& list) {
       for (const auto& c : list) colours[type.value] = std::max(colours[type.value], c.colour + 1);
     });
-    batches.build(set, world, static_cast<Slot>(world.size()), solver.sweeps_by_colour, settings, colours);
+    bench.settings = settings;
+    BuildContext context = bench.context();
+    context.elements.constraints = &set, context.constraint_colours = colours, context.by_colour = solver.sweeps_by_colour;
     std::vector<std::int32_t> counts(world.size() + 1, 0);
-    batches.count(counts);
+    for_each_constraint_batch(bench.system.batches, [&]<class B>(auto, B& batch) {
+      batch.build(context);
+      B::count(context, counts);
+    });
     bench.system.acceleration = settings.acceleration;
-    bench.system.homes = world.homes, bench.system.step = h, bench.system.constraints = &batches;
+    bench.system.homes = world.homes, bench.system.step = h, bench.system.keeps_places = true;
     bench.system.places.resize(world.size() + 1, Vec4d{});
     for (std::size_t i = 0; i < world.size(); ++i) {
       const Vec3& x = world.position[i];
@@ -82,14 +85,14 @@ struct IterativeStep {
     predicted.assign(bench.system.bodies.begin(), bench.system.bodies.end());
   }
 
-  void iterate(int iterations) { solver.solve(bench.system, bench.cut, iterations, 0); }
+  void iterate(int iterations) { solver.solve(bench.system, bench.exchange, iterations, 0); }
 
   // v = v~ + W D lambda with D at the present places, instead of the impulses along the older directions in which they were
   // applied; of each body (slot) a share of the way, where shares are given.
   void reapply(const std::vector<double>& share = {}) {
     System& s = bench.system;
     const ConstraintMultipliers lambda = multipliers();
-    batches.add_impulses(s.start(), s.bodies, s.impulses);
+    for_each_constraint_batch(s.batches, [&](auto, auto& batch) { batch.add_impulses(s.start(), s.bodies, s.impulses); });
     for (std::size_t i = 0; i < s.homes; ++i) {
       const Vec4d impulse = s.impulses[i];
       s.impulses[i] = Vec4d{};
@@ -98,7 +101,7 @@ struct IterativeStep {
         s.bodies[i].v[k] += (share.empty() ? 1 : share[i]) * change;
       }
     }
-    batches.set_multipliers(lambda, 1);
+    set_multipliers(lambda);
   }
 
   // Of each slot d: h / m times the row sums, at most, of all |lambda d2c/dx2|: how far the turn of directions feeds back into
@@ -132,14 +135,22 @@ struct IterativeStep {
 
   ConstraintMultipliers multipliers() const {
     ConstraintMultipliers lambda;
-    batches.get_multipliers(lambda, constraints);
+    for_each_constraint_batch(bench.system.batches, [&](auto type, const auto& batch) {
+      auto& list = std::get<decltype(type)::value>(lambda);
+      list.resize(std::get<decltype(type)::value>(constraints).size());
+      batch.get_multipliers(list);
+    });
     return lambda;
+  }
+  void set_multipliers(const ConstraintMultipliers& lambda) {
+    for_each_constraint_batch(bench.system.batches,
+                              [&](auto type, auto& batch) { batch.set_multipliers(std::get<decltype(type)::value>(lambda), 1); });
   }
 
   // m, of all types
   double residual() const {
     double worst = 0;
-    for (const double r : batches.residuals(bench.system.start(), bench.system.bodies)) worst = std::max(worst, r);
+    for (const double r : residuals(bench.system)) worst = std::max(worst, r);
     return worst;
   }
   std::vector<Vec3> velocity() const {

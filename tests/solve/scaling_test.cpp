@@ -129,7 +129,7 @@ double rho_of_solid(double youngs_modulus, double share) {
   for (std::size_t j = 0; j < n; ++j) {
     ConstraintMultipliers lambda = step.multipliers();
     tetrahedra(lambda, set, [&](std::size_t row, double& value) { value = row == j ? unit : 0; });
-    step.batches.set_multipliers(lambda, 1);
+    step.set_multipliers(lambda);
     step.reapply();
     step.iterate(1);
     lambda = step.multipliers();

@@ -1,5 +1,5 @@
 // The error that a step tells of itself, against steps that converge, from the same state.
-#include "solve/step_error.hpp"
+#include "step/step_error.hpp"
 
 #include <gtest/gtest.h>
 
@@ -84,9 +84,9 @@ joints:
 Experiment from(Experiment& start, const std::string& text) {
   Experiment e(scene_from_text(text));
   Simulation &to = *e.simulation, &of = *start.simulation;
-  to.world = of.world, to.multipliers = of.multipliers, to.steps_done = of.steps_done;
+  to.world = of.world, to.steps_done = of.steps_done;
   to.make_constraints();
-  to.constraint_multipliers = of.constraint_multipliers, to.joint_impulses = of.joint_impulses;
+  to.history = of.history;
   return e;
 }
 

@@ -1,0 +1,98 @@
+#include "app/petsc_session.hpp"
+
+#include <petscvec.h>
+
+#include <array>
+#include <cstdio>
+
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
+#include "core/errors.hpp"
+
+namespace unibody {
+
+namespace {
+
+// Keeps what PETSc says of the first fault, in place of printing it with a list of calls.
+PetscErrorCode keep_message(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType type,
+                            const char* message, void* text) {
+  if (type == PETSC_ERROR_INITIAL && message != nullptr) *static_cast<std::string*>(text) = message;
+  return code;
+}
+
+// A ghosted vector of one number a rank with the next rank's number as its guest, made and updated as the halo does.
+class GhostTrial {
+ public:
+  explicit GhostTrial(MPI_Comm comm) : comm_(comm) {
+    check_mpi(MPI_Comm_rank(comm, &rank_)), check_mpi(MPI_Comm_size(comm, &ranks_));
+    next_ = (rank_ + 1) % ranks_, values_ = {static_cast<double>(rank_), -1};
+  }
+  PetscErrorCode make() {
+    return VecCreateGhostBlockWithArray(comm_, 1, 1, PETSC_DECIDE, ranks_ > 1 ? 1 : 0, &next_, values_.data(), &vec_);
+  }
+  PetscErrorCode update() {
+    PetscErrorCode code = VecGhostUpdateBegin(vec_, INSERT_VALUES, SCATTER_FORWARD);
+    if (code == 0) code = VecGhostUpdateEnd(vec_, INSERT_VALUES, SCATTER_FORWARD);
+    if (code == 0) code = VecDestroy(&vec_);
+    return code == 0 && ranks_ > 1 && values_[1] != static_cast<double>(next_) ? PETSC_ERR_PLIB : code;
+  }
+
+ private:
+  MPI_Comm comm_;
+  int rank_ = 0, ranks_ = 1;
+  PetscInt next_ = 0;
+  std::array<double, 2> values_{};
+  Vec vec_ = nullptr;
+};
+
+}  // namespace
+
+PetscSession::PetscSession(MPI_Comm comm, const std::vector<std::string>& options) : comm_(comm) {
+  words_ = {"unibody"};
+  words_.insert(words_.end(), options.begin(), options.end());
+  for (std::string& word : words_) argv_.push_back(word.data());
+  argv_.push_back(nullptr);
+  int argc = static_cast<int>(words_.size());
+  char** argv = argv_.data();
+  PetscBool runs = PETSC_FALSE;
+  check_petsc(PetscInitialized(&runs));
+  starts_ = runs == PETSC_FALSE;
+  const PetscErrorCode code =
+      starts_ ? PetscInitialize(&argc, &argv, nullptr, nullptr) : PetscOptionsInsert(nullptr, &argc, &argv, nullptr);
+  if (code != 0) throw InputError("PETSc does not take its options: see above");
+  try_options();
+}
+
+PetscSession::~PetscSession() {
+  if (starts_) check_petsc(PetscFinalize());
+}
+
+void PetscSession::try_options() const {
+  std::string options;
+  for (std::size_t k = 1; k < words_.size(); ++k) options += " " + words_[k];
+  GhostTrial trial(comm_);
+  for (const auto part : {&GhostTrial::make, &GhostTrial::update}) {
+    std::string message;
+    check_petsc(PetscPushErrorHandler(keep_message, &message));
+    const PetscErrorCode code = (trial.*part)();
+    check_petsc(PetscPopErrorHandler());
+    const char* general = nullptr;
+    if (message.empty() && PetscErrorMessage(code, &general, nullptr) == 0 && general != nullptr) message = general;
+    const std::string fault =
+        first_fault(comm_, code == 0 ? "" : "PETSc does not work with its options" + options + ": " + message);
+    if (!fault.empty()) throw InputError(fault);
+  }
+}
+
+void PetscSession::name_unused_options() const {
+  PetscInt count = 0;
+  char **names = nullptr, **values = nullptr;
+  check_petsc(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(comm_, &rank));
+  for (PetscInt k = 0; k < count && rank == 0; ++k)
+    std::fprintf(stderr, "unibody: PETSc made no use of its option -%s: is it spelled right?\n", names[k]);
+  check_petsc(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+}
+
+}  // namespace unibody

@@ -1,0 +1,142 @@
+#include "app/restart.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <sstream>
+
+#include "checkpoint/checkpoint.hpp"
+#include "core/agreement.hpp"
+#include "core/checked.hpp"
+#include "core/errors.hpp"
+#include "step/build.hpp"
+
+namespace unibody {
+
+namespace {
+
+// How the bodies are moved: steps and solver. With -start_from it may differ from that of the checkpoint's run.
+std::string settings_of(const Scene& scene) {
+  std::ostringstream text;
+  text.precision(17);
+  const SolverSettings& s = scene.solver;
+  text << scene.time.step << ' ' << scene.time.substeps << ' ' << s.name << ' ' << s.iterations << ' ' << s.tolerance.value_or(-1)
+       << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start.value_or(-1) << ' ' << s.velocity_share.value_or(-1) << ' '
+       << s.leak.value_or(-1) << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' '
+       << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time.value_or(-1)
+       << ' ' << s.recovery_speed.value_or(-1) << ' ' << s.margin.value_or(-1) << '\n';
+  if (s.acceleration != Acceleration::automatic) text << "acceleration " << static_cast<int>(s.acceleration) << '\n';
+  if (s.mass_sharing != MassSharing::directions) text << "mass sharing " << static_cast<int>(s.mass_sharing) << '\n';
+  if (s.joints == JointSolve::direct) text << "trees\n";
+  if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
+  return text.str();
+}
+
+// A body at the start: a checkpoint holds all of it, so that another one in the scene would be of no effect.
+void add_body(const Body& body, std::ostringstream& text) {
+  const BodyProperties& p = body.properties;
+  const BodyState& s = body.state;
+  text << static_cast<int>(p.shape.kind) << ' ' << p.shape.data << ' ' << static_cast<int>(p.motion) << ' ' << p.material << ' '
+       << p.mass;
+  for (const Vec3& v : {p.shape.size, p.inertia, p.force, p.torque, s.position, s.velocity, s.angular_velocity})
+    text << ' ' << v.transpose();
+  text << ' ' << s.orientation.coeffs().transpose() << '\n';
+}
+
+// What is moved.
+std::string physics_of(const Scene& scene) {
+  std::ostringstream text;
+  text.precision(17);
+  text << scene.gravity.transpose() << ' ' << scene.planar << '\n';
+  for (const std::string& material : scene.materials) text << material << ' ';
+  for (const double mu : scene.friction) text << mu << ' ';
+  for (const auto& [what, values] :
+       {std::pair("bounce", &scene.restitution), {"roll", &scene.rolling}, {"spin", &scene.spinning}})
+    if (has_any(*values))
+      for (const double value : *values) text << what << ' ' << value << '\n';
+  for (const BodyGroup& group : scene.groups) {
+    text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
+    for (const Id k : {Id{0}, group.count / 2, group.count - 1}) add_body(group.make(k), text);
+  }
+  text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
+  for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
+  for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
+  for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
+  for (const Joint& j : scene.joints) {
+    text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
+         << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' ' << j.swing << ' '
+         << static_cast<int>(j.motor) << ' ' << j.target << ' ' << j.strength << ' ' << j.friction;
+    for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
+    text << '\n';
+  }
+  for (const ConstraintGroup& group : scene.constraint_groups)  // all of a group follow one law: two bodies show it
+    for (const Id id : {group.first, group.first + group.count / 2}) {
+      ConstraintSet constraints;
+      group.touching(id, constraints);
+      for_each_type(constraints, [&](auto, const auto& list) {
+        for (const auto& c : list) {
+          for (const Id i : c.ids) text << i << ' ';
+          for (const double p : c.parameters) text << p << ' ';
+          for (const double e : c.compliance) text << e << ' ';
+          text << c.damping << '\n';
+        }
+      });
+    }
+  return text.str();
+}
+
+// What a body is does not change in a run: the file must say what the scene does. Its reals may have come from another machine's
+// sines and roots.
+void check_same_body(const std::string& path, const Body& body, const Body& of_scene, std::span<const Pin> pins) {
+  const BodyProperties &p = body.properties, &q = of_scene.properties;
+  const auto near = [](const Vec3& a, const Vec3& b) { return (a - b).norm() <= 1e-9 * (a.norm() + b.norm()); };
+  const char* other = nullptr;
+  if (p.shape.kind != q.shape.kind || p.shape.data != q.shape.data || !near(p.shape.size, q.shape.size)) other = "shape";
+  const auto pin = std::lower_bound(pins.begin(), pins.end(), body.id, [](const Pin& a, Id id) { return a.id < id; });
+  const bool is_held = p.motion == Motion::pinned && q.is_dynamic() && pin != pins.end() && pin->id == body.id;  // for now
+  if (p.motion != q.motion && !is_held) other = "motion";
+  if (p.material != q.material) other = "material";
+  if (p.group != q.group) other = "group";
+  if (!near(p.force, q.force) || !near(p.torque, q.torque)) other = "force or torque";
+  if (q.is_dynamic() && (std::abs(p.mass - q.mass) > 1e-9 * q.mass || !near(p.inertia, q.inertia))) other = "mass or inertia";
+  if (other != nullptr)
+    throw InputError("'" + path + "' is damaged: body " + std::to_string(body.id) + " has another " + other +
+                     " than in the scene");
+}
+
+}  // namespace
+
+std::string mark_of(const Scene& scene, bool with_settings) {
+  return fingerprint(physics_of(scene)) + (with_settings ? fingerprint(settings_of(scene)) : "");
+}
+
+std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, Simulation& simulation) {
+  const Checkpoint checkpoint(comm, options.restart, mark_of(scene, !options.other_settings));
+  if (checkpoint.body_count() != scene.body_count())
+    throw InputError("'" + options.restart + "' is damaged: found " + std::to_string(checkpoint.body_count()) +
+                     " bodies, expected the scene's " + std::to_string(scene.body_count()));
+  int rank = 0, size = 1;
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  check_mpi(MPI_Comm_size(comm, &size));
+  const Id begin = checkpoint.body_count() * rank / size, end = checkpoint.body_count() * (rank + 1) / size;
+  std::vector<Body> homes, statics;
+  agree<InputError>(comm, "", [&] {
+    for (const BodyGroup& group : scene.groups) {
+      const Id first = group.is_static ? group.first : std::max(group.first, begin);
+      const Id last = group.is_static ? group.first + group.count : std::min(group.first + group.count, end);
+      if (first >= last) continue;
+      auto& to = group.is_static ? statics : homes;
+      for (const Body& body : checkpoint.read_bodies(first, last)) {
+        check_same_body(options.restart, body, group.make(body.id - group.first), scene.pins);
+        to.push_back(body);
+      }
+    }
+  });
+  simulation.world = make_world(homes, statics, scene.has_rotations());
+  simulation.history.contacts() = checkpoint.read_multipliers(simulation.world);
+  simulation.make_constraints();
+  agree<InputError>(comm, "", [&] { checkpoint.read_histories(simulation.elements(), simulation.history); });
+  return checkpoint.frame();
+}
+
+}  // namespace unibody

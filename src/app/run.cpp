@@ -1,0 +1,400 @@
+#include "app/run.hpp"
+
+#include <petscsys.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <iterator>
+#include <new>
+#include <optional>
+
+#include "app/bad_body.hpp"
+#include "app/petsc_session.hpp"
+#include "app/restart.hpp"
+#include "checkpoint/checkpoint.hpp"
+#include "core/checked.hpp"
+#include "core/errors.hpp"
+#include "core/memory.hpp"
+#include "core/phases.hpp"
+#include "partition/balance.hpp"
+#include "report/elastic_energy.hpp"
+#include "report/fclib_file.hpp"
+#include "report/folder_lock.hpp"
+#include "report/joint_report.hpp"
+#include "report/output.hpp"
+#include "report/progress.hpp"
+#include "report/report.hpp"
+#include "report/state_hash.hpp"
+#include "report/strain.hpp"
+#include "report/summary.hpp"
+#include "report/surface_report.hpp"
+#include "step/build.hpp"
+#include "step/simulation.hpp"
+#include "step/step_parts.hpp"
+
+namespace unibody {
+
+namespace {
+
+// Where the wall time of a frame went, the slowest rank's figure for each phase.
+class FrameTimes {
+ public:
+  FrameTimes(MPI_Comm comm, const PhaseClock& clock) : comm_(comm), clock_(clock), before_(clock.seconds()) {
+    for (std::size_t i = 0; i < phases.size(); ++i) phases[i].name = phase_names[i];
+  }
+  void frame_done(FrameReport& report) {
+    std::array<double, phase_names.size()> spent = clock_.seconds();
+    for (std::size_t i = 0; i < spent.size(); ++i) spent[i] -= before_[i];
+    before_ = clock_.seconds();
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_));
+    for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
+    const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
+    report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
+    report.wall_halo = of(Phase::halo), report.wall_output = of(Phase::output);
+  }
+  std::vector<PhaseTimes> phases = std::vector<PhaseTimes>(phase_names.size());
+
+ private:
+  MPI_Comm comm_;
+  const PhaseClock& clock_;
+  std::array<double, phase_names.size()> before_;
+};
+
+// The columns of -error_estimate; without a step that was asked for it, empty cells.
+void add_error_columns(const StepReport& step, std::vector<NamedValue>& columns) {
+  const StepError error = step.error.value_or(StepError{});
+  const bool known = step.error.has_value();
+  columns.push_back({"error_estimate (m)", error.distance, known});
+  columns.push_back({"error_relative (1)", error.relative, known});
+  columns.push_back({"error_reference_residual (m)", error.reference_residual, known});
+}
+
+// Throws InputError where the scene or its solver cannot do what an option asks for.
+void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std::int64_t first_frame) {
+  if (options.error_estimate > 0 && scene.solver.name == "newton")
+    throw InputError("option -error_estimate: found solver.name newton, expected an iterative solver (newton converges)");
+  if (options.dump_fclib.empty()) return;
+  if (!scene.constraint_groups.empty() || !scene.attachments.empty() || !scene.joints.empty())
+    throw InputError("option -dump_fclib: found joints, cloths, threads or solids in " + scene.path +
+                     ", expected rigid bodies that touch, alone");
+  if (has_any(scene.rolling) || has_any(scene.spinning))
+    throw InputError("option -dump_fclib: found rolling or spinning friction in " + scene.path + ", expected none");
+  if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
+  if (first_frame >= scene.time.frames)
+    throw InputError("option -dump_fclib: the run starts with its last frame, " + std::to_string(first_frame) +
+                     ": there is no step to write, expected more time.frames");
+  if (options.dump_step > scene.time.frames || (options.dump_step >= 0 && options.dump_step <= first_frame))
+    throw InputError("option -dump_step: found " + std::to_string(options.dump_step) + ", expected a frame of the run, " +
+                     std::to_string(first_frame + 1) + " to " + std::to_string(scene.time.frames));
+  check_fclib_path(comm, options.dump_fclib, options.overwrite);
+}
+
+// Whether there was anything to write.
+bool dump_problem(MPI_Comm comm, const Scene& scene, const Options& options, std::int64_t frame, const ContactProblem& problem) {
+  int contacts = static_cast<int>(problem.contacts.size());
+  check_mpi(MPI_Bcast(&contacts, 1, MPI_INT, 0, comm));
+  if (contacts == 0) {
+    int rank = 0;
+    check_mpi(MPI_Comm_rank(comm, &rank));
+    if (rank == 0)
+      std::fprintf(stderr, "unibody: -dump_fclib: frame %lld has no contacts: no file\n", static_cast<long long>(frame));
+    return false;
+  }
+  const std::string text = "Unibody, last step of frame " + std::to_string(frame) + " of " + scene.path;
+  write_fclib(comm, options.dump_fclib, problem, scene.title, text);
+  return true;
+}
+
+// The global vectors hold four numbers a body at most, which PETSc counts as PetscInt.
+void check_petsc_counts(const Scene& scene) {
+  constexpr Id most = PETSC_MAX_INT / 4;
+  if (scene.body_count() > most)
+    throw InputError(scene.path + ": found " + std::to_string(scene.body_count()) + " bodies, expected at most " +
+                     std::to_string(most) + ": this PETSc counts with " + std::to_string(8 * sizeof(PetscInt)) +
+                     " bits (one that was built with --with-64-bit-indices counts further)");
+}
+
+// A run, from the scene to its last frame. All members are collective.
+class Run {
+ public:
+  Run(MPI_Comm comm, const Scene& scene, const Options& options)
+      : comm_(comm),
+        scene_(scene),
+        options_(options),
+        simulation_(comm, scene, clock_, options.shared_memory),
+        balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups),
+        times_(comm, clock_) {
+    check_mpi(MPI_Comm_rank(comm, &rank_));
+  }
+
+  // Returns the hash of the last state.
+  std::uint64_t simulate() {
+    start_world();
+    check_wishes(comm_, scene_, options_, summary_.first_frame);
+    const FolderLock lock(comm_, options_.output);
+    prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart);
+    simulation_.detect();  // guests are there
+    warn_of_crowds(summary_.first_frame);
+    open_files();
+    write(summary_.first_frame);
+    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies,
+                      *simulation_.settings_used().tolerance);
+    for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
+      rebalance();
+      FrameReport report = do_frame(frame);
+      stop_if_not_finite(comm_, report);
+      write(frame);
+      dump(frame);
+      times_.frame_done(report);
+      report_file_->append(report);
+      progress.frame_done(report);
+      summary_.add(report);
+    }
+    finish();
+    return summary_.state_hash;
+  }
+
+ private:
+  void start_world();
+  void rebalance();
+  FrameReport do_frame(std::int64_t frame);
+  std::vector<NamedValue> further_columns(const StepReport& step, std::int64_t held, const FrameReport& report);
+  void open_files();
+  void write(std::int64_t frame);
+  void dump(std::int64_t frame);
+  void finish();
+
+  // Once: nobody means it.
+  void warn_of_crowds(std::int64_t frame) {
+    if (!simulation_.is_crowded() || warned_of_crowds_) return;
+    warned_of_crowds_ = true;
+    const CrowdCount count = count_crowds(simulation_);
+    if (rank_ != 0) return;
+    std::fprintf(
+        stderr,
+        "unibody: frame %lld: %lld bodies are where there is room for a few, up to %lld at one place, among them body %lld "
+        "(%s): until they are apart each touches some of the others only\n",
+        static_cast<long long>(frame), static_cast<long long>(count.bodies), static_cast<long long>(count.most),
+        static_cast<long long>(count.one), scene_.body_name(count.one).c_str());
+  }
+
+  bool wants_error(std::int64_t frame) const {
+    const int every = options_.error_estimate;
+    return every > 0 && (frame % every == 0 || frame == scene_.time.frames);
+  }
+
+  // Of the frame whose last step is to be written as a problem; -1: none.
+  std::int64_t dumped_frame() const {
+    if (options_.dump_fclib.empty()) return -1;
+    return options_.dump_step >= 0 ? options_.dump_step : scene_.time.frames;
+  }
+
+  MPI_Comm comm_;
+  int rank_ = 0;
+  const double start_ = MPI_Wtime();
+  const Scene& scene_;
+  const Options& options_;
+  PhaseClock clock_;
+  Simulation simulation_;
+  Balance balance_;
+  FrameTimes times_;
+  Summary summary_;
+  std::optional<ReportFile> report_file_;
+  std::optional<Output> frames_;
+  std::optional<JointFiles> joint_files_;
+  ContactProblem problem_;
+  bool dumped_ = false, warned_of_crowds_ = false;
+};
+
+void Run::start_world() {
+  if (options_.restart.empty())
+    simulation_.world = build_world(comm_, scene_);
+  else
+    summary_.first_frame = restore(comm_, scene_, options_, simulation_);
+  simulation_.steps_done = summary_.first_frame * scene_.time.substeps;
+  if (summary_.first_frame > scene_.time.frames)
+    throw InputError("'" + options_.restart + "' is of frame " + std::to_string(summary_.first_frame) +
+                     ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
+  simulation_.resolve_automatic_settings();
+  if (options_.restart.empty()) simulation_.make_constraints();
+  simulation_.move_homes(balance_.homes(parts_of(simulation_)));
+  for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
+}
+
+void Run::rebalance() {
+  if (!balance_.due()) return;
+  simulation_.move_homes(balance_.homes(parts_of(simulation_)));
+  balance_.changed();
+}
+
+FrameReport Run::do_frame(std::int64_t frame) {
+  FrameReport report;
+  report.step = frame, report.time = static_cast<double>(frame) * scene_.time.step;
+  report.converged = true;
+  StepReport last;
+  std::int64_t held = 0;
+  for (int s = 0; s < scene_.time.substeps; ++s) {
+    const bool last_step = s + 1 == scene_.time.substeps;
+    const StepRequest request{last_step && wants_error(frame), last_step && frame == dumped_frame() ? &problem_ : nullptr};
+    const StepReport step = last = simulation_.step(request);
+    stop_if_not_finite(comm_, scene_, simulation_, frame, s);  // before anything looks for contacts among such bodies
+    held += step.held;
+    report.iterations += step.iterations, report.sliding_contacts = step.sliding;
+    report.natural_residual = std::max(report.natural_residual, step.residual);
+    report.converged &= step.converged, report.form_left += step.form_left;
+  }
+  simulation_.detect();
+  warn_of_crowds(frame);
+  report.error = last.error;
+  report.measures =
+      measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));
+  if (!scene_.constraint_groups.empty())
+    report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
+  report.constraint_columns = further_columns(last, held, report);
+  report.imbalance = balance_.imbalance(parts_of(simulation_));
+  return report;
+}
+
+// What a scene's types of bodies and constraints have to tell beside the columns of all scenes.
+std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_t held, const FrameReport& report) {
+  const World& world = simulation_.world;
+  auto columns = constraint_columns(comm_, scene_, world, simulation_.constraints, step.constraint_residuals());
+  const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
+  add(strain_columns(comm_, scene_, world, simulation_.constraints));
+  if (!scene_.constraint_groups.empty()) columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
+  if (scene_.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
+  add(joint_columns(comm_, scene_.joints.size(), simulation_.joint_slots, simulation_.joint_states(),
+                    step.residual_of<JointBatch>()));
+  if (simulation_.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
+  if (options_.error_estimate > 0) add_error_columns(step, columns);
+  if (!simulation_.has_surfaces()) return columns;
+  columns.push_back({"held_pairs (1)", static_cast<double>(held)});
+  if (!scene_.output.crossings) return columns;
+  const PhaseClock::Scope scope(clock_, Phase::output);
+  columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm_, world, simulation_.surfaces))});
+  return columns;
+}
+
+void Run::open_files() {
+  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, 0, {}));
+  if (scene_.output.every > 0)
+    frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces);
+  if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints);
+}
+
+void Run::write(std::int64_t frame) {
+  const PhaseClock::Scope scope(clock_, Phase::output);
+  const double time = static_cast<double>(frame) * scene_.time.step;
+  if (frames_ && frame % scene_.output.every == 0) frames_->write(frame, time, simulation_.world);
+  if (joint_files_ && frame % std::max(1, scene_.output.every) == 0)
+    joint_files_->write(frame, time, simulation_.joints, simulation_.joint_slots, simulation_.joint_states());
+  const int every = scene_.output.checkpoint_every;
+  const bool in_turn = every > 0 && frame % every == 0 && frame > summary_.first_frame;
+  if (every >= 0 && (in_turn || frame == scene_.time.frames))
+    write_checkpoint(comm_, options_.output + "/checkpoint.h5", mark_of(scene_), frame, time, scene_.body_count(),
+                     simulation_.elements(), simulation_.history);
+}
+
+void Run::dump(std::int64_t frame) {
+  if (frame == dumped_frame()) dumped_ = dump_problem(comm_, scene_, options_, frame, std::exchange(problem_, {}));
+}
+
+void Run::finish() {
+  report_file_->close();
+  if (frames_) frames_->close();
+  if (joint_files_) joint_files_->close();
+  summary_.state_hash = state_hash(comm_, simulation_.world);
+  summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
+  summary_.restarted_from = options_.restart;
+  summary_.last_frame = scene_.time.frames;
+  summary_.wall_total = MPI_Wtime() - start_;
+  summary_.phases = times_.phases;
+  summary_.files = {"report.csv"};
+  if (frames_) summary_.files.insert(summary_.files.end(), {"frames.h5", "frames.xdmf"});
+  if (joint_files_) summary_.files.insert(summary_.files.end(), {"joints.csv", "joints.h5"});
+  if (scene_.output.checkpoint_every >= 0) summary_.files.push_back("checkpoint.h5");
+  if (dumped_) summary_.files.push_back(options_.dump_fclib);
+  summary_.files.push_back("summary.json");
+  write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
+  if (rank_ != 0) return;
+  if (summary_.unconverged > 0 && *summary_.solver.tolerance == 0)  // so that its iterations never stop early
+    std::printf("tolerance 0: all iterations were made; the worst natural residual is %.2e m (frame %lld)\n",
+                summary_.worst_residual, static_cast<long long>(summary_.worst_frame));
+  else if (summary_.unconverged > 0)
+    std::printf("not converged: %lld of %lld frames, the worst by %.2e m (frame %lld)\n",
+                static_cast<long long>(summary_.unconverged), static_cast<long long>(summary_.frames()), summary_.worst_residual,
+                static_cast<long long>(summary_.worst_frame));
+  if (const ErrorSamples& e = summary_.errors; e.count > 0)
+    std::printf("error of a step, estimated in %lld frames: at worst %.2e m (frame %lld), in the last %.2e m (frame %lld)\n",
+                static_cast<long long>(e.count), e.worst.distance, static_cast<long long>(e.worst_frame), e.last.distance,
+                static_cast<long long>(e.last_frame));
+  if (summary_.form_left > 0)
+    std::printf("form: %lld of %lld steps were taken in the incremental form, edges moved too far in them for the total one\n",
+                static_cast<long long>(summary_.form_left), static_cast<long long>(summary_.frames() * scene_.time.substeps));
+  std::printf("wrote in %s:", options_.output.c_str());
+  for (const std::string& file : summary_.files) std::printf(" %s", file.c_str());
+  std::printf("\n");
+}
+
+// The memory of each machine shared among its ranks; the least share counts, as all ranks make as many bodies.
+Room room_of(MPI_Comm comm) {
+  MPI_Comm machine = MPI_COMM_NULL;
+  check_mpi(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
+  Room room;
+  int neighbours = 1;
+  check_mpi(MPI_Comm_size(machine, &neighbours));
+  check_mpi(MPI_Comm_free(&machine));
+  check_mpi(MPI_Comm_size(comm, &room.ranks));
+  room.bytes = std::min(bytes_of_machine() / neighbours, bytes_of_process());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &room.bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
+  return room;
+}
+
+// Where memory runs out on one rank, the others must not wait for it: it ends the run where it stands, without unwinding, since
+// much of what would be freed is freed by all ranks together.
+long long bodies_in_scene = 0;
+void out_of_memory() {
+  int rank = 0, size = 1;
+  check_mpi(MPI_Comm_rank(MPI_COMM_WORLD, &rank));
+  check_mpi(MPI_Comm_size(MPI_COMM_WORLD, &size));
+  std::fprintf(stderr,
+               "unibody: rank %d: out of memory, with %lld bodies on %d rank%s: fewer bodies or more machines are needed\n", rank,
+               bodies_in_scene, size, size == 1 ? "" : "s");
+  MPI_Abort(MPI_COMM_WORLD, 3);
+}
+
+}  // namespace
+
+int run(MPI_Comm comm, const Options& options) {
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  if (options.help) {
+    if (rank == 0) std::fputs(help_text().c_str(), stdout);
+    return 0;
+  }
+  std::set_new_handler(out_of_memory);
+  const Scene scene = read_scene(options.scene, options.overrides, room_of(comm));
+  bodies_in_scene = scene.body_count();
+  int size = 1;
+  check_mpi(MPI_Comm_size(comm, &size));
+  if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential && size > 1)
+    throw InputError(scene.path + ": key 'solver.order': found sequential on " + std::to_string(size) +
+                     " ranks, expected coloured (a sequential sweep runs on one rank only)");
+  if (scene.solver.name == "newton" && size > 1)
+    throw InputError(scene.path + ": key 'solver.name': found newton on " + std::to_string(size) +
+                     " ranks, expected an iterative solver (newton runs on one rank only)");
+  if (rank == 0)
+    for (const std::string& note : scene.notes) std::printf("%s\n", note.c_str());
+  std::uint64_t hash = 0;
+  {
+    const PetscSession petsc(comm, options.petsc);
+    check_petsc_counts(scene);
+    hash = Run(comm, scene, options).simulate();
+    petsc.name_unused_options();
+  }
+  if (rank == 0) std::printf("state %016llx\n", static_cast<unsigned long long>(hash));
+  return 0;
+}
+
+}  // namespace unibody

@@ -1,0 +1,117 @@
+// ContactBatch: where the multipliers start, what is kept of them between the stages, and what is remembered at the end.
+
+#include <algorithm>
+#include <array>
+
+#include "collide/surfaces.hpp"
+#include "constraints/contact_batch.hpp"
+#include "constraints/contact_for_each.hpp"
+#include "constraints/recall.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+void ContactBatch::set_impulses(std::span<const Impulse> impulses) {
+  for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    const Impulse impulse = impulses.empty() ? Impulse{0, 0, 0} : impulses[contact];
+    normals[p].lambda[l] = impulse.n;
+    if (t != no_tangent) tangent_impulses[t].lambda_s[l] = impulse.s, tangent_impulses[t].lambda_t[l] = impulse.t;
+  });
+  start_momenta();
+}
+
+void ContactBatch::start_momenta() {
+  for (std::size_t p = 0; p < normal_momenta.size(); ++p) normal_momenta[p].y = normals[p].lambda;
+  for (std::size_t t = 0; t < tangent_momenta.size(); ++t)
+    tangent_momenta[t].y_s = tangent_impulses[t].lambda_s, tangent_momenta[t].y_t = tangent_impulses[t].lambda_t;
+}
+
+// Where tetrahedra start cold, what touches them must as well: an impact on stiff material, far from converged, goes through few
+// nodes; a share of its force with nothing against it would throw them further than an edge is long.
+void ContactBatch::forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const {
+  const auto is_solid = [&](Slot s) { return surfaces.is_node(s) && surfaces.is_closed(surfaces.surface_of(s)); };
+  for (const Manifold& m : contacts_->manifolds)
+    if (is_solid(m.slot_a) || is_solid(m.slot_b)) std::fill_n(start.begin() + m.first, m.count, Impulse{0, 0, 0});
+}
+
+void ContactBatch::start_from(const Multipliers& history, const WarmStart& warm) {
+  if (warm.contacts_share <= 0) return set_impulses({});
+  std::pmr::vector<Impulse> start(contacts_->points.size(), places_.get_allocator());
+  recall(history, *world_, *contacts_, warm.contacts_share * step_, start);
+  if (warm.cold_solids != nullptr) forget_solids(*warm.cold_solids, start);
+  set_impulses(start);
+}
+
+ContactBatch::Impulse ContactBatch::row(std::size_t l, std::size_t p, std::size_t t) const {
+  if (t == no_tangent) return {normals[p].lambda[l], 0, 0};
+  return {normals[p].lambda[l], tangent_impulses[t].lambda_s[l], tangent_impulses[t].lambda_t[l]};
+}
+
+void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
+  for_each_row(
+      [&](std::size_t, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
+}
+
+void ContactBatch::keep_impulses(bool joint) {
+  kept_impulses_.resize(contacts_->points.size());
+  get_impulses(kept_impulses_);
+  kept_ = joint ? Kept::joint : Kept::apart;
+  if (joint) return start_momenta();
+  for (Normal& n : normals) n.lambda = broadcast(0);
+  for (TangentImpulse& t : tangent_impulses) t.lambda_s = t.lambda_t = broadcast(0);
+  start_momenta();
+}
+
+void ContactBatch::join_stages() {
+  const std::vector<Impulse> total = total_impulses();
+  kept_ = Kept::joint;
+  set_impulses(total);
+}
+
+std::vector<ContactBatch::Impulse> ContactBatch::total_impulses() const {
+  std::vector<Impulse> total(contacts_->points.size());
+  get_impulses(total);
+  for (std::size_t k = 0; k < total.size() && kept_ == Kept::apart; ++k) {
+    const Impulse& before = kept_impulses_[k];
+    total[k].n += before.n, total[k].s += before.s, total[k].t += before.t;
+  }
+  return total;
+}
+
+void ContactBatch::normal_impulses(std::span<double> normal) const {
+  for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
+    normal[contact] = normals[p].lambda[l] + (kept_ == Kept::apart ? kept_impulses_[contact].n : 0);
+  });
+}
+
+std::int64_t ContactBatch::sliding() const {
+  std::int64_t count = 0;
+  for_each_row([&](std::size_t m, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    if (t == no_tangent || !counted_[m]) return;
+    const Impulse before = kept_ == Kept::apart ? kept_impulses_[contact] : Impulse{0, 0, 0}, now = row(l, p, t);
+    const double limit = 0.999 * contacts_->manifolds[m].friction * (before.n + now.n), s = before.s + now.s,
+                 f = before.t + now.t;
+    count += limit > 0 && s * s + f * f >= limit * limit;
+  });
+  return count;
+}
+
+void ContactBatch::remember(Multipliers& history, double leak) const {
+  start_remembering(history, *contacts_);
+  std::array<Impulse, most_points> of_manifold;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Manifold& m = contacts_->manifolds[i];
+    const Rows& rows = rows_[places_[i] / lanes];
+    for (std::uint32_t p = 0; p < m.count; ++p) {
+      const std::size_t tangent = rows.first_tangent < 0 ? no_tangent : static_cast<std::size_t>(rows.first_tangent) + p;
+      Impulse& impulse = of_manifold[p] = row(places_[i] % lanes, rows.first_point + p, tangent);
+      if (kept_ == Kept::nothing) continue;
+      const Impulse old = kept_impulses_[m.first + p], now = impulse;
+      const auto mix = [&](double x, double y) { return x + leak * (kept_ == Kept::apart ? y : y - x); };
+      impulse = {mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
+    }
+    remember_manifold(history, *world_, *contacts_, m, std::span(of_manifold).first(m.count), step_);
+  }
+}
+
+}  // namespace unibody

@@ -1,0 +1,27 @@
+// Assembling a step: the predicted velocities, and the batches of all constraints over them.
+#pragma once
+
+#include <vector>
+
+#include "step/rank_state.hpp"
+
+namespace unibody {
+
+// What batches are built from, as a rank has it now. The state and the system must outlive it.
+BuildContext build_context(const RankState& state, const System& system);
+
+// v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits. What the air
+// does comes on top, for homes alone; assemble() tells the guests.
+void predict(const RankState& state, System& system);
+
+// Lays out this step's constraints: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow
+// it. turning: see steadying.hpp; empty: no joints. Collective.
+void assemble(RankState& state, System& system, std::span<double> turning);
+
+// What the plan needs to know of the step. After the warm start's multipliers of the constraints have been set. Collective.
+StepFacts facts_of(const RankState& state, System& system);
+
+// q = q_l (+) h v for home bodies, and for kinematic ones on every rank.
+void finalise(RankState& state, const System& system);
+
+}  // namespace unibody

@@ -1,0 +1,108 @@
+#include "step/detect.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <limits>
+
+#include "collide/crowds.hpp"
+#include "core/checked.hpp"
+#include "step/assemble.hpp"
+#include "step/attach.hpp"
+#include "step/build.hpp"
+
+namespace unibody {
+
+void make_constraints(RankState& state) {
+  state.constraints = build_constraints(state.scene, state.world);
+  for_each_type(state.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+    state.history.of<ConstraintBatch<C>>().assign(list.size(), {});
+  });
+  state.joints = joints_here(state.scene.joints, state.world);
+  state.history.joints().assign(state.joints.size(), {});
+  std::vector<Id> wanted = partners(state.world, state.constraints);
+  const auto add = [&](const std::vector<Id>& more) {
+    std::vector<Id> both;
+    std::set_union(wanted.begin(), wanted.end(), more.begin(), more.end(), std::back_inserter(both));
+    wanted = std::move(both);
+  };
+  if (state.needs_surfaces()) add(state.surfaces.partners(state.world));
+  if (state.traits.has_attachments) add(partners(state.world, state.scene.attachments));
+  if (state.traits.has_joints) add(partners(state.scene.joints, state.joints, state.world));
+  state.halo.reset(state.world, wanted);
+  state.colours = {};
+  for_each_type(state.constraints, [&](auto type, const auto& list) {
+    for (const auto& c : list) state.colours[type.value] = std::max(state.colours[type.value], c.colour + 1);
+  });
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, state.colours.data(), static_cast<int>(state.colours.size()), MPI_INT32_T, MPI_MAX,
+                          state.comm()));
+  SceneTraits& traits = state.traits;
+  traits.has_centre_constraints = std::ranges::any_of(state.colours, [](std::int32_t n) { return n > 0; });
+  traits.only_links = true;
+  for_each_type(state.constraints, [&]<class C>(auto type, const ConstraintList<C>&) {
+    traits.only_links = traits.only_links && (is_link<C> || state.colours[type.value] == 0);
+  });
+}
+
+void refresh_guests(RankState& state) {
+  const PhaseClock::Scope scope(state.clock, Phase::halo);
+  hold_pinned(state.scene, state.world, state.time(), state.step());  // homes, so that their guests learn it
+  state.collide_settings.has_past = state.steps_done > 0;
+  if (state.is_alone() && !state.needs_surfaces())
+    state.halo.refresh_partners(state.world);
+  else
+    state.halo.refresh_guests(state.world, state.collide_settings, state.needs_surfaces() ? &state.surfaces : nullptr);
+  hold_pinned(state.scene, state.world, state.time(), state.step());  // guests: a refresh brings states only
+}
+
+void build_lasting(RankState& state, System& system) {
+  if (state.traits.has_joints)
+    state.joint_slots = joint_slots(state.scene.joints, state.joints, state.world, static_cast<Slot>(state.world.size()));
+  const BuildContext context = build_context(state, system);
+  state.exchange.start_lasting();
+  state.lasting_counts.clear();
+  if (!state.solver.sweeps_by_colour && state.traits.has_centre_constraints)
+    state.lasting_counts.assign(state.world.size() + 1, 0);
+  for_each_batch(system.batches, [&]<class B>(auto place, B& batch) {
+    if constexpr (B::lasts) {
+      batch.build(context);
+      if (!state.lasting_counts.empty()) B::count(context, state.lasting_counts);
+    }
+    if constexpr (B::stencils_last)
+      state.exchange.share_lasting(state.world, place, state.solver.sweeps_by_colour,
+                                   [&](const auto& f) { B::for_each_stencil(context, f); });
+  });
+  if (state.drag.any()) state.drag.build(state.world, state.surfaces);
+}
+
+bool find_contacts(RankState& state) {
+  if (state.is_alone()) return false;
+  state.crowd_ranks = crowd_ranks(state.world);
+  const bool crowded = state.any_over_ranks(!state.crowd_ranks.empty());
+  if (crowded) {
+    state.crowd_ranks.resize(state.world.size(), -1);
+    state.halo.tell_guests(state.world, state.crowd_ranks);
+  }
+  const Scratch::Frame frame(state.scratch);
+  Collider(&state.scratch)
+      .collide(state.world, state.collide_settings, state.contacts, state.surfaces.empty() ? nullptr : &state.surfaces,
+               state.crowd_ranks);
+  leave_out_attached(state.scene, state.world, state.time(), state.contacts);
+  leave_out_jointed(state.scene.joints, state.joints, state.contacts);
+  return crowded;
+}
+
+CrowdCount count_crowds(const RankState& state) {
+  CrowdCount count;
+  const std::span ranks(state.crowd_ranks.data(), std::min(state.crowd_ranks.size(), state.world.homes));
+  for (const std::int32_t rank : ranks) count.bodies += rank >= 0, count.most = std::max<std::int64_t>(count.most, rank + 1);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.bodies, 1, MPI_INT64_T, MPI_SUM, state.comm()));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.most, 1, MPI_INT64_T, MPI_MAX, state.comm()));
+  for (std::size_t i = 0; i < ranks.size(); ++i)
+    if (ranks[i] + 1 == count.most && (count.one < 0 || state.world.id[i] < count.one)) count.one = state.world.id[i];
+  constexpr Id none = std::numeric_limits<Id>::max();
+  if (count.one < 0) count.one = none;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.one, 1, MPI_INT64_T, MPI_MIN, state.comm()));
+  return count;
+}
+
+}  // namespace unibody

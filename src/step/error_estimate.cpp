@@ -1,0 +1,212 @@
+#include "step/error_estimate.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "constraints/recall.hpp"
+#include "core/exact_sum.hpp"
+#include "joints/joint_set.hpp"
+#include "solve/friction_postprocess.hpp"
+#include "solve/surface_guard.hpp"
+#include "step/assemble.hpp"
+#include "step/build.hpp"
+#include "step/detect.hpp"
+#include "step/stages.hpp"
+#include "step/steadying.hpp"
+
+namespace unibody {
+
+namespace {
+
+// A reference takes rounds of iterations, each twice as long as the one before, so that momentum may grow. It ends when the
+// natural residual is that share of the solver's tolerance, when two rounds one after the other have not halved it, not before
+// the fifth, or after the last round.
+constexpr int first_round = 100, least_rounds = 5, most_rounds = 8, idle_rounds = 2;
+constexpr double share_of_tolerance = 1e-6;
+
+Vec3 linear(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
+Vec3 angular(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
+
+// m dv.dv + dw.I dw (J)
+double twice_energy(const World& world, std::size_t i, const SolverBody& one, const SolverBody& other) {
+  const BodyProperties& body = world.properties[i];
+  const double of_motion = body.mass * (linear(one) - linear(other)).squaredNorm();
+  if (body.shape.kind == ShapeKind::particle) return of_motion;
+  const Vec3 spin = world.orientation_of(i).conjugate() * (angular(one) - angular(other));
+  return of_motion + body.inertia.dot(spin.cwiseProduct(spin));
+}
+
+bool has_iterative_joints(const RankState& state) {
+  return state.traits.has_joints && state.scene.solver.joints == JointSolve::iterative;
+}
+
+// Solves the rows of the position stage, on the multipliers of both stages together (Stages::joint): what a step with any number
+// of iterations is after. What follows on a solve, the guard of surfaces and friction after the solve, the converged step has
+// too. Starts from the system as it is.
+ConvergedStep converge(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, SolveFunction solver) {
+  ConvergedStep converged;
+  std::vector<SolverBody> best(system.bodies.begin(), system.bodies.end());
+  std::vector<ContactBatch::Impulse> impulses(state.contacts.points.size());
+  system.contacts().get_impulses(impulses);
+  int length = std::max(first_round, state.scene.solver.iterations);
+  for (int round = 0, idle = 0; round < most_rounds && (round < least_rounds || idle < idle_rounds) &&
+                                converged.residual > share_of_tolerance * plan.tolerance;
+       ++round, length *= 2) {
+    converged.iterations += run_stage(state, system, plan, facts, Stage::Kind::position, solver, length, 0).iterations;
+    StepReport now;
+    measure_solution(state, system, plan, now);
+    idle = now.residual <= 0.5 * converged.residual ? 0 : idle + 1;
+    if (!(now.residual < converged.residual)) continue;
+    converged.residual = now.residual;
+    best.assign(system.bodies.begin(), system.bodies.end());
+    system.contacts().get_impulses(impulses);
+  }
+  system.bodies.assign(best.begin(), best.end());
+  if (state.has_surfaces())
+    SurfaceGuard(state.world, state.surfaces, state.collide_settings, &state.scratch).hold(system.bodies, state.halo);
+  if (state.scene.solver.friction == FrictionModel::postprocess) {
+    system.contacts().set_impulses(impulses);
+    postprocess_friction(state.world, state.contacts, system, state.exchange);
+  }
+  const auto& moving = system.moving.empty() ? system.bodies : system.moving;
+  converged.moving.assign(moving.begin(), moving.begin() + static_cast<std::ptrdiff_t>(state.world.homes));
+  return converged;
+}
+
+// From where the step's own iterations ended, with its own layout of the constraints. The world's velocities are set in place,
+// since the Vec lies over them.
+ConvergedStep solve_on(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const SolvedStep& solved) {
+  const std::vector<SolverBody> taken(system.bodies.begin(), system.bodies.end());
+  const std::vector<SolverBody> taken_moving(system.moving.begin(), system.moving.end());
+  const std::vector<Vec3> velocity_after = state.world.velocity;
+  system.bodies.assign(solved.solved.begin(), solved.solved.end());
+  system.moving.clear();
+  for_each_batch(system.batches, [](auto, auto& batch) { batch.join_stages(); });
+  std::copy(solved.velocity_before.begin(), solved.velocity_before.end(), state.world.velocity.begin());
+  const SolveFunction same_layout = state.solver.sweeps_by_colour ? state.solver.solve : accelerated_jacobi;  // converges faster
+  const ConvergedStep converged = converge(state, system, plan, facts, same_layout);
+  system.bodies.assign(taken.begin(), taken.end());
+  system.moving.assign(taken_moving.begin(), taken_moving.end());
+  std::copy(velocity_after.begin(), velocity_after.end(), state.world.velocity.begin());
+  return converged;
+}
+
+// The solver that converges where others take for ever: a chain of n links takes local ones some n^2 iterations.
+Scene scene_of_reference(const RankState& state) {
+  Scene scene = state.scene;
+  scene.solver.name = "accelerated_jacobi";
+  scene.solver.order = Order::coloured;
+  scene.solver.joints = JointSolve::direct;
+  scene.solver.warm_start = 1;
+  scene.solver.scaling = 1;
+  scene.joint_trees = plant_trees(scene.joints, [&](Id id) {
+    const Slot slot = state.world.find(id);  // what does not move is on every rank
+    return slot >= 0 && state.world.is_static(slot);
+  });
+  return scene;
+}
+
+// Whether that solver would do anything else than solve_on(). Where constraints have the incremental form, what they converge to
+// depends on the way: there is no other one to it.
+bool has_other_reference(const RankState& state) {
+  const bool any_way =
+      !state.traits.has_centre_constraints || state.form == Form::total || state.scene.solver.level == Level::velocity;
+  return any_way && (state.solver.sweeps_by_colour || has_iterative_joints(state));
+}
+
+// The bodies at the start of the step.
+World world_before(const World& world, const SolvedStep& solved) {
+  std::vector<Body> homes, statics;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (!world.is_home(static_cast<Slot>(i)) && !world.is_static(static_cast<Slot>(i))) continue;
+    Body body = world.body(i);
+    body.state.velocity = solved.velocity_before[i];
+    (i < world.homes ? homes : statics).push_back(body);
+  }
+  return make_world(homes, statics, world.has_rotations);
+}
+
+// The history that the step ended with, for another list of joints: whole trees, more than here.
+void take_history(const RankState& state, const SolvedStep& solved, RankState& other) {
+  History history = state.history;
+  remember(history.contacts(), state.world, state.contacts, solved.impulses, state.step());
+  history.joints() = other.history.joints();
+  for (std::size_t k = 0; k < other.joints.size(); ++k) {
+    const auto here = std::lower_bound(state.joints.begin(), state.joints.end(), other.joints[k]);
+    if (here != state.joints.end() && *here == other.joints[k])
+      history.joints()[k] = state.history.joints()[static_cast<std::size_t>(here - state.joints.begin())];
+  }
+  other.history = std::move(history);
+}
+
+// The same step on a system of its own, from the multipliers that the step ended with.
+ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::span<const double> turning) {
+  const Scene scene = scene_of_reference(state);
+  PhaseClock clock;
+  RankState other(state.comm(), scene, clock, state.shares_memory);
+  System system(&other.scratch);
+  other.world = world_before(state.world, solved);
+  other.steps_done = state.steps_done, other.traits.smallest_size = state.traits.smallest_size;
+  other.collide_settings.margin = state.collide_settings.margin;
+  make_constraints(other);
+  take_history(state, solved, other);
+  refresh_guests(other);
+  build_lasting(other, system);
+  find_contacts(other);
+  std::vector<double> own_turning(other.world.size() + 1, 0.0);
+  if (!turning.empty()) std::copy_n(turning.begin(), state.world.homes, own_turning.begin());
+  ConvergedStep converged;
+  const Scratch::Frame frame(other.scratch);
+  take_steadily(other, system, own_turning, [&] {
+    predict(other, system);
+    assemble(other, system, own_turning);
+    const StepFacts facts = facts_of(other, system);
+    const StepPlan plan = unibody::plan(scene.solver, other.traits, facts);
+    warm_start(other, system, plan);
+    converged = converge(other, system, plan, facts, accelerated_jacobi);
+    system.batch<JointBatch>().remember(other.history.joints(), 0);
+  });
+  system.clear(&other.scratch);
+  return converged;
+}
+
+ConvergedStep converged_step(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts,
+                             const SolvedStep& solved) {
+  const double solved_to = share_of_tolerance * plan.tolerance;
+  ConvergedStep best;
+  const auto take = [&](ConvergedStep found) {
+    const int iterations = best.iterations + found.iterations;
+    if (!(best.residual <= found.residual)) best = std::move(found);
+    best.iterations = iterations;
+  };
+  const bool other = has_other_reference(state);
+  if (other && has_iterative_joints(state)) take(solve_anew(state, solved, state.turning));
+  if (!(best.residual <= solved_to)) take(solve_on(state, system, plan, facts, solved));
+  if (other && !has_iterative_joints(state) && !(best.residual <= solved_to)) take(solve_anew(state, solved, state.turning));
+  return best;
+}
+
+}  // namespace
+
+StepError estimate_error(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts,
+                         const SolvedStep& solved) {
+  const PhaseClock::Scope scope(state.clock, Phase::other);  // no part of the step's own time
+  const World& world = state.world;
+  const ConvergedStep converged = converged_step(state, system, plan, facts, solved);
+  const auto& moving = system.moving.empty() ? system.bodies : system.moving;
+  std::array<ExactSum, 3> sums;
+  for (std::size_t i = 0; i < world.homes; ++i) {
+    if (system.bodies[i].inverse_mass == 0) continue;
+    sums[0] += twice_energy(world, i, moving[i], converged.moving[i]);
+    sums[1] += twice_energy(world, i, solved.predicted[i], converged.moving[i]);
+    sums[2] += world.properties[i].mass;
+  }
+  StepError error;
+  error.reference_residual = converged.residual, error.iterations = converged.iterations;
+  const auto total = all_sums(state.comm(), sums);
+  if (total[2] > 0) error.distance = state.step() * std::sqrt(total[0] / total[2]);
+  if (total[1] > 0) error.relative = std::sqrt(total[0] / total[1]);
+  return error;
+}
+
+}  // namespace unibody

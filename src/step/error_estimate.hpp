@@ -1,0 +1,16 @@
+// How far a step is from the converged one: solves on from where its solve ended, or the same step anew, measures, and puts
+// everything back.
+#pragma once
+
+#include "step/plan.hpp"
+#include "step/rank_state.hpp"
+#include "step/step_error.hpp"
+
+namespace unibody {
+
+// After the step's solve and what follows on it, before the bodies move. Leaves the state and the system as they are, but for the
+// multipliers of the batches. Collective.
+StepError estimate_error(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts,
+                         const SolvedStep& solved);
+
+}  // namespace unibody

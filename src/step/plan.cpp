@@ -1,0 +1,96 @@
+#include "step/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solve/solver.hpp"
+
+namespace unibody {
+
+namespace {
+
+bool at_velocity_level(const SolverSettings& settings) { return settings.level == Level::velocity; }
+
+Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
+  if (at_velocity_level(settings)) return Stages::position;
+  if (settings.stages != Stages::automatic) return settings.stages;
+  return traits.has_constraints() && !solver.sweeps_by_colour ? Stages::position : Stages::two;
+}
+
+// Links and joints have the position stage alone: half of the iterations are for it, whatever contacts would do with fewer.
+Split split_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
+  Split split = solver.split(settings.iterations);
+  if (traits.has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
+  return {settings.velocity_share.value_or(split.velocity_share), settings.leak.value_or(split.leak), split.swelling};
+}
+
+// How accelerated_jacobi extrapolates in a stage.
+Acceleration acceleration_of(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts,
+                             Stage::Kind kind) {
+  if (settings.acceleration != Acceleration::automatic) return settings.acceleration;
+  bool bears_more = settings.scaling == 1 && !facts.bounces;
+  if (kind == Stage::Kind::position)
+    bears_more =
+        bears_more && !traits.has_attachments && !traits.has_joints && settings.gap == Gap::frozen &&
+        (!traits.has_centre_constraints || (!at_velocity_level(settings) && traits.only_links && !facts.links_are_tight));
+  return bears_more ? Acceleration::optimized : Acceleration::nesterov;
+}
+
+void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, StepPlan& plan) {
+  const double size = traits.smallest_size;
+  plan.tolerance = settings.tolerance.value_or(std::isfinite(size) ? automatic_tolerance * size : 0);
+  plan.margin = settings.margin.value_or(std::min(most_automatic_margin, automatic_margin * size));
+  const double toss = traits.gravity > 0 ? std::sqrt(2 * traits.gravity * (automatic_toss * size)) : HUGE_VAL;
+  plan.recovery_speed = settings.recovery_speed.value_or(std::min(most_automatic_recovery_speed, toss));
+  // A time of the step's own would take penetration out the faster the finer the steps are: piles would shake.
+  plan.recovery_time = settings.recovery_time.value_or(traits.frame);
+  // What is stretched over an edge pulls with stiff links, which ask for all of their error within the step; a contact that asked
+  // for less of its own would give way to them as long as they hang there, by centimetres.
+  plan.surface_recovery_time = settings.recovery_time.value_or(0);
+}
+
+}  // namespace
+
+StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts) {
+  const Solver& solver = find_solver(settings.name);
+  StepPlan plan;
+  plan_sizes(settings, traits, plan);
+
+  plan.stages = stages_of(settings, traits, solver);
+  plan.two_stages = plan.stages != Stages::position && (!traits.has_constraints() || facts.any_contact);
+  const Split split = split_of(settings, traits, solver);
+  plan.velocity_share = split.velocity_share, plan.leak = split.leak, plan.swelling = split.swelling;
+  if (plan.two_stages)
+    plan.velocity_iterations =
+        std::clamp(static_cast<int>(split.velocity_share * settings.iterations), 1, settings.iterations - 1);
+
+  const double share = settings.warm_start.value_or(automatic_share);
+  const bool one_stage_of_velocities = at_velocity_level(settings) && !settings.warm_start;
+  const double in_one_stage = one_stage_of_velocities ? automatic_velocity_share : share;
+  plan.contacts_share = plan.stages != Stages::position ? 1 : in_one_stage;
+  plan.share = traits.has_constraints() ? share : 0;
+  plan.solids_start_cold = !settings.warm_start && plan.stages == Stages::position && !at_velocity_level(settings);
+
+  plan.velocity_acceleration = acceleration_of(settings, traits, facts, Stage::Kind::velocity);
+  plan.position_acceleration = acceleration_of(settings, traits, facts, Stage::Kind::position);
+  const bool optimized = solver.solve == accelerated_jacobi && plan.position_acceleration == Acceleration::optimized;
+  if (optimized && !at_velocity_level(settings)) plan.most_stiffness = most_geometric_stiffness;
+  return plan;
+}
+
+Stage StepPlan::stage(Stage::Kind kind, const SolverSettings& settings, double step) const {
+  // At velocity level the only stage is one of positions whose rows are linear about the start of the step.
+  Stage stage = at_velocity_level(settings) ? Stage::stabilised(step, settings.stabilisation)
+                                            : Stage{kind, step, recovery_time, recovery_speed, surface_recovery_time};
+  stage.reevaluates = kind == Stage::Kind::position && settings.gap == Gap::reevaluated;
+  return stage;
+}
+
+bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits) {
+  return settings.acceleration == Acceleration::automatic && find_solver(settings.name).solve == accelerated_jacobi &&
+         traits.has_centre_constraints && traits.only_links;
+}
+
+bool links_are_tight(double geometric_stiffness) { return !(automatic_share * geometric_stiffness <= tight_links); }
+
+}  // namespace unibody

@@ -1,0 +1,63 @@
+// The plan of a step: every setting that the scene leaves to the program, as a value. A pure function of the settings, of what
+// the scene is and of what the step has found; summary.json tells the plan as used.
+#pragma once
+
+#include <limits>
+
+#include "constraints/solver_settings.hpp"
+#include "constraints/stage.hpp"
+
+namespace unibody {
+
+// What a scene is, as far as its steps are planned by it: the same on all ranks.
+struct SceneTraits {
+  double frame = 0.016, step = 0.016;                              // s, the length of a frame and of a step
+  double gravity = 9.81;                                           // m/s^2
+  double smallest_size = std::numeric_limits<double>::infinity();  // m, least extent of the smallest dynamic body; infinite: none
+  bool has_centre_constraints = false;                             // links, membranes, tetrahedra ... between bodies' centres
+  bool only_links = false;                                         // all of these are links
+  bool has_joints = false;
+  bool has_attachments = false;  // to dynamic bodies
+
+  bool has_constraints() const { return has_centre_constraints || has_joints; }  // beside contacts
+};
+
+// What a step has found, on any rank.
+struct StepFacts {
+  bool any_contact = false;
+  bool bounces = false;          // some contact bounces
+  bool links_are_tight = false;  // see links_are_tight() below
+};
+
+struct StepPlan {
+  // By the size of the smallest body, whatever the step: see "auto" in solver_settings.hpp.
+  double tolerance = 0, margin = 0, recovery_speed = 0;  // m, m, m/s
+  double recovery_time = 0, surface_recovery_time = 0;   // s
+
+  Stages stages = Stages::two;
+  bool two_stages = false;                            // this step has a velocity stage
+  int velocity_iterations = 0;                        // most of them; what they leave of all iterations is the position stage's
+  double velocity_share = 0, leak = 0, swelling = 0;  // see Split
+
+  double contacts_share = 0, share = 0;  // of the old multipliers of contacts, and of all others, that a step starts from
+  bool solids_start_cold = false;        // contacts of solids start from nothing
+  Acceleration velocity_acceleration = Acceleration::nesterov, position_acceleration = Acceleration::nesterov;
+  double most_stiffness = std::numeric_limits<double>::infinity();  // geometric stiffness with which a link may start
+
+  Stage stage(Stage::Kind kind, const SolverSettings& settings, double step) const;
+};
+
+// What is decided for the whole scene from a property of a part of it:
+// - the smallest body sets the tolerance, the margin and the speed of recovery of all;
+// - one constraint beside contacts makes the Jacobi solvers take all bodies in one position stage, from a share of the old
+//   multipliers, and gives the velocity stage of Gauss-Seidel half of the iterations at most;
+// - one joint, attachment or contact that bounces, one constraint that is no link, one tight link: the momentum of
+//   accelerated_jacobi is Nesterov's for all;
+// - one contact anywhere makes a step with constraints have a velocity stage, where the stages are two.
+StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts = {});
+
+// Whether it matters to the plan if links are tight: finding out takes a pass over all of them.
+bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits);
+bool links_are_tight(double geometric_stiffness);  // of the tightest link, with all of the old multipliers
+
+}  // namespace unibody

@@ -1,0 +1,55 @@
+#include "step/rank_state.hpp"
+
+#include <algorithm>
+
+#include "core/checked.hpp"
+#include "core/room.hpp"
+
+namespace unibody {
+
+RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool in_shared_memory)
+    : scene(of),
+      clock(timed_by),
+      shares_memory(in_shared_memory),
+      solver(find_solver(scene.solver.name)),
+      joint_input{scene.joints, &joints, &joint_slots, scene.joint_colours, scene.joint_trees > 0},
+      surfaces(scene.surfaces),
+      drag(scene),
+      form(scene.solver.form),
+      halo(over),
+      exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
+  traits.frame = scene.time.step, traits.step = scene.time.step / scene.time.substeps;
+  traits.gravity = scene.gravity.norm();
+  traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
+  collide_settings.step = traits.step;
+  collide_settings.gravity = scene.gravity;
+  collide_settings.planar = scene.planar;
+  collide_settings.merge_supports = !solver.sweeps_by_colour;
+  collide_settings.friction = scene.friction;
+  if (has_any(scene.restitution)) collide_settings.restitution = scene.restitution;
+  collide_settings.material_count = scene.materials.size();
+}
+
+bool RankState::any_over_ranks(bool here) const {
+  int any = here;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm()));
+  return any != 0;
+}
+
+bool RankState::is_alone() const {
+  const auto touches_itself = [](const Surface& s) { return s.self_collision; };
+  return scene.groups.size() == 1 && scene.constraint_groups.size() == 1 &&
+         std::none_of(scene.surfaces.begin(), scene.surfaces.end(), touches_itself);
+}
+
+std::size_t RankState::bytes() const {
+  const Multipliers& multipliers = history.contacts();
+  return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
+         bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(world.held_orientation) +
+         bytes_of(multipliers.manifolds) + bytes_of(multipliers.points) + bytes_of(multipliers.places) +
+         bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(attached) +
+         drag.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) + bytes_of(history.joints()) +
+         bytes_of(joint_slots) + bytes_of(lasting_counts);
+}
+
+}  // namespace unibody

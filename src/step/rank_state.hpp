@@ -1,0 +1,68 @@
+// What one rank holds of a running scene: its bodies and what touches them, and who shares them with other ranks.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "collide/collide.hpp"
+#include "constraints/attachment_batch.hpp"
+#include "constraints/constraint_types.hpp"
+#include "core/phases.hpp"
+#include "core/scratch.hpp"
+#include "joints/joint_set.hpp"
+#include "partition/exchange.hpp"
+#include "partition/halo.hpp"
+#include "scene/scene.hpp"
+#include "solve/drag.hpp"
+#include "solve/solver.hpp"
+#include "step/history.hpp"
+#include "step/plan.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+struct RankState {
+  // in_shared_memory: ranks of one node exchange through memory that they share (partition/mailboxes.hpp). No result depends on
+  // it.
+  RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool in_shared_memory);
+
+  const Scene& scene;
+  PhaseClock& clock;
+  const bool shares_memory;
+  const Solver& solver;
+  SceneTraits traits;
+  std::int64_t steps_done = 0;  // since time 0; a run that goes on from a checkpoint sets it
+
+  World world;
+  History history;
+  Contacts contacts;          // valid after detect()
+  ConstraintSet constraints;  // all that touch this rank's home bodies
+  JointList joints;           // the same
+  std::vector<JointSlots> joint_slots;
+  const JointInput joint_input;
+  std::vector<AttachedNode> attached;  // of this step, to dynamic bodies
+  Surfaces surfaces;                   // where they may touch anything, or feel the air; else empty
+  Drag drag;
+  CollideSettings collide_settings;
+  std::vector<std::int32_t> crowd_ranks;     // by slot (crowds.hpp); empty where nothing is crowded
+  std::vector<double> turning;               // h^2 K of each slot (kg m^2) that the step is steadied for; empty: no joints
+  Form form = Form::incremental;             // in which this step solves constraints between centres
+  ConstraintColours colours{};               // of each type, over all ranks
+  std::vector<std::int32_t> lasting_counts;  // for the Jacobi solvers, of each slot: constraints of the batches that last
+
+  Halo halo;
+  Exchange exchange;
+  Scratch scratch;  // of collision detection, then of the solve
+
+  double step() const { return traits.step; }                               // s
+  double time() const { return static_cast<double>(steps_done) * step(); }  // s
+  MPI_Comm comm() const { return halo.comm(); }
+  bool any_over_ranks(bool here) const;                                         // collective
+  bool has_surfaces() const { return !is_alone() && !scene.surfaces.empty(); }  // that may touch something
+  bool needs_surfaces() const { return has_surfaces() || drag.any(); }
+  bool is_alone() const;  // a single cloth or thread, whose nodes touch nothing
+  Elements elements() const { return {world, &constraints, traits.has_joints ? &joint_input : nullptr}; }
+  std::size_t bytes() const;  // of the arrays that last, and of the phases' scratch memory; the batches come on top
+};
+
+}  // namespace unibody

@@ -1,0 +1,123 @@
+#include "step/simulation.hpp"
+
+#include <algorithm>
+
+#include "core/checked.hpp"
+#include "partition/migrate.hpp"
+#include "solve/centre_constraints.hpp"
+#include "step/assemble.hpp"
+#include "step/move_history.hpp"
+#include "step/newton_step.hpp"
+#include "step/stages.hpp"
+#include "step/steadying.hpp"
+
+namespace unibody {
+
+Simulation::Simulation(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool in_shared_memory)
+    : RankState(over, of, timed_by, in_shared_memory) {}
+
+void Simulation::resolve_automatic_settings() {
+  double& smallest = traits.smallest_size;
+  smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < world.homes; ++i) smallest = std::min(smallest, smallest_size(world.properties[i].shape));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, comm()));
+  collide_settings.margin = plan(scene.solver, traits).margin;
+}
+
+void Simulation::make_constraints() {
+  unibody::make_constraints(*this);
+  constraints_made_ = true, built_version_ = -1;
+}
+
+void Simulation::detect() {
+  if (detected_) return;
+  if (!constraints_made_) make_constraints();
+  refresh_guests(*this);
+  if (built_version_ != halo.version()) build_lasting(*this, system_);
+  built_version_ = halo.version();
+  const PhaseClock::Scope scope(clock, Phase::collide);
+  crowded_ = find_contacts(*this);
+  detected_ = true;
+}
+
+StepReport Simulation::step(const StepRequest& request) {
+  detect();
+  const PhaseClock::Scope scope(clock, Phase::solve);
+  const Scratch::Frame frame(scratch);
+  if (traits.has_joints) turning = turning_of_joints(*this);
+  const StepReport report = take_in_form(request);
+  finalise(*this, system_);
+  system_.clear(&scratch);
+  detected_ = false;
+  ++steps_done;
+  return report;
+}
+
+// One way of taking the step; there may be another one, from the same origin.
+StepReport Simulation::attempt(const StepRequest& request) {
+  predict(*this, system_);
+  assemble(*this, system_, turning);
+  if (leaves_total_form(*this, system_)) set_form(*this, system_, Form::incremental);
+  const StepFacts facts = facts_of(*this, system_);
+  const StepPlan plan = unibody::plan(scene.solver, traits, facts);
+  return solver.solve != nullptr ? solve(*this, system_, plan, facts, request) : newton_step(*this, system_, plan);
+}
+
+// A step of the total form whose edges move too far, with the prediction (see attempt()) or with what the solve made of it, is
+// taken in the incremental form, which is bounded there. It is not the step that was asked for, and so not converged.
+StepReport Simulation::take_in_form(const StepRequest& request) {
+  StepReport report;
+  const auto take = [&] { take_steadily(*this, system_, turning, [&] { report = attempt(request); }); };
+  if (scene.solver.form != Form::total || !traits.has_centre_constraints) {
+    take();
+    return report;
+  }
+  set_form(*this, system_, Form::total);
+  const StepOrigin origin = origin_of(*this);
+  take();
+  if (leaves_total_form(*this, system_)) {
+    set_form(*this, system_, Form::incremental);
+    go_back(*this, system_, origin);
+    take();
+  }
+  report.form_left = form != Form::total;
+  report.converged = report.converged && !report.form_left;
+  return report;
+}
+
+void Simulation::move_homes(std::span<const int> home) {
+  const PhaseClock::Scope scope(clock, Phase::partition);
+  HistoriesByRank records = histories_by_rank(*this, home);
+  migrate(comm(), world, history.contacts(), home);
+  make_constraints();
+  take_histories(*this, std::move(records));
+  detected_ = false;
+}
+
+std::vector<JointState> Simulation::joint_states() const {
+  std::vector<JointState> states;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    states.push_back(joint_state(scene.joints[static_cast<std::size_t>(joints[i])], joint_slots[i], world, history.joints()[i],
+                                 RankState::step()));
+  return states;
+}
+
+SolverSettings Simulation::settings_used() const {
+  const StepPlan plan = unibody::plan(scene.solver, traits);
+  SolverSettings used = scene.solver;
+  used.tolerance = plan.tolerance, used.stages = plan.stages, used.margin = plan.margin;
+  const bool one_stage = plan.stages == Stages::position;
+  used.warm_start = one_stage ? plan.contacts_share : scene.solver.warm_start.value_or(automatic_share);
+  used.recovery_speed = plan.recovery_speed;
+  used.velocity_share = one_stage ? 0 : plan.velocity_share, used.leak = one_stage ? 0 : plan.leak;
+  if (scene.solver.level == Level::position) used.recovery_time = plan.recovery_time;
+  return used;
+}
+
+std::size_t Simulation::bytes() const {
+  std::size_t bytes = RankState::bytes();
+  for_each_batch(system_.batches, [&](auto, const auto& batch) { bytes += batch.bytes(); });
+  return bytes;
+}
+
+}  // namespace unibody

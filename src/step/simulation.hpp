@@ -1,0 +1,48 @@
+// A running scene, step by step (paper, Algorithm 1).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "step/detect.hpp"
+#include "step/rank_state.hpp"
+#include "step/step_report.hpp"
+
+namespace unibody {
+
+// This rank's part of a running scene. All members are collective, but for those that only tell something.
+class Simulation : public RankState {
+ public:
+  Simulation(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool in_shared_memory);
+
+  // After the bodies are in, before anything else: what goes by their size.
+  void resolve_automatic_settings();
+
+  // Takes the simulation one step of time.frame / time.substeps further.
+  StepReport step(const StepRequest& request = {});
+  using RankState::step;
+
+  // Guests and contacts at the present state: of the state that step() left, and what the next step() starts from.
+  void detect();
+
+  // Moves every home body to its new home rank, and makes the constraints of those that are here then.
+  void move_homes(std::span<const int> home);
+
+  // All constraints of the bodies that are home here, not yet loaded. detect() does it where nobody has.
+  void make_constraints();
+
+  bool is_crowded() const { return crowded_; }   // more bodies at one place than can be there, on any rank; after detect()
+  std::vector<JointState> joint_states() const;  // of each of `joints`, after a step
+  SolverSettings settings_used() const;          // the scene's, with what "auto" comes to; after resolve_automatic_settings()
+  std::size_t bytes() const;                     // all that this rank holds
+
+ private:
+  StepReport attempt(const StepRequest& request);
+  StepReport take_in_form(const StepRequest& request);
+
+  System system_{&scratch};  // within step(), but for the batches that last
+  bool detected_ = false, constraints_made_ = false, crowded_ = false;
+  std::int64_t built_version_ = -1;  // of the halo, for which the slots of the batches that last hold
+};
+
+}  // namespace unibody

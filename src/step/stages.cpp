@@ -1,0 +1,136 @@
+#include "step/stages.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/checked.hpp"
+#include "solve/friction_postprocess.hpp"
+#include "solve/surface_guard.hpp"
+#include "step/contact_problem.hpp"
+#include "step/error_estimate.hpp"
+
+namespace unibody {
+
+void warm_start(RankState& state, System& system, const StepPlan& plan) {
+  WarmStart warm{state.world, state.contacts};
+  warm.contacts_share = plan.contacts_share, warm.share = plan.share;
+  warm.setting = state.scene.solver.warm_start.value_or(-1);
+  warm.step = state.step();
+  if (plan.solids_start_cold) warm.cold_solids = &state.surfaces;
+  {
+    const Scratch::Frame frame(state.scratch);
+    for_each_batch(system.batches,
+                   [&](auto place, auto& batch) { batch.start_from(std::get<decltype(place)::value>(state.history), warm); });
+  }
+  const bool jacobi = !state.solver.sweeps_by_colour;
+  const std::size_t n = state.world.size() + 1;
+  const SceneTraits& traits = state.traits;
+  if (jacobi && (!state.is_alone() || traits.has_attachments || traits.has_joints)) system.wrenches.assign(n, Wrench{});
+  if (traits.has_centre_constraints && (jacobi || warm.share > 0)) system.impulses.assign(n, Vec4d{});
+  if (warm.contacts_share <= 0 && warm.share <= 0) return;
+  const Scratch::Frame frame(state.scratch);
+  const bool borrowed = !jacobi && (warm.contacts_share > 0 || traits.has_joints) && system.wrenches.empty();
+  if (borrowed) system.wrenches.assign(n, Wrench{});
+  for_each_batch(system.batches, [&](auto, auto& batch) { batch.add_impulses(system, warm, plan.most_stiffness); });
+  system.apply_wrenches();
+  if (borrowed) system.wrenches = std::pmr::vector<Wrench>(&state.scratch);
+  if (!jacobi) system.impulses.clear();
+  state.exchange.refresh(system.bodies);
+}
+
+SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, Stage::Kind kind,
+                      SolveFunction solver, int iterations, double tolerance) {
+  const Stage stage = plan.stage(kind, state.scene.solver, state.step());
+  start_stage(system, stage);
+  system.keeps_places = kind == Stage::Kind::position && state.traits.has_centre_constraints;
+  system.acceleration = kind == Stage::Kind::velocity ? plan.velocity_acceleration : plan.position_acceleration;
+  system.renews = stage.reevaluates || facts.bounces;
+  const SolveReport report = solver(system, state.exchange, iterations, tolerance);
+  if (facts.bounces && !state.solver.sweeps_by_colour) {
+    for_each_acting(system, [&](auto, auto& batch) { batch.give_back_gains(system); });
+    system.apply_wrenches();
+    state.exchange.refresh(system.bodies);
+  }
+  if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
+  return report;
+}
+
+void measure_solution(const RankState& state, const System& system, const StepPlan& plan, StepReport& report, double left) {
+  std::array<double, BatchTypes::size + 1> largest{};
+  std::ranges::copy(residuals(system), largest.begin());
+  largest.back() = left;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, state.comm()));
+  std::copy_n(largest.begin(), BatchTypes::size, report.batch_residuals.begin());
+  report.residual = *std::ranges::max_element(largest);
+  report.converged = report.residual <= plan.tolerance;
+}
+
+namespace {
+
+// The leak, less while the contacts that the position stage pushed on open together: U, their mean opening speed, times S, the
+// part of it that is coherent, against the solver's share of g h. A pile deeper than the velocity stage reaches in a step is a
+// mass on its contacts, and what leaks into them an integral feedback too fast for it: withheld on the way up, it pumps no more.
+double leak_of(const RankState& state, const System& system, const StepPlan& plan) {
+  const double gh = state.traits.gravity * state.step();
+  if (plan.leak == 0 || plan.swelling == 0 || gh == 0 || plan.stages != Stages::two) return plan.leak;
+  const std::vector<double> sums = all_sums(state.comm(), system.contacts().opening(system.bodies));
+  if (!(sums[0] > 0)) return plan.leak;
+  const double speed = sums[0] / sums[2], coherence = sums[0] / sums[1];
+  return plan.leak * std::max(0.0, 1 - speed * coherence / (plan.swelling * gh));
+}
+
+SolvedStep solved_step(const System& system, SolvedStep before) {
+  before.solved.assign(system.bodies.begin(), system.bodies.end());
+  before.impulses = system.contacts().total_impulses();
+  return before;
+}
+
+// Pairs held apart by the guard and friction after the solve; what the step leaves to the next one, and what slides.
+void follow_up(RankState& state, System& system, double leak, StepReport& report) {
+  if (state.has_surfaces())
+    report.held =
+        SurfaceGuard(state.world, state.surfaces, state.collide_settings, &state.scratch).hold(system.bodies, state.halo);
+  if (state.scene.solver.friction == FrictionModel::postprocess)
+    report.sliding = postprocess_friction(state.world, state.contacts, system, state.exchange);
+  for_each_batch(system.batches, [&](auto place, auto& batch) {
+    report.sliding += batch.sliding();
+    batch.remember(std::get<decltype(place)::value>(state.history), leak);
+  });
+  if (!state.is_alone()) check_mpi(MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, state.comm()));
+}
+
+}  // namespace
+
+StepReport solve(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const StepRequest& request) {
+  const SolverSettings& settings = state.scene.solver;
+  const auto run = [&](Stage::Kind kind, int iterations) {
+    return run_stage(state, system, plan, facts, kind, state.solver.solve, iterations, plan.tolerance);
+  };
+  const bool wanted = request.error || request.problem != nullptr;
+  SolvedStep solved;
+  if (wanted) {
+    solved.predicted.assign(system.bodies.begin(), system.bodies.end());
+    solved.velocity_before = state.world.velocity;
+  }
+  warm_start(state, system, plan);
+
+  StepReport report;
+  bool leaks = false;
+  double left_by_velocities = 0;
+  if (plan.two_stages) {
+    const SolveReport velocity = run(Stage::Kind::velocity, plan.velocity_iterations);
+    report.iterations = velocity.iterations, leaks = !velocity.converged;
+    if (plan.stages == Stages::two) left_by_velocities = std::ranges::max(residuals(system));
+    for_each_batch(system.batches, [&](auto, auto& batch) { batch.keep_impulses(plan.stages == Stages::joint); });
+  }
+  report.iterations += run(Stage::Kind::position, settings.iterations - report.iterations).iterations;
+  measure_solution(state, system, plan, report, left_by_velocities);
+  if (wanted) solved = solved_step(system, std::move(solved));
+  if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
+  // While the guests are as the homes: the guard changes homes alone.
+  follow_up(state, system, leaks ? leak_of(state, system, plan) : 0, report);
+  if (request.error) report.error = estimate_error(state, system, plan, facts, solved);
+  return report;
+}
+
+}  // namespace unibody

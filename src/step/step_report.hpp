@@ -1,0 +1,45 @@
+// What a step is asked for, and what it tells of itself.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+#include "solve/batches.hpp"
+#include "step/step_error.hpp"
+
+namespace unibody {
+
+struct ContactProblem;
+
+// What a step is asked for beside itself. None of it changes what the step does. Collective: the same on every rank.
+struct StepRequest {
+  bool error = false;                 // StepReport::error; iterative solvers only
+  ContactProblem* problem = nullptr;  // filled in, on rank 0, with the frictional contact problem of the rigid bodies
+};
+
+struct StepReport {
+  int iterations = 0;
+  double residual = 0;                                     // m, natural residual, of two stages the larger; max over ranks
+  bool converged = false;                                  // the residual is within the tolerance
+  std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
+  std::int64_t held = 0;           // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
+  bool form_left = false;          // taken in the incremental form, not the total one that the scene asks for
+  std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
+  std::optional<StepError> error;  // where it was asked for
+
+  // Of each type of constraint between centres, in the order of their list.
+  std::array<double, ConstraintTypes::size> constraint_residuals() const {
+    std::array<double, ConstraintTypes::size> list{};
+    for_each_batch_type([&]<class B>(auto place, std::type_identity<B>) {
+      if constexpr (is_constraint_batch<B>) list[type_index<typename B::Type>] = batch_residuals[place];
+    });
+    return list;
+  }
+  template <class B>
+  double residual_of() const {
+    return batch_residuals[batch_place<B>];
+  }
+};
+
+}  // namespace unibody
