@@ -57,8 +57,8 @@ void AttachmentBatch::sweep(SolveState& state, const Extrapolation& extrapolatio
     Vec3 moved;
     SweepTerms<double> terms;
     for (int k = 0; k < 3; ++k)
-      moved[k] = update.advance(row.lambda[k], row.y[k], row.y[k] + step[k], step[k], r[k], -r[k], terms,
-                                [&](double x) { return step_ * std::abs(x); });
+      moved[k] = update.advance(row.lambda[k], row.y[k], row.y[k] + step[k], step[k], r[k], -(r[k] * step[k]),
+                                step_ * std::abs(r[k]), terms);
     add_terms(sums, terms, row.counted);
     Wrench& of_body = wrenches[static_cast<std::size_t>(row.body)];
     add(of_body.force, moved), add(of_body.torque, row.arm.cross(moved));

@@ -303,15 +303,14 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
                                                                              const Update<Vec4d>& update, SweepTotals& totals) {
   Solution moved;
   const Vec4d part = part_taken(y_[b], step);  // of |r|, what the step takes away
-  SweepTerms<Vec4d> terms;
+  SweepTerms<Vec4d> terms = totals.start();
   for (std::size_t k = 0; k < rows; ++k) {
-    Vec4d taken;
+    Vec4d resisted = r[k];  // what the step takes away, with its sign
     if constexpr (is_unilateral<C>)
-      taken = -(r[k] * part);
+      resisted *= part;
     else
-      taken = select(step[k] != broadcast(0), -r[k], broadcast(0));
-    moved[k] =
-        update.advance(lambda_[b][k], y_[b][k], y_[b][k] + step[k], step[k], r[k], taken, terms, [](Vec4d x) { return abs(x); });
+      resisted = select(step[k] != broadcast(0), r[k], broadcast(0));
+    moved[k] = update.advance(lambda_[b][k], y_[b][k], y_[b][k] + step[k], step[k], r[k], -(resisted * step[k]), abs(resisted), terms);
   }
   if (counted_[b] == all_lanes)
     totals.close(terms);

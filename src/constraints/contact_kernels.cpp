@@ -37,14 +37,13 @@ template <class Record>
 }
 
 template <FrictionModel model, bool tangential>
-SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Update<Vec4d>& update,
+SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Update<Vec4d>& update, SweepTerms<Vec4d> sums,
                               std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
   const std::size_t first = block.first_point, first_tangent = tangential ? static_cast<std::size_t>(block.first_tangent) : 0;
   const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
   const Vec4d zero = broadcast(0);
   Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
-  SweepTerms<Vec4d> sums;
   for (std::uint32_t k = 0; k < block.count; ++k) {
     const Point& p = batch.points[first + k];
     Normal& normal = batch.normals[first + k];
@@ -57,8 +56,8 @@ SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Upd
     const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
 
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
-      const Vec4d step = new_lambda - y;
-      return update.advance(lambda, y, new_lambda, step, r, scale * step, sums, [](Vec4d taken) { return abs(taken); });
+      const Vec4d step = new_lambda - y, taken = scale * step;
+      return update.advance(lambda, y, new_lambda, step, r, taken * step, abs(taken), sums);
     };
     const Vec4d dn = advance(normal.lambda, along.y, next.n, u.n + p.bias, batch.normal_scales[first + k]);
     Vec4d ds = zero, dt = zero;
@@ -135,8 +134,8 @@ void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, 
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const Block& block = blocks[i];
       ask_for<const SolverBody>(blocks, i, bodies), ask_for<Wrench>(blocks, i, wrenches);
-      const SweepTerms<Vec4d> terms = block.first_tangent < 0 ? sweep_block<model, false>(*this, block, update, bodies, wrenches)
-                                                              : sweep_block<model, true>(*this, block, update, bodies, wrenches);
+      const SweepTerms<Vec4d> terms = block.first_tangent < 0 ? sweep_block<model, false>(*this, block, update, totals.start(), bodies, wrenches)
+                                                              : sweep_block<model, true>(*this, block, update, totals.start(), bodies, wrenches);
       Mask4 counts;
       for (std::size_t l = 0; l < lanes; ++l) counts[l] = block.manifold[l] >= 0 && counted_[block.manifold[l]] != 0 ? -1 : 0;
       totals.close(terms, counts);

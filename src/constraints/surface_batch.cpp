@@ -161,10 +161,10 @@ void SurfaceBatch::sweep_as(SolveState& state, const Extrapolation& extrapolatio
     const Vec3x4 t = cross(block.n, block.s);
     const Velocity u = parting(block, t, state.bodies);
     const Impulse next = stepped<model>(block, u, block.y, block.normal.inverse, block.tangential.inverse);
-    SweepTerms<Vec4d> terms;
+    SweepTerms<Vec4d> terms = totals.start();
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d to, Vec4d r, Vec4d scale) {
-      const Vec4d step = to - y;
-      return update.advance(lambda, y, to, step, r, scale * step, terms, [](Vec4d taken) { return abs(taken); });
+      const Vec4d step = to - y, taken = scale * step;
+      return update.advance(lambda, y, to, step, r, taken * step, abs(taken), terms);
     };
     const Vec4d n = advance(block.lambda.n, block.y.n, next.n, u.n + block.bias, block.normal.scale);
     const Vec4d s = advance(block.lambda.s, block.y.s, next.s, u.s, block.tangential.scale);

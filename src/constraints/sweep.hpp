@@ -51,15 +51,13 @@ template <class Number>
 struct Update {
   Number momentum, overshoot;
 
-  // Updates a row's multiplier and its extrapolation y; returns the change of y, which is what the bodies feel. measure(taken):
-  // what counts for the stop test, as a length per step.
-  template <class Measure>
-  [[gnu::always_inline]] inline Number advance(Number& lambda, Number& y, Number next, Number step, Number r, Number taken,
-                                               SweepTerms<Number>& terms, Measure&& measure) const {
+  // Updates a row's multiplier and its extrapolation y; returns the change of y, which is what the bodies feel.
+  [[gnu::always_inline]] inline Number advance(Number& lambda, Number& y, Number next, Number step, Number r, Number power,
+                                               Number change, SweepTerms<Number>& terms) const {
     const Number forward = next - lambda, new_y = next + momentum * forward + overshoot * step;
     terms.gradient += r * forward;
-    terms.progress += taken * step;
-    terms.change = larger(terms.change, measure(taken));
+    terms.progress += power;
+    terms.change = larger(terms.change, change);
     const Number moved = new_y - y;
     lambda = next, y = new_y;
     return moved;
@@ -87,18 +85,21 @@ class SweepTotals {
  public:
   explicit SweepTotals(double unit) : per_unit_(1 / unit) {}
 
-  // Adds a block's terms and starts those of the next one. counted: a mask of the lanes that this rank counts.
+  // The terms of the next block: they carry the largest change on.
+  [[gnu::always_inline]] inline SweepTerms<Vec4d> start() const { return {broadcast(0), broadcast(0), change_}; }
+
+  // Adds a block's terms. counted: a mask of the lanes that this rank counts.
   [[gnu::always_inline]] inline void close(const SweepTerms<Vec4d>& terms, Mask4 counted) {
     largest_ = max(largest_, max(abs(terms.gradient), terms.progress));
     gradient_ += whole_units(terms.gradient, per_unit_) & counted, progress_ += whole_units(terms.progress, per_unit_) & counted;
-    change_ = max(change_, terms.change);
+    change_ = terms.change;
   }
 
   // The same where this rank counts all lanes.
   [[gnu::always_inline]] inline void close(const SweepTerms<Vec4d>& terms) {
     largest_ = max(largest_, max(abs(terms.gradient), terms.progress));
     gradient_ += whole_units(terms.gradient, per_unit_), progress_ += whole_units(terms.progress, per_unit_);
-    change_ = max(change_, terms.change);
+    change_ = terms.change;
   }
 
   // step: s, by which changes of velocities become lengths.

@@ -301,8 +301,8 @@ void JointBatch::sweep(SolveState& state, const Extrapolation& extrapolation, Sw
       SweepTerms<double> terms;
       for (std::size_t k = 0; k < T::rows; ++k) {
         const double next = step.next[k], r = step.defect[k], by = next - part.y[k];
-        moved[k] = update.advance(part.lambda[k], part.y[k], next, by, r, by != 0 ? -r : 0, terms,
-                                  [&](double x) { return step_ * length_of<T>(part, k, x); });
+        const double change = by != 0 ? step_ * length_of<T>(part, k, r) : 0;
+        moved[k] = update.advance(part.lambda[k], part.y[k], next, by, r, -(r * by), change, terms);
       }
       add_terms(sums, terms, part.counted);
       add_wrench(wrench_of(step.rows, moved), part.side[0].slot, part.side[1].slot, state.wrenches);
