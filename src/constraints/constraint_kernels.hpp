@@ -310,7 +310,8 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
       resisted *= part;
     else
       resisted = select(step[k] != broadcast(0), r[k], broadcast(0));
-    moved[k] = update.advance(lambda_[b][k], y_[b][k], y_[b][k] + step[k], step[k], r[k], -(resisted * step[k]), abs(resisted), terms);
+    moved[k] =
+        update.advance(lambda_[b][k], y_[b][k], y_[b][k] + step[k], step[k], r[k], -(resisted * step[k]), abs(resisted), terms);
   }
   if (counted_[b] == all_lanes)
     totals.close(terms);

@@ -134,8 +134,9 @@ void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, 
     for (std::size_t i = 0; i < blocks.size(); ++i) {
       const Block& block = blocks[i];
       ask_for<const SolverBody>(blocks, i, bodies), ask_for<Wrench>(blocks, i, wrenches);
-      const SweepTerms<Vec4d> terms = block.first_tangent < 0 ? sweep_block<model, false>(*this, block, update, totals.start(), bodies, wrenches)
-                                                              : sweep_block<model, true>(*this, block, update, totals.start(), bodies, wrenches);
+      const SweepTerms<Vec4d> terms = block.first_tangent < 0
+                                          ? sweep_block<model, false>(*this, block, update, totals.start(), bodies, wrenches)
+                                          : sweep_block<model, true>(*this, block, update, totals.start(), bodies, wrenches);
       Mask4 counts;
       for (std::size_t l = 0; l < lanes; ++l) counts[l] = block.manifold[l] >= 0 && counted_[block.manifold[l]] != 0 ? -1 : 0;
       totals.close(terms, counts);

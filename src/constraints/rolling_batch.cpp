@@ -119,8 +119,8 @@ void RollingBatch::sweep(SolveState& state, const Extrapolation& extrapolation, 
     SweepTerms<double> terms;
     for (std::size_t k = 0; k < 3; ++k) {
       const double step = next[k] - row.y[k], taken = row.scale[k == 0 ? 0 : 1] * step;
-      moved[k] = update.advance(row.lambda[k], row.y[k], next[k], step, r[k], taken * step, step_ * row.lever * std::abs(taken),
-                                terms);
+      moved[k] =
+          update.advance(row.lambda[k], row.y[k], next[k], step, r[k], taken * step, step_ * row.lever * std::abs(taken), terms);
     }
     add_terms(sums, terms, row.counted);
     const Vec3 torque = torque_of(row, moved);

@@ -47,8 +47,8 @@ void read_ball(const Value& value, const Scene& scene, Chain& chain) {
   chain.ball = chain.link;
   chain.ball.density.reset(), chain.ball.inertia.reset();
   chain.ball.properties.shape = {scene.planar ? ShapeKind::disc : ShapeKind::sphere,
-                                 Vec3(need(value, "radius", "a number > 0 (m)").number(positive, "m"), 0, 0)};
-  chain.ball.mass = need(value, "mass", "a number > 0 (kg)").number(positive, "kg");
+                                 Vec3(value.need("radius", "a number > 0 (m)").number(positive, "m"), 0, 0)};
+  chain.ball.mass = value.need("mass", "a number > 0 (kg)").number(positive, "kg");
   check_mass(value, chain.ball, chain.ball.properties.shape);
 }
 
@@ -176,16 +176,16 @@ Generated read_chain(const Value& value, const BodyTemplate& body, const Scene& 
   value.map({"count", "from", "to", "joint", "held", "ball"});
   if (!body.properties.is_dynamic()) value.fail("a chain that is not dynamic", "no motion: its ends may be held");
   Chain chain;
-  chain.count = need(value, "count", "an integer >= 1").integer(1, most_links);
-  chain.from = read_vector(need(value, "from", "a point (m)"), scene, "m");
-  const Value& end = need(value, "to", "a point (m)");
+  chain.count = value.need("count", "an integer >= 1").integer(1, most_links);
+  chain.from = read_vector(value.need("from", "a point (m)"), scene, "m");
+  const Value& end = value.need("to", "a point (m)");
   const Vec3 way = read_vector(end, scene, "m") - chain.from;
   if (!(way.norm() > 0)) end.fail_expected("another point than from (m)");
   chain.step = way / static_cast<double>(chain.count);
   chain.turn = turn_x_to(way.normalized());
   chain.link = body;
   if (const Value* ball = value.find("ball")) read_ball(*ball, scene, chain);
-  const Value& of_joint = need(value, "joint", "a map with type");
+  const Value& of_joint = value.need("joint", "a map with type");
   const JointTemplate joint =
       read_joint_template(of_joint, scene, {JointKind::ball, JointKind::hinge, JointKind::universal, JointKind::fixed});
   check_turns(of_joint, joint.joint.kind, body.properties.shape);
@@ -212,10 +212,10 @@ Generated read_tree(const Value& value, const BodyTemplate& body, const Scene& s
     const Value* child = value.find(key);
     return child ? child->number(range, unit) : otherwise;
   };
-  const Value& levels = need(value, "levels", "an integer >= 1");
+  const Value& levels = value.need("levels", "an integer >= 1");
   const std::int64_t depth = levels.integer(1, 24);
   if (const Value* branches = value.find("branches")) tree.branches = branches->integer(1, 16);
-  tree.length = need(value, "length", "a number > 0 (m)").number(positive, "m");
+  tree.length = value.need("length", "a number > 0 (m)").number(positive, "m");
   tree.width = number("width", tree.length / 8, positive, "m");
   tree.ratio = number("ratio", 0.7, {0, 1, true}, "");
   tree.spread = M_PI / 180 * number("spread", 60, {0, 180}, "degrees");
@@ -225,7 +225,7 @@ Generated read_tree(const Value& value, const BodyTemplate& body, const Scene& s
   tree.link = body;
   if (!read_self_collision(value, false)) tree.link.properties.group = group_without_contacts(scene.body_count(), 0);
   check_mass(value, tree.link, tree(count - 1).properties.shape);
-  const JointTemplate joint = read_joint_template(need(value, "joint", "a map with type"), scene,
+  const JointTemplate joint = read_joint_template(value.need("joint", "a map with type"), scene,
                                                   {JointKind::ball, JointKind::hinge, JointKind::universal, JointKind::fixed});
   Generated result{count, tree, {}};
   const Value* held = value.find("held");
@@ -242,12 +242,12 @@ Generated read_ragdolls(const Value& value, const BodyTemplate& body, const Scen
   if (scene.planar) value.fail("ragdolls in a planar scene", "planar: false");
   need_density(value, body, "parts");
   Ragdolls dolls;
-  const Id count = need(value, "count", "an integer >= 1").integer(1, most_links / parts_of_a_figure);
+  const Id count = value.need("count", "an integer >= 1").integer(1, most_links / parts_of_a_figure);
   if (const Value* columns = value.find("columns")) {
     if (columns->kind != Value::Kind::list || columns->entries.size() != 2) columns->fail_expected("a list of 2 integers >= 1");
     dolls.nx = columns->entries[0].integer(1, 1'000'000), dolls.ny = columns->entries[1].integer(1, 1'000'000);
   }
-  dolls.spacing = need(value, "spacing", "a list of 3 numbers > 0 (m)").vector(positive, "m");
+  dolls.spacing = value.need("spacing", "a list of 3 numbers > 0 (m)").vector(positive, "m");
   if (const Value* seed = value.find("seed")) dolls.seed = static_cast<std::uint64_t>(seed->integer(0));
   dolls.self_collision = read_self_collision(value, false);
   dolls.first = scene.body_count();

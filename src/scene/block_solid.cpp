@@ -161,8 +161,8 @@ class BlockSurface {
 
 void read_block(const Value& value, Block& block) {
   value.map({"size", "cells"});
-  const auto size = need(value, "size", "a list of 3 numbers > 0 (m)").numbers(3, positive, "m");
-  const Value& cells = need(value, "cells", "a list of 3 integers >= 1");
+  const auto size = value.need("size", "a list of 3 numbers > 0 (m)").numbers(3, positive, "m");
+  const Value& cells = value.need("cells", "a list of 3 integers >= 1");
   if (cells.kind != Value::Kind::list || cells.entries.size() != 3) cells.fail_expected("a list of 3 integers >= 1");
   for (std::size_t k = 0; k < 3; ++k) {
     block.size[static_cast<Eigen::Index>(k)] = size[k];

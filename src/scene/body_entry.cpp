@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/text.hpp"
 #include "scene/generators.hpp"
 #include "scene/shape_files.hpp"
 #include "world/shape_type.hpp"

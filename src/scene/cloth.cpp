@@ -1,8 +1,9 @@
 // The section `cloths`: what grids and meshes read alike.
 #include <cmath>
 
+#include "meshes/weld.hpp"
 #include "scene/cloth_shape.hpp"
-#include "scene/weld.hpp"
+#include "scene/weld_key.hpp"
 
 namespace unibody {
 
@@ -28,8 +29,8 @@ void read_links(const Value& value, bool grid, ClothLaw& law) {
 void read_membrane(const Value& value, double thickness, ClothLaw& law) {
   value.map({"youngs_modulus", "poissons_ratio", "damping"});
   Fabric fabric;
-  fabric.youngs_modulus = need(value, "youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
-  fabric.poissons_ratio = need(value, "poissons_ratio", "a number in (-1, 1)").number({-1, 1, true, true}, "");
+  fabric.youngs_modulus = value.need("youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
+  fabric.poissons_ratio = value.need("poissons_ratio", "a number in (-1, 1)").number({-1, 1, true, true}, "");
   fabric.thickness = thickness;
   if (const Value* damping = value.find("damping")) fabric.damping = damping->number(not_negative, "s");
   law.membrane = fabric;
@@ -88,7 +89,7 @@ void read_cloth(const Value& entry, Scene& scene) {
                           "bending", "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
-  const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
+  const double thickness = entry.need("thickness", "a number > 0 (m)").number(positive, "m");
   const MeshShape shape = read_shape_of(entry, read_law(entry, thickness), scene);
   const Value* grid = entry.find("grid");
   check_room(grid ? *grid->find("nodes") : *entry.find("mesh"), scene, shape.count);

@@ -2,8 +2,8 @@
 // where nodes are and what ties them together.
 #pragma once
 
+#include "meshes/triangle_mesh.hpp"
 #include "scene/flexible.hpp"
-#include "scene/triangle_mesh.hpp"
 
 namespace unibody {
 

@@ -73,10 +73,4 @@ void add_surface(const Value& entry, Scene& scene, const std::string& name, Id f
   if (const Value* drag = entry.find("drag")) surface.drag = drag->number(not_negative, "");
 }
 
-const Value& need(const Value& map, const char* key, const std::string& expected) {
-  const Value* value = map.find(key);
-  if (!value) map.fail_missing(key, expected);
-  return *value;
-}
-
 }  // namespace unibody

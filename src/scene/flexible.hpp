@@ -71,7 +71,4 @@ Part read_part(const Value& value, const Scene& scene);
 // Adds the surface of a shape whose nodes are bodies from `first` on, with the entry's self_collision and drag.
 void add_surface(const Value& entry, Scene& scene, const std::string& name, Id first, const MeshShape& shape);
 
-// The child of a map that must be there.
-const Value& need(const Value& map, const char* key, const std::string& expected);
-
 }  // namespace unibody

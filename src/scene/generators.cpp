@@ -13,13 +13,7 @@ namespace {
 
 constexpr Id most_bodies = 1'000'000'000'000;
 
-const Value& need(const Value& map, const char* key, const std::string& expected) {
-  const Value* value = map.find(key);
-  if (!value) map.fail_missing(key, expected);
-  return *value;
-}
-
-Id read_count(const Value& map) { return need(map, "count", "an integer >= 1").integer(1, most_bodies); }
+Id read_count(const Value& map) { return map.need("count", "an integer >= 1").integer(1, most_bodies); }
 
 std::uint64_t read_seed(const Value& map) {
   const Value* seed = map.find("seed");
@@ -40,7 +34,7 @@ struct Cells {
 };
 
 Cells read_columns(const Value& map, const Scene& scene) {
-  const Value& columns = need(map, "columns", "a list of 2 integers >= 1");
+  const Value& columns = map.need("columns", "a list of 2 integers >= 1");
   if (columns.kind != Value::Kind::list || columns.entries.size() != 2) columns.fail_expected("a list of 2 integers >= 1");
   const Cells cells{columns.entries[0].integer(1, 1'000'000), columns.entries[1].integer(1, 1'000'000)};
   if (scene.planar && cells.ny != 1) columns.fail_expected("1 as the second of two integers (planar scene)");
@@ -81,7 +75,7 @@ Generated read_lattice(const Value& value, const BodyTemplate& body, const Scene
   value.map({"count", "columns", "spacing", "height", "jitter", "rotation_jitter", "seed"});
   Lattice lattice;
   lattice.cells = read_columns(value, scene);
-  lattice.spacing = need(value, "spacing", "a list of 3 numbers > 0 (m)").vector(positive, "m");
+  lattice.spacing = value.need("spacing", "a list of 3 numbers > 0 (m)").vector(positive, "m");
   lattice.height = read_optional(value, "height", 0, any_number, "m");
   lattice.jitter = read_optional(value, "jitter", 0, not_negative, "m");
   lattice.turn = read_optional(value, "rotation_jitter", 0, not_negative, "rad");
@@ -133,7 +127,7 @@ struct Pile {
 Ingredient read_ingredient(const Value& value, const BodyTemplate& body, const Scene& scene) {
   value.map({"shape", "share", "scale"});
   Ingredient ingredient;
-  const Value& shape = need(value, "shape", "a map with a shape as its key");
+  const Value& shape = value.need("shape", "a map with a shape as its key");
   ingredient.shape = read_shape(shape, scene);
   const ShapeKind kind = ingredient.shape.kind;
   if (kind == ShapeKind::plane || kind == ShapeKind::mesh)
@@ -154,7 +148,7 @@ Generated read_pile(const Value& value, const BodyTemplate& body, const Scene& s
   value.map({"count", "columns", "mix", "gap", "seed"});
   Pile pile;
   pile.cells = read_columns(value, scene);
-  for (const Value& entry : need(value, "mix", "a list of shapes with share and scale").list("shapes with share and scale")) {
+  for (const Value& entry : value.need("mix", "a list of shapes with share and scale").list("shapes with share and scale")) {
     pile.mix.push_back(read_ingredient(entry, body, scene));
     const Ingredient& last = pile.mix.back();
     pile.largest_radius = std::max(pile.largest_radius, bounding_radius(last.scaled(last.largest)));
@@ -192,13 +186,13 @@ Generated read_wall(const Value& value, const BodyTemplate& body, const Scene&) 
   if (body.properties.shape.kind != ShapeKind::box) value.fail("bricks that aren't boxes", "shape: {box: ...}");
   if (body.inertia) value.fail("an inertia", "none, since a wall has half bricks too");
   const double brick_length = 2 * body.properties.shape.size.x();
-  wall.length = need(value, "bricks", "an integer >= 1").integer(1, 1'000'000);
+  wall.length = value.need("bricks", "an integer >= 1").integer(1, 1'000'000);
   wall.gap = read_optional(value, "gap", 0, {0, brick_length, false, true}, "m");
   wall.course_gap = read_optional(value, "course_gap", 0, not_negative, "m");
   wall.brick = wall.half = body;
   wall.half.properties.shape.size.x() = 0.25 * (brick_length - wall.gap);
   if (body.mass) wall.half.mass = *body.mass * 2 * wall.half.properties.shape.size.x() / brick_length;
-  const Id courses = need(value, "courses", "an integer >= 1").integer(1, 1'000'000);
+  const Id courses = value.need("courses", "an integer >= 1").integer(1, 1'000'000);
   return {courses / 2 * (2 * wall.length + 1) + courses % 2 * wall.length, wall};
 }
 

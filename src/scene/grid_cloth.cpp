@@ -151,8 +151,8 @@ class GridConstraints {
 
 void read_grid(const Value& grid, GridCloth& cloth) {
   grid.map({"size", "nodes"});
-  const auto size = need(grid, "size", "a list of 2 numbers > 0 (m)").numbers(2, positive, "m");
-  const Value& nodes = need(grid, "nodes", "a list of 2 integers >= 2");
+  const auto size = grid.need("size", "a list of 2 numbers > 0 (m)").numbers(2, positive, "m");
+  const Value& nodes = grid.need("nodes", "a list of 2 integers >= 2");
   if (nodes.kind != Value::Kind::list || nodes.entries.size() != 2) nodes.fail_expected("a list of 2 integers >= 2");
   cloth.width = size[0], cloth.depth = size[1];
   cloth.nx = nodes.entries[0].integer(2, 1'000'000), cloth.ny = nodes.entries[1].integer(2, 1'000'000);

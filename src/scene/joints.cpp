@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/text.hpp"
 #include "scene/flexible.hpp"
 
 namespace unibody {
@@ -49,7 +50,7 @@ void read_motor(const Value& value, Joint& joint) {
   joint.motor = speed ? Motor::speed : Motor::position;
   joint.target = speed ? speed->number(any_number, angle ? "rad/s" : "m/s") : read_place(*place, joint.kind);
   joint.strength =
-      need(value, strength_key, angle ? "a number > 0 (N m)" : "a number > 0 (N)").number(positive, angle ? "N m" : "N");
+      value.need(strength_key, angle ? "a number > 0 (N m)" : "a number > 0 (N)").number(positive, angle ? "N m" : "N");
 }
 
 // A body as the entry of a joint names it.
@@ -178,7 +179,7 @@ void set_lever(const Body& a, const Body* b, Joint& joint) {
 }
 
 JointKind read_kind(const Value& entry, const std::vector<std::string>& names) {
-  return static_cast<JointKind>(need(entry, "type", one_of(names)).choice(names));
+  return static_cast<JointKind>(entry.need("type", one_of(names)).choice(names));
 }
 
 Joint read_joint(const Value& entry, const Scene& scene) {
@@ -192,7 +193,7 @@ Joint read_joint(const Value& entry, const Scene& scene) {
   if (takes_axis(joint.kind)) keys.insert(keys.end(), {"axis", "axes"});
   if (joint.kind == JointKind::universal) keys.emplace_back("second_axis");
   entry.map(keys);
-  const Value& bodies = need(entry, "bodies", "a list of 2 bodies, the second of which may be world");
+  const Value& bodies = entry.need("bodies", "a list of 2 bodies, the second of which may be world");
   if (bodies.kind != Value::Kind::list || bodies.entries.size() != 2)
     bodies.fail_expected("a list of 2 bodies, the second of which may be world");
   const Named a = read_named(bodies.entries[0], scene), b = read_named(bodies.entries[1], scene);
@@ -281,7 +282,7 @@ JointTemplate read_joint_template(const Value& value, const Scene& scene, const 
   std::vector<std::string> names;
   for (const JointKind kind : allowed) names.emplace_back(joint_names[static_cast<std::size_t>(kind)]);
   if (value.kind != Value::Kind::map) value.fail_expected("a map with type: " + one_of(names));
-  const Value& type = need(value, "type", one_of(names));
+  const Value& type = value.need("type", one_of(names));
   JointTemplate result;
   result.joint.kind = allowed[type.choice(names)];
   const JointKind kind = result.joint.kind;

@@ -17,8 +17,8 @@ bool Part::holds(const Vec3& x) const {
 Part read_part(const Value& value, const Scene& scene) {
   value.map({"min", "max"});
   Part part;
-  part.lower = read_vector(need(value, "min", "a point (m)"), scene, "m");
-  part.upper = read_vector(need(value, "max", "a point (m)"), scene, "m");
+  part.lower = read_vector(value.need("min", "a point (m)"), scene, "m");
+  part.upper = read_vector(value.need("max", "a point (m)"), scene, "m");
   if (!((part.upper - part.lower).array() >= 0).all()) value.fail("max below min", "a box from min to max");
   return part;
 }
@@ -30,8 +30,8 @@ std::map<Id, Vec3> read_loads(const Value& entry, const MeshShape& shape, const 
   if (!list) return loads;
   for (const Value& value : list->list("loads")) {
     value.map({"within", "force"});
-    const Part part = read_part(need(value, "within", "a map with min and max (m)"), scene);
-    const Vec3 force = read_vector(need(value, "force", "a vector (N)"), scene, "N");
+    const Part part = read_part(value.need("within", "a map with min and max (m)"), scene);
+    const Vec3 force = read_vector(value.need("force", "a vector (N)"), scene, "N");
     std::map<Id, double> area;
     double total = 0;
     for (Id t = 0; t < shape.triangle_count; ++t) {

@@ -3,12 +3,12 @@
 #include <memory>
 #include <set>
 
+#include "meshes/mesh_topology.hpp"
+#include "meshes/surface_file.hpp"
+#include "meshes/weld.hpp"
 #include "scene/cloth_shape.hpp"
 #include "scene/mesh_constraints.hpp"
-#include "scene/mesh_topology.hpp"
 #include "scene/shape_files.hpp"
-#include "scene/surface_file.hpp"
-#include "scene/weld.hpp"
 
 namespace unibody {
 

@@ -2,10 +2,10 @@
 #include <filesystem>
 #include <memory>
 
+#include "meshes/tet_mesh.hpp"
+#include "meshes/tet_topology.hpp"
 #include "scene/mesh_constraints.hpp"
 #include "scene/solid_shape.hpp"
-#include "scene/tet_mesh.hpp"
-#include "scene/tet_topology.hpp"
 
 namespace unibody {
 

@@ -6,13 +6,14 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "meshes/convex_pieces.hpp"
+#include "meshes/mesh_topology.hpp"
+#include "meshes/surface_file.hpp"
+#include "meshes/triangle_soup.hpp"
+#include "meshes/weld.hpp"
 #include "scene/body_entry.hpp"
-#include "scene/convex_pieces.hpp"
-#include "scene/mesh_topology.hpp"
 #include "scene/random.hpp"
-#include "scene/surface_file.hpp"
-#include "scene/triangle_soup.hpp"
-#include "scene/weld.hpp"
+#include "scene/weld_key.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
@@ -20,15 +21,9 @@ namespace unibody {
 
 namespace {
 
-const Value& need(const Value& map, const char* key, const std::string& expected) {
-  const Value* value = map.find(key);
-  if (!value) map.fail_missing(key, expected);
-  return *value;
-}
-
 // A mesh from the key `key` with the factor `scale`.
 TriangleMesh read_mesh(const Value& value, const char* key, const Scene& scene, std::string& path, bool soup = false) {
-  path = surface_path(need(value, key, "an OBJ or STL file"), scene);
+  path = surface_path(value.need(key, "an OBJ or STL file"), scene);
   TriangleMesh mesh = read_surface(path, soup);
   const Value* scale = value.find("scale");
   const double factor = scale ? scale->number(positive, "") : 1;
@@ -67,7 +62,7 @@ SolidMoments check_closed(TriangleMesh& mesh, const Value& value, const std::str
 Compound::Part read_part(const Value& value, const Scene& scene) {
   value.map({"shape", "position", "orientation"});
   Compound::Part part{{}, Vec3::Zero(), Quat::Identity()};
-  const Value& shape = need(value, "shape", "a convex shape");
+  const Value& shape = value.need("shape", "a convex shape");
   part.shape = read_shape(shape, scene);
   if (!type_of(part.shape.kind).convex) shape.fail("a " + shape.children[0].first + " in a compound", "a convex solid");
   if (const Value* position = value.find("position")) part.place = read_vector(*position, scene, "m");
@@ -120,8 +115,8 @@ std::function<double(Id, Id)> hills(double height, std::uint64_t seed, const std
 // below: m, how far down it is solid at least.
 TriangleMesh read_height_field(const Value& value, double& below) {
   value.map({"size", "cells", "heights", "hills", "seed"});
-  const auto size = need(value, "size", "2 numbers > 0 (m)").numbers(2, positive, "m");
-  const Value& count = need(value, "cells", "2 integers >= 1");
+  const auto size = value.need("size", "2 numbers > 0 (m)").numbers(2, positive, "m");
+  const Value& count = value.need("cells", "2 integers >= 1");
   if (count.kind != Value::Kind::list || count.entries.size() != 2) count.fail_expected("2 integers >= 1");
   below = std::min(size[0], size[1]) / 4;
   const std::array<Id, 2> cells{count.entries[0].integer(1, 10'000), count.entries[1].integer(1, 10'000)};
@@ -139,8 +134,8 @@ TriangleMesh read_height_field(const Value& value, double& below) {
 // The side and both ends of a drum, facing its axis.
 TriangleMesh read_tube(const Value& value) {
   value.map({"radius", "length", "sides"});
-  const double radius = need(value, "radius", "a number > 0 (m)").number(positive, "m");
-  const double length = need(value, "length", "a number > 0 (m)").number(positive, "m");
+  const double radius = value.need("radius", "a number > 0 (m)").number(positive, "m");
+  const double length = value.need("length", "a number > 0 (m)").number(positive, "m");
   const Value* count = value.find("sides");
   const auto n = static_cast<std::int32_t>(count ? count->integer(3, 10'000) : 64);
   TriangleMesh mesh;

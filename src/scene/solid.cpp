@@ -1,8 +1,9 @@
 // The section `solids`: what blocks and meshes read alike.
 #include <cmath>
 
+#include "meshes/weld.hpp"
 #include "scene/solid_shape.hpp"
-#include "scene/weld.hpp"
+#include "scene/weld_key.hpp"
 
 namespace unibody {
 
@@ -16,16 +17,16 @@ const std::vector<std::string> elasticity_keys{"youngs_modulus", "poissons_ratio
 Elasticity read_elasticity(const Value& map, const Elasticity* rest) {
   Elasticity result = rest ? *rest : Elasticity{};
   const auto has = [&](const char* key) { return !rest || map.find(key); };
-  if (has("youngs_modulus")) result.youngs_modulus = need(map, "youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
+  if (has("youngs_modulus")) result.youngs_modulus = map.need("youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
   if (has("poissons_ratio"))
-    result.poissons_ratio = need(map, "poissons_ratio", "a number in (-1, 0.5)").number({-1, 0.5, true, true}, "");
+    result.poissons_ratio = map.need("poissons_ratio", "a number in (-1, 0.5)").number({-1, 0.5, true, true}, "");
   if (const Value* damping = map.find("damping")) result.damping = damping->number(not_negative, "s");
   return result;
 }
 
 SolidLaw read_law(const Value& entry, const Scene& scene) {
   SolidLaw law;
-  law.density = need(entry, "density", "a number > 0 (kg/m^3)").number(positive, "kg/m^3");
+  law.density = entry.need("density", "a number > 0 (kg/m^3)").number(positive, "kg/m^3");
   law.elasticity = read_elasticity(entry, nullptr);
   if (const Value* volume = entry.find("energy_volume"))
     law.energy_volume = static_cast<EnergyVolume>(volume->choice({"rest", "current"}));
@@ -37,7 +38,7 @@ SolidLaw read_law(const Value& entry, const Scene& scene) {
       std::vector<std::string> keys = elasticity_keys;
       keys.emplace_back("within");
       region.map(keys);
-      const Part part = read_part(need(region, "within", "a map with min and max (m)"), scene);
+      const Part part = read_part(region.need("within", "a map with min and max (m)"), scene);
       law.regions.emplace_back(part, read_elasticity(region, &law.elasticity));
     }
   return law;
@@ -59,13 +60,13 @@ void read_solid(const Value& entry, Scene& scene) {
                           "angular_velocity", "loads", "self_collision", "drag"})
     keys.emplace_back(key);
   entry.map(keys);
-  const double thickness = need(entry, "thickness", "a number > 0 (m)").number(positive, "m");
+  const double thickness = entry.need("thickness", "a number > 0 (m)").number(positive, "m");
   MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
   const Value* block = entry.find("block");
   check_room(block ? *block->find("cells") : *entry.find("mesh"), scene, shape.count);
   shape.closed = true;
   if (!(shape.mass(0) > 0 && std::isfinite(shape.mass(0))))
-    need(entry, "density", "").fail_expected("a finite mass > 0 of each node");
+    entry.need("density", "").fail_expected("a finite mass > 0 of each node");
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   Vec3 spin = Vec3::Zero();
   if (const Value* value = entry.find("angular_velocity")) spin = read_vector(*value, scene, "rad/s");

@@ -61,12 +61,12 @@ void read_thread(const Value& entry, Scene& scene) {
   for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending", "self_collision"}) keys.emplace_back(key);
   entry.map(keys);
   Thread thread;
-  read_line(need(entry, "points", "a list of at least 2 points"), thread, scene);
-  const Value& segments = need(entry, "segments", "an integer >= 1");
+  read_line(entry.need("points", "a list of at least 2 points"), thread, scene);
+  const Value& segments = entry.need("segments", "an integer >= 1");
   thread.segments = segments.integer(1, 1'000'000'000);
   check_room(segments, scene, thread.segments + 1);
-  const double radius = need(entry, "radius", "a number > 0 (m)").number(positive, "m");
-  const double mass = need(entry, "mass", "a number > 0 (kg)").number(positive, "kg");
+  const double radius = entry.need("radius", "a number > 0 (m)").number(positive, "m");
+  const double mass = entry.need("mass", "a number > 0 (kg)").number(positive, "kg");
   if (const Value* stretch = entry.find("stretch")) read_stretch(*stretch, radius, thread);
   if (const Value* bending = entry.find("bending")) {
     bending->map({"stiffness", "damping"});

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/errors.hpp"
+#include "core/text.hpp"
 
 namespace unibody {
 
@@ -47,22 +48,16 @@ std::string Range::text() const {
   return "";
 }
 
-std::string one_line(std::string message) {
-  for (char& c : message)
-    if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
-  return message;
-}
-
-std::string one_of(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
-  return text;
-}
-
 const Value* Value::find(std::string_view name) const {
   for (const auto& [child_key, child] : children)
     if (child_key == name) return &child;
   return nullptr;
+}
+
+const Value& Value::need(std::string_view name, const std::string& expected) const {
+  const Value* value = find(name);
+  if (value == nullptr) fail_missing(std::string(name), expected);
+  return *value;
 }
 
 void Value::fail(const std::string& what, const std::string& expected) const {

@@ -40,7 +40,8 @@ class Value {
   std::shared_ptr<const std::string> origin;            // the file, or "-set path=value"
   int line = 0;                                         // 1 is the first; 0: not from the file
 
-  const Value* find(std::string_view name) const;  // child of a map; null where there is none
+  const Value* find(std::string_view name) const;                               // child of a map; null where there is none
+  const Value& need(std::string_view name, const std::string& expected) const;  // the same, which must be there
 
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
   [[noreturn]] void fail_expected(const std::string& expected) const { fail(found(), expected); }
@@ -62,12 +63,6 @@ class Value {
 
 // Reads a YAML file and applies the overrides. Throws InputError on a missing file, on what isn't YAML, on a key given twice.
 Value load_value(const std::string& path, const std::vector<Override>& overrides);
-
-// With '?' for line breaks and other control characters.
-std::string one_line(std::string message);
-
-// "a, b or c".
-std::string one_of(const std::vector<std::string>& names);
 
 // A table of the keys of a map: one line a key, read in the order of the table.
 template <class Target>

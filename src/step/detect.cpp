@@ -14,11 +14,14 @@ namespace unibody {
 
 void make_constraints(RankState& state) {
   state.constraints = build_constraints(state.scene, state.world);
-  for_each_type(state.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
-    state.history.of<ConstraintBatch<C>>().assign(list.size(), {});
-  });
   state.joints = joints_here(state.scene.joints, state.world);
-  state.history.joints().assign(state.joints.size(), {});
+  for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
+    if constexpr (KeyedBatch<B>) {
+      std::size_t count = 0;
+      B::for_each_element(state.elements(), [&](const typename B::Key&, std::span<const Id>) { ++count; });
+      state.history.of<B>().assign(count, {});
+    }
+  });
   std::vector<Id> wanted = partners(state.world, state.constraints);
   const auto add = [&](const std::vector<Id>& more) {
     std::vector<Id> both;

@@ -4,8 +4,8 @@
 #include <set>
 #include <sstream>
 
+#include "meshes/mesh_topology.hpp"
 #include "scene/grid_mesh.hpp"
-#include "scene/mesh_topology.hpp"
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 

@@ -1,5 +1,5 @@
 // Edges, boundaries and components against counting by brute force; every fault by its message.
-#include "scene/mesh_topology.hpp"
+#include "meshes/mesh_topology.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The reader of Gmsh's meshes: every variant written here byte by byte, files of Gmsh itself, and the message of every fault.
-#include "scene/msh.hpp"
+#include "meshes/msh.hpp"
 
 #include <algorithm>
 #include <cstring>

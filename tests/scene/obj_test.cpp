@@ -1,5 +1,5 @@
 // The reader of OBJ files: what it takes, and the message of everything that it refuses.
-#include "scene/obj.hpp"
+#include "meshes/obj.hpp"
 
 #include "scene/scene_text.hpp"
 

@@ -1,10 +1,10 @@
 // The reader of STL files: both forms give the mesh that the same triangles in OBJ do, and every fault has its message.
-#include "scene/stl.hpp"
+#include "meshes/stl.hpp"
 
 #include <cstring>
 #include <limits>
 
-#include "scene/mesh_topology.hpp"
+#include "meshes/mesh_topology.hpp"
 #include "scene/scene_text.hpp"
 #include "world/shape_library.hpp"
 

@@ -1,5 +1,5 @@
 // Meshes of tetrahedra: boundary against brute force, orientation, parts, and the message of every fault.
-#include "scene/tet_topology.hpp"
+#include "meshes/tet_topology.hpp"
 
 #include <algorithm>
 #include <limits>

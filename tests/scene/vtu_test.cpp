@@ -1,5 +1,5 @@
 // The reader of VTK's meshes: every coding written here byte by byte, files of VTK itself, and the message of every fault.
-#include "scene/vtu.hpp"
+#include "meshes/vtu.hpp"
 
 #include <zlib.h>
 

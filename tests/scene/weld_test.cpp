@@ -1,5 +1,5 @@
 // Welding: nodes at one place become one, in a time that grows with their number; what is one sheet for a person stays one.
-#include "scene/weld.hpp"
+#include "meshes/weld.hpp"
 
 #include <gtest/gtest.h>
 

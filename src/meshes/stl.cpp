@@ -1,6 +1,6 @@
 // Written by hand: of what Debian 12 has, assimp (12 MB with what it needs) and admesh read in single precision, take a file that
 // is cut off for a shorter one or end with a message that names no place, and admesh writes to stderr by itself.
-#include "scene/stl.hpp"
+#include "meshes/stl.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <limits>
 #include <map>
 
-#include "scene/mesh_file.hpp"
+#include "meshes/mesh_file.hpp"
 
 namespace unibody {
 

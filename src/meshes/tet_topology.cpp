@@ -1,4 +1,4 @@
-#include "scene/tet_topology.hpp"
+#include "meshes/tet_topology.hpp"
 
 #include <algorithm>
 #include <cmath>

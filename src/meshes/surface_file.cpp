@@ -1,7 +1,7 @@
-#include "scene/surface_file.hpp"
+#include "meshes/surface_file.hpp"
 
-#include "scene/obj.hpp"
-#include "scene/stl.hpp"
+#include "meshes/obj.hpp"
+#include "meshes/stl.hpp"
 
 namespace unibody {
 

@@ -1,10 +1,10 @@
-#include "scene/mesh_topology.hpp"
+#include "meshes/mesh_topology.hpp"
 
 #include <algorithm>
 #include <tuple>
 
 #include "core/errors.hpp"
-#include "scene/sets.hpp"
+#include "meshes/sets.hpp"
 
 namespace unibody {
 

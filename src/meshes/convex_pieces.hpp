@@ -1,7 +1,7 @@
 // A closed surface as convex solids, for contact.
 #pragma once
 
-#include "scene/triangle_mesh.hpp"
+#include "meshes/triangle_mesh.hpp"
 #include "world/hull.hpp"
 
 namespace unibody {

@@ -7,14 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "scene/value.hpp"
+#include "core/types.hpp"
 
 namespace unibody {
 
 inline constexpr double usual_weld = 1e-6;  // of the longest edge of the box around the nodes
-
-// The key `weld` of an entry whose mesh has the key `mesh`: a share of the mesh's extent; 0: nothing is welded.
-double read_weld(const Value& entry, const char* mesh);
 
 // The longest edge (m) of the box around the nodes.
 double extent_of(const std::vector<Vec3>& nodes);

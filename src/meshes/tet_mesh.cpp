@@ -1,10 +1,10 @@
-#include "scene/tet_mesh.hpp"
+#include "meshes/tet_mesh.hpp"
 
 #include "core/errors.hpp"
-#include "scene/msh.hpp"
-#include "scene/tet_topology.hpp"
-#include "scene/vtu.hpp"
-#include "scene/weld.hpp"
+#include "meshes/msh.hpp"
+#include "meshes/tet_topology.hpp"
+#include "meshes/vtu.hpp"
+#include "meshes/weld.hpp"
 
 namespace unibody {
 

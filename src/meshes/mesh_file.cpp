@@ -1,11 +1,11 @@
-#include "scene/mesh_file.hpp"
+#include "meshes/mesh_file.hpp"
 
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 
 #include "core/errors.hpp"
-#include "scene/value.hpp"
+#include "core/text.hpp"
 
 namespace unibody {
 

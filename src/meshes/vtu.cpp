@@ -1,4 +1,4 @@
-#include "scene/vtu.hpp"
+#include "meshes/vtu.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 #include <limits>
 #include <pugixml.hpp>
 
-#include "scene/mesh_file.hpp"
-#include "scene/value.hpp"
-#include "scene/vtu_data.hpp"
+#include "core/text.hpp"
+#include "meshes/mesh_file.hpp"
+#include "meshes/vtu_data.hpp"
 
 namespace unibody {
 

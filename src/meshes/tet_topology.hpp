@@ -4,7 +4,7 @@
 // own. So are parts that share a node or an edge alone, without a face.
 #pragma once
 
-#include "scene/tet_mesh.hpp"
+#include "meshes/tet_mesh.hpp"
 
 namespace unibody {
 

@@ -1,10 +1,10 @@
-#include "scene/weld.hpp"
+#include "meshes/weld.hpp"
 
 #include <cmath>
 #include <limits>
 #include <unordered_map>
 
-#include "scene/sets.hpp"
+#include "meshes/sets.hpp"
 
 namespace unibody {
 
@@ -56,13 +56,6 @@ std::string counted(std::int64_t count, const std::string& what) {
 }
 
 }  // namespace
-
-double read_weld(const Value& entry, const char* mesh) {
-  const Value* value = entry.find("weld");
-  if (!value) return usual_weld;
-  if (!entry.find(mesh)) value->fail_expected("no such key without a mesh from a file");
-  return value->number({0, 0.1}, "of the mesh's extent");
-}
 
 double extent_of(const std::vector<Vec3>& nodes) {
   if (nodes.empty()) return 0;

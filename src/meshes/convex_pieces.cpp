@@ -1,4 +1,4 @@
-#include "scene/convex_pieces.hpp"
+#include "meshes/convex_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>

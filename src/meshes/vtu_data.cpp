@@ -1,4 +1,4 @@
-#include "scene/vtu_data.hpp"
+#include "meshes/vtu_data.hpp"
 
 #include <zlib.h>
 

@@ -1,11 +1,11 @@
-#include "scene/obj.hpp"
+#include "meshes/obj.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
-#include "scene/mesh_file.hpp"
+#include "meshes/mesh_file.hpp"
 
 namespace unibody {
 

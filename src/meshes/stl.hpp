@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/triangle_mesh.hpp"
+#include "meshes/triangle_mesh.hpp"
 
 namespace unibody {
 

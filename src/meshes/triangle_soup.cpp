@@ -1,10 +1,10 @@
-#include "scene/triangle_soup.hpp"
+#include "meshes/triangle_soup.hpp"
 
 #include <algorithm>
 #include <map>
 
 #include "core/errors.hpp"
-#include "scene/weld.hpp"
+#include "meshes/weld.hpp"
 
 namespace unibody {
 

@@ -1,11 +1,11 @@
-#include "scene/msh_input.hpp"
+#include "meshes/msh_input.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
-#include "scene/mesh_file.hpp"
+#include "meshes/mesh_file.hpp"
 
 namespace unibody {
 

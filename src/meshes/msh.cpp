@@ -1,11 +1,11 @@
-#include "scene/msh.hpp"
+#include "meshes/msh.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <tuple>
 
-#include "scene/mesh_file.hpp"
-#include "scene/msh_input.hpp"
+#include "meshes/mesh_file.hpp"
+#include "meshes/msh_input.hpp"
 
 namespace unibody {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "scene/tet_mesh.hpp"
+#include "meshes/tet_mesh.hpp"
 
 namespace unibody {
 

@@ -1,0 +1,11 @@
+// The key `weld` of entries that read a mesh.
+#pragma once
+
+#include "scene/value.hpp"
+
+namespace unibody {
+
+// Of an entry whose mesh has the key `mesh`: a share of the mesh's extent (meshes/weld.hpp); 0: nothing is welded.
+double read_weld(const Value& entry, const char* mesh);
+
+}  // namespace unibody
