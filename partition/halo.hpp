@@ -18,7 +18,7 @@
 
 #include "collide/collide.hpp"
 #include "collide/surfaces.hpp"
-#include "core/room.hpp"
+#include "core/capacity.hpp"
 #include "world/world.hpp"
 
 namespace unibody {

@@ -36,7 +36,7 @@ class Experiment {
     for (int i = 0; i < n; ++i) step();
   }
   void seconds(double t) { steps(static_cast<int>(t / h() + 0.5)); }
-  double h() const { return scene->time.step / scene->time.substeps; }
+  double h() const { return scene->time.frame / scene->time.substeps; }
 
   World& world() { return simulation->world; }
   std::size_t slot(Id id) const;  // of a body that is here

@@ -22,7 +22,7 @@ ITERATIONS = (5, 10, 20, 50, 100, 200, 500)
 def thrown_block(cells, modulus, solver, iterations, more=()):
     """The settings of scenes/soft_cantilever.yaml that make it a cube of 1 m, held at one face and thrown downwards."""
     return ['solids[0].block.size=[1, 1, 1]', f'solids[0].block.cells={cells}', 'solids[0].velocity=[0, 0, -2]', 'solids[0].position=[0.5, 0.5, 0.5]',
-            'solids[0].pins=[{within: {min: [0, 0, 0], max: [0, 1, 1]}}]', f'solids[0].youngs_modulus={modulus:.1e}', f'time.step={STEP}',
+            'solids[0].pins=[{within: {min: [0, 0, 0], max: [0, 1, 1]}}]', f'solids[0].youngs_modulus={modulus:.1e}', f'time.frame={STEP}',
             *(f'solver.{word}' for word in f'name={solver}'.split(', ')), f'solver.iterations={iterations}', 'solver.tolerance=0', *more]
 
 
@@ -120,7 +120,7 @@ def sag(settings, frames, arguments):
 
 def softness(arguments):
     """Rubber of 5e8 Pa at 16 ms: an unconverged solid is softer than its modulus; what substeps and a warm start do to it."""
-    exact = sag(['solver.name=newton', 'time.step=1.0e+4'], 1, arguments)
+    exact = sag(['solver.name=newton', 'time.frame=1.0e+4'], 1, arguments)
     lines = table(['cantilever of rubber, E = 5e8 Pa, 16 ms', 'sag over the exact sag of the same mesh'])
     for solver in ('accelerated_jacobi', 'gauss_seidel'):
         for iterations, substeps in ((50, 1), (10, 5), (5, 10), (200, 1), (50, 10)):

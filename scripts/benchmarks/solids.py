@@ -39,7 +39,7 @@ def solve(shape, young, poisson, loads=(), pins=(), step=HUGE, frames=1, density
             solid['mesh'] = 'solid.msh'
         solid['loads'] = [{'within': box, 'force': list(force)} for box, force in loads]
         solid['pins'] = [{'within': pin} if isinstance(pin, dict) else {'node': pin} for pin in pins]
-        scene = {'time': {'step': step, 'frames': frames}, 'gravity': list(gravity), 'solver': {'name': 'newton'},
+        scene = {'time': {'frame': step, 'frames': frames}, 'gravity': list(gravity), 'solver': {'name': 'newton'},
                  'solids': [{key: value for key, value in solid.items() if value != []}]}
         path = os.path.join(folder, 'scene')
         with open(path + '.yaml', 'w', encoding='utf-8') as file:

@@ -14,7 +14,7 @@ def stability(arguments):
                 for solver in arguments.solvers or ('accelerated_jacobi', 'gauss_seidel', 'jacobi'):
                     for warm in ('0', 'auto'):
                         say(f'stability {nodes} {step:.4f} {solver} {iterations} {warm}')
-                        more = ['output.every=0', f'solver.warm_start={warm}', f'time.step={step:.17g}']
+                        more = ['output.every=0', f'solver.warm_start={warm}', f'time.frame={step:.17g}']
                         rows = unibody('cloth_50', hanging_cloth(nodes, 'both', solver, iterations, more), folder('stability'), 1,
                                        arguments.core, frames)
                         name = next(h for h in rows[0] if h.startswith('stretch_max'))

@@ -13,9 +13,9 @@ namespace unibody {
 namespace {
 
 // The PETSc options that make sense for this program begin with one of these; anything else is a typing error.
-constexpr std::string_view petsc_prefixes[] = {
-    "-log_",    "-options_",  "-malloc",   "-memory_",           "-vec_",         "-sf_", "-on_error", "-fp_trap", "-info",
-    "-version", "-no_signal", "-debugger", "-start_in_debugger", "-check_pointer"};
+constexpr std::string_view petsc_prefixes[] = {"-log_",     "-options_",          "-malloc",       "-memory_", "-vec_",
+                                               "-sf_",      "-on_error",          "-fp_trap",      "-info",    "-no_signal",
+                                               "-debugger", "-start_in_debugger", "-check_pointer"};
 
 std::uint64_t seed_of(const std::string& value) {
   const std::string_view prefix = "random:";
@@ -61,6 +61,8 @@ Options parse_options(int argc, char** argv) {
     };
     if (word == "-help" || word == "--help" || word == "-h") {
       options.help = true;
+    } else if (word == "-version" || word == "--version") {
+      options.version = true;
     } else if (word == "-output") {
       options.output = value();
     } else if (word == "-overwrite") {
@@ -107,7 +109,8 @@ Options parse_options(int argc, char** argv) {
       throw InputError("two scenes are given: '" + options.scene + "' and '" + word + "'");
     }
   }
-  if (options.scene.empty() && !options.help) throw InputError("no scene is given: unibody SCENE [options], -help explains");
+  if (options.scene.empty() && !options.help && !options.version)
+    throw InputError("no scene is given: unibody SCENE [options], -help explains");
   if (options.dump_step >= 0 && options.dump_fclib.empty())
     throw InputError("option -dump_step: expected -dump_fclib FILE with it");
   return options;
@@ -125,7 +128,7 @@ Simulates the scene file SCENE and writes its results into a folder.
                          Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]
   -solver_level LEVEL    position (default), or velocity: the classic time stepping, for comparison; as -set solver.level=LEVEL
   -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
-  -start_from FILE       the same, but time.step, time.substeps and what stands under solver may differ from those of the checkpoint's
+  -start_from FILE       the same, but time.frame, time.substeps and what stands under solver may differ from those of the checkpoint's
                          run: to compare settings from the same state
   -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
                          No result depends on it
@@ -143,6 +146,7 @@ Simulates the scene file SCENE and writes its results into a folder.
   -dump_fclib FILE       write one frame's last step as a frictional contact problem in FCLIB's HDF5 form, with its solution;
                          rigid bodies alone, in space
   -dump_step N           of that frame (default: the last)
+  -version               version and commit of the program, its compiler, and the versions of PETSc, MPI, HDF5 and METIS
   -help                  this text
 
 PETSc options that begin with -log_, -options_, -malloc, -memory_, -vec_, -info or -on_error are passed on to PETSc,

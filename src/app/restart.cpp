@@ -20,11 +20,11 @@ std::string settings_of(const Scene& scene) {
   std::ostringstream text;
   text.precision(17);
   const SolverSettings& s = scene.solver;
-  text << scene.time.step << ' ' << scene.time.substeps << ' ' << s.name << ' ' << s.iterations << ' ' << s.tolerance.value_or(-1)
-       << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start.value_or(-1) << ' ' << s.velocity_share.value_or(-1) << ' '
-       << s.leak.value_or(-1) << ' ' << static_cast<int>(s.friction) << ' ' << static_cast<int>(s.gap) << ' '
-       << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling << ' ' << s.recovery_time.value_or(-1)
-       << ' ' << s.recovery_speed.value_or(-1) << ' ' << s.margin.value_or(-1) << '\n';
+  text << scene.time.frame << ' ' << scene.time.substeps << ' ' << s.name << ' ' << s.iterations << ' '
+       << s.tolerance.value_or(-1) << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start.value_or(-1) << ' '
+       << s.velocity_share.value_or(-1) << ' ' << s.leak.value_or(-1) << ' ' << static_cast<int>(s.friction) << ' '
+       << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling
+       << ' ' << s.recovery_time.value_or(-1) << ' ' << s.recovery_speed.value_or(-1) << ' ' << s.margin.value_or(-1) << '\n';
   if (s.acceleration != Acceleration::automatic) text << "acceleration " << static_cast<int>(s.acceleration) << '\n';
   if (s.mass_sharing != MassSharing::directions) text << "mass sharing " << static_cast<int>(s.mass_sharing) << '\n';
   if (s.joints == JointSolve::direct) text << "trees\n";

@@ -6,16 +6,15 @@
 #include <array>
 #include <cstdio>
 #include <iterator>
-#include <new>
 #include <optional>
 
 #include "app/bad_body.hpp"
+#include "app/machine_memory.hpp"
 #include "app/petsc_session.hpp"
 #include "app/restart.hpp"
 #include "checkpoint/checkpoint.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
-#include "core/memory.hpp"
 #include "core/phases.hpp"
 #include "partition/balance.hpp"
 #include "report/elastic_energy.hpp"
@@ -29,6 +28,7 @@
 #include "report/strain.hpp"
 #include "report/summary.hpp"
 #include "report/surface_report.hpp"
+#include "report/version.hpp"
 #include "step/build.hpp"
 #include "step/simulation.hpp"
 #include "step/step_parts.hpp"
@@ -230,7 +230,7 @@ void Run::rebalance() {
 
 FrameReport Run::do_frame(std::int64_t frame) {
   FrameReport report;
-  report.step = frame, report.time = static_cast<double>(frame) * scene_.time.step;
+  report.step = frame, report.time = static_cast<double>(frame) * scene_.time.frame;
   report.converged = true;
   StepReport last;
   std::int64_t held = 0;
@@ -285,7 +285,7 @@ void Run::open_files() {
 
 void Run::write(std::int64_t frame) {
   const PhaseClock::Scope scope(clock_, Phase::output);
-  const double time = static_cast<double>(frame) * scene_.time.step;
+  const double time = static_cast<double>(frame) * scene_.time.frame;
   if (frames_ && frame % scene_.output.every == 0) frames_->write(frame, time, simulation_.world);
   if (joint_files_ && frame % std::max(1, scene_.output.every) == 0)
     joint_files_->write(frame, time, simulation_.joints, simulation_.joint_slots, simulation_.joint_states());
@@ -337,33 +337,6 @@ void Run::finish() {
   std::printf("\n");
 }
 
-// The memory of each machine shared among its ranks; the least share counts, as all ranks make as many bodies.
-Room room_of(MPI_Comm comm) {
-  MPI_Comm machine = MPI_COMM_NULL;
-  check_mpi(MPI_Comm_split_type(comm, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine));
-  Room room;
-  int neighbours = 1;
-  check_mpi(MPI_Comm_size(machine, &neighbours));
-  check_mpi(MPI_Comm_free(&machine));
-  check_mpi(MPI_Comm_size(comm, &room.ranks));
-  room.bytes = std::min(bytes_of_machine() / neighbours, bytes_of_process());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &room.bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
-  return room;
-}
-
-// Where memory runs out on one rank, the others must not wait for it: it ends the run where it stands, without unwinding, since
-// much of what would be freed is freed by all ranks together.
-long long bodies_in_scene = 0;
-void out_of_memory() {
-  int rank = 0, size = 1;
-  check_mpi(MPI_Comm_rank(MPI_COMM_WORLD, &rank));
-  check_mpi(MPI_Comm_size(MPI_COMM_WORLD, &size));
-  std::fprintf(stderr,
-               "unibody: rank %d: out of memory, with %lld bodies on %d rank%s: fewer bodies or more machines are needed\n", rank,
-               bodies_in_scene, size, size == 1 ? "" : "s");
-  MPI_Abort(MPI_COMM_WORLD, 3);
-}
-
 }  // namespace
 
 int run(MPI_Comm comm, const Options& options) {
@@ -373,9 +346,13 @@ int run(MPI_Comm comm, const Options& options) {
     if (rank == 0) std::fputs(help_text().c_str(), stdout);
     return 0;
   }
-  std::set_new_handler(out_of_memory);
+  if (options.version) {
+    if (rank == 0) std::fputs(version_text().c_str(), stdout);
+    return 0;
+  }
+  end_run_out_of_memory();
   const Scene scene = read_scene(options.scene, options.overrides, room_of(comm));
-  bodies_in_scene = scene.body_count();
+  tell_bodies_in_scene(scene.body_count());
   int size = 1;
   check_mpi(MPI_Comm_size(comm, &size));
   if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential && size > 1)

@@ -7,7 +7,7 @@
 #include "collide/crowds.hpp"
 #include "collide/merge_supports.hpp"
 #include "collide/restitution.hpp"
-#include "core/renew_room.hpp"
+#include "core/capacity.hpp"
 
 namespace unibody {
 

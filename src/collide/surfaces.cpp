@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/room.hpp"
+#include "core/capacity.hpp"
 
 namespace unibody {
 

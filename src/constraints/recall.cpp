@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "core/renew_room.hpp"
+#include "core/capacity.hpp"
 
 namespace unibody {
 

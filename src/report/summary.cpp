@@ -1,8 +1,5 @@
 #include "report/summary.hpp"
 
-#include <hdf5.h>
-#include <metis.h>
-#include <petscversion.h>
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -18,32 +15,18 @@
 #include "core/hash.hpp"
 #include "core/hdf5.hpp"
 #include "core/json.hpp"
+#include "report/version.hpp"
 
 namespace unibody {
 
 namespace {
 
-#ifndef UNIBODY_VERSION
-#define UNIBODY_VERSION "unknown"
-#endif
-
-std::string dotted(int a, int b, int c) { return std::to_string(a) + "." + std::to_string(b) + "." + std::to_string(c); }
-
 Json vector(const Vec3& v) { return Json::array().push(v[0]).push(v[1]).push(v[2]); }
 
-Json versions() {
-  std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
-  int length = 0;
-  check_mpi(MPI_Get_library_version(text.data(), &length));
-  const std::string mpi(text.data(), static_cast<std::size_t>(length));
-  unsigned a = 0, b = 0, c = 0;
-  H5get_libversion(&a, &b, &c);
-  return Json::object()
-      .set("unibody", UNIBODY_VERSION)
-      .set("petsc", dotted(PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR, PETSC_VERSION_SUBMINOR))
-      .set("mpi", mpi.substr(0, mpi.find_first_of(",\n")))
-      .set("hdf5", dotted(static_cast<int>(a), static_cast<int>(b), static_cast<int>(c)))
-      .set("metis", dotted(METIS_VER_MAJOR, METIS_VER_MINOR, METIS_VER_SUBMINOR));
+Json versions_json() {
+  Json json = Json::object();
+  for (const auto& [what, which] : versions()) json.set(what, which);
+  return json;
 }
 
 Json scene_json(const Scene& scene, const Summary& summary) {
@@ -80,7 +63,7 @@ Json settings_json(const Scene& scene, const SolverSettings& s) {
     solver.set("recovery_time (s)", s.recovery_time.value_or(-1)).set("recovery_speed (m/s)", s.recovery_speed.value_or(-1));
   solver.set("margin (m)", s.margin.value_or(-1));
   Json time = Json::object();
-  time.set("step (s)", scene.time.step).set("frames", scene.time.frames).set("substeps", scene.time.substeps);
+  time.set("frame (s)", scene.time.frame).set("frames", scene.time.frames).set("substeps", scene.time.substeps);
   Json output = Json::object();
   output.set("every", scene.output.every).set("checkpoint_every", scene.output.checkpoint_every);
   output.set("single_precision", scene.output.single_precision);
@@ -159,7 +142,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   for (const auto& file : summary.files) files.push(file);
   Json j = Json::object();
   j.set("status", summary.status).set("scene", scene_json(scene, summary)).set("settings", settings_json(scene, summary.solver));
-  j.set("versions", versions()).set("ranks", ranks);
+  j.set("versions", versions_json()).set("ranks", ranks);
   j.set("first_frame", summary.first_frame).set("last_frame", summary.last_frame);
   if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);
   j.set("frames_not_converged", summary.unconverged);

@@ -35,10 +35,12 @@ std::optional<double> number_or_auto(const Value& value, const Range& range, con
 }
 
 const Field<TimeSettings> time_fields[] = {
-    {"step", [](const Value& v, TimeSettings& t) { t.step = v.number(positive, "s"); }},
+    {"frame", [](const Value& v, TimeSettings& t) { t.frame = v.number(positive, "s"); }},
     {"frames", [](const Value& v, TimeSettings& t) { t.frames = v.integer(0); }},
     {"substeps", [](const Value& v, TimeSettings& t) { t.substeps = static_cast<int>(v.integer(1, 1'000'000)); }},
 };
+
+constexpr RenamedKey renamed_time_keys[] = {{"step", "frame"}};  // which was the length of a frame all along
 
 const Field<OutputSettings> output_fields[] = {
     {"every", [](const Value& v, OutputSettings& o) { o.every = static_cast<int>(v.integer(0, 1'000'000'000)); }},
@@ -222,7 +224,11 @@ void read_materials(const Value& value, Scene& scene) {
 // In the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.
 const Field<Scene> sections[] = {
     {"title", [](const Value& v, Scene& s) { s.title = v.string("a text"); }},
-    {"time", [](const Value& v, Scene& s) { read_fields(v, time_fields, s.time); }},
+    {"time",
+     [](const Value& v, Scene& s) {
+       refuse_renamed(v, renamed_time_keys);
+       read_fields(v, time_fields, s.time);
+     }},
     {"planar", [](const Value& v, Scene& s) { s.planar = v.boolean(); }},
     {"gravity", read_gravity},
     {"wind", [](const Value& v, Scene& s) { s.wind = read_vector(v, s, "m/s"); }},

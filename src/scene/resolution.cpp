@@ -67,19 +67,19 @@ void check_body(const Scene& scene, const BodyGroup& group, Id k, const Extent& 
 }
 
 void check_step(const Scene& scene, const BodyGroup& group, Id k, const Extent& e, double speed) {
-  const double step = scene.time.step / scene.time.substeps, rounding = epsilon * std::max(e.place, e.size);
+  const double step = scene.time.frame / scene.time.substeps, rounding = epsilon * std::max(e.place, e.size);
   if (group.is_static || !(rounding / step > resolved_speed * speed)) return;
   fail(scene, group, k,
-       "steps of " + text(step) + " s (time.step / time.substeps), in which coordinates of " + text(std::max(e.place, e.size)) +
+       "steps of " + text(step) + " s (time.frame / time.substeps), in which coordinates of " + text(std::max(e.place, e.size)) +
            " m are rounded by more than 1e-6 of what bodies move at " + text(speed) + " m/s",
        "steps of at least " + text(rounding / (resolved_speed * speed)) + " s");
 }
 
 // What gravity adds to a speed in a step is taken off again where a body rests, to its rounding.
 void check_gravity(const Scene& scene, double speed) {
-  const double step = scene.time.step / scene.time.substeps, added = scene.gravity.stableNorm() * step;
+  const double step = scene.time.frame / scene.time.substeps, added = scene.gravity.stableNorm() * step;
   if (!(epsilon * added > resolved_speed * speed)) return;
-  throw InputError(scene.path + ": found steps of " + text(step) + " s (time.step / time.substeps) in a gravity of " +
+  throw InputError(scene.path + ": found steps of " + text(step) + " s (time.frame / time.substeps) in a gravity of " +
                    text(scene.gravity.stableNorm()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " +
                    text(speed) + " m/s, expected shorter steps or less gravity");
 }

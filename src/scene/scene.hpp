@@ -19,7 +19,7 @@ namespace unibody {
 struct ConstraintSet;
 
 struct TimeSettings {
-  double step = 0.016;  // s, one frame
+  double frame = 0.016;  // s, the length of a frame
   std::int64_t frames = 400;
   int substeps = 1;  // steps of step/substeps a frame
 };

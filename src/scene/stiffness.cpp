@@ -65,14 +65,14 @@ std::optional<std::pair<Vec3, Vec3>> free_motion(const Scene& scene, Id id, doub
 }  // namespace
 
 double stiffness_number(const Scene& scene) {
-  const double step = scene.time.step / scene.time.substeps;
+  const double step = scene.time.frame / scene.time.substeps;
   double worst = 0;
   for_each_constraint(scene, [&](const auto& c) { worst = std::max(worst, stiffness_of(c, scene, step)); });
   return worst;
 }
 
 double edge_motion(const Scene& scene) {
-  const double step = scene.time.step / scene.time.substeps;
+  const double step = scene.time.frame / scene.time.substeps;
   double worst = 0;
   for_each_constraint(scene, [&]<class C>(const Constraint<C>& c) {
     if constexpr (joins_edges<C>) {

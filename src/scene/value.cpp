@@ -155,4 +155,10 @@ const Value& Value::map(const std::vector<std::string>& keys) const {
   return *this;
 }
 
+void refuse_renamed(const Value& map, std::span<const RenamedKey> renamed) {
+  for (const RenamedKey& key : renamed)
+    if (const Value* old = map.find(key.before))
+      old->fail("the former name of a key", std::string(key.now) + ", its name since version 0.2");
+}
+
 }  // namespace unibody

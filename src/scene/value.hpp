@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -70,6 +71,12 @@ struct Field {
   const char* key;
   void (*read)(const Value& value, Target& target);
 };
+
+// A key that had another name before: it stops the reading with a line that names the new one.
+struct RenamedKey {
+  const char *before, *now;
+};
+void refuse_renamed(const Value& map, std::span<const RenamedKey> renamed);
 
 template <class Target, std::size_t n>
 void read_fields(const Value& value, const Field<Target> (&fields)[n], Target& target) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/room.hpp"
+#include "core/capacity.hpp"
 
 namespace unibody {
 

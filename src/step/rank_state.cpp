@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/capacity.hpp"
 #include "core/checked.hpp"
-#include "core/room.hpp"
 
 namespace unibody {
 
@@ -18,7 +18,7 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
       form(scene.solver.form),
       halo(over),
       exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
-  traits.frame = scene.time.step, traits.step = scene.time.step / scene.time.substeps;
+  traits.frame = scene.time.frame, traits.step = scene.time.frame / scene.time.substeps;
   traits.gravity = scene.gravity.norm();
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
   collide_settings.step = traits.step;

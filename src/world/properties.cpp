@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "core/room.hpp"
+#include "core/capacity.hpp"
 
 namespace unibody {
 

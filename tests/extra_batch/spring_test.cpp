@@ -17,7 +17,7 @@ constexpr double h = 0.01, mass = 2;
 
 // Body 0 on the spring, high above the floor and without gravity; the others touch each other far away.
 std::string spheres(const std::string& solver, int iterations, const std::string& tolerance) {
-  return "gravity: [0, 0, 0]\ntime: {step: 0.01}\nsolver: {name: " + solver + ", iterations: " + std::to_string(iterations) +
+  return "gravity: [0, 0, 0]\ntime: {frame: 0.01}\nsolver: {name: " + solver + ", iterations: " + std::to_string(iterations) +
          ", stages: position, tolerance: " + tolerance +
          "}\nbodies:\n"
          "  - {shape: {sphere: {radius: 0.1}}, mass: 2, position: [0.5, 0, 9]}\n"

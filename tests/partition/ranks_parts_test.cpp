@@ -68,7 +68,7 @@ bool same_state(const BodyState& a, const BodyState& b) {
 
 CollideSettings settings_of(const Scene& scene) {
   CollideSettings s;
-  s.step = scene.time.step, s.gravity = scene.gravity;
+  s.step = scene.time.frame, s.gravity = scene.gravity;
   s.friction = scene.friction, s.material_count = scene.materials.size();
   return s;
 }

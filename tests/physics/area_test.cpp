@@ -23,7 +23,7 @@ Triangle places(const Experiment& run) { return {run.position(0), run.position(1
 Scene free_triangle(const std::string& solver, const Triangle& start, const Triangle& rest, const Spring& law,
                     const std::array<double, 3>& mass) {
   Scene scene = scene_with(0);
-  scene.gravity = Vec3::Zero(), scene.time.step = h;
+  scene.gravity = Vec3::Zero(), scene.time.frame = h;
   scene.solver.name = solver, scene.solver.iterations = 100, scene.solver.tolerance = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     Body node;

@@ -174,7 +174,7 @@ TEST(Attachment, PendulumHasItsPeriod) {
   const double ratio = (p - squared * a) / (squared * b);  // phi / theta in that mode
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
     Scene scene = scene_from_text(pendulum(0.2, 1));
-    scene.time.step = h, scene.solver.name = solver, scene.solver.iterations = 400, scene.solver.tolerance = 1e-12;
+    scene.time.frame = h, scene.solver.name = solver, scene.solver.iterations = 400, scene.solver.tolerance = 1e-12;
     Experiment run(std::move(scene));
     const Id bob = 0, end = 2;
     const double theta = 0.01;
@@ -229,7 +229,7 @@ threads:
     stretch: {stiffness: 1.0e-12}
     pins: [{node: 0, to: bob}]
 )");
-  scene.time.step = h, scene.solver.iterations = 200, scene.solver.tolerance = 0;
+  scene.time.frame = h, scene.solver.iterations = 200, scene.solver.tolerance = 0;
   Experiment run(std::move(scene));
   const BodyState bob = run.state(0);
   const Vec3 start = run.position(1);
@@ -260,7 +260,7 @@ cloths:
     velocity: [0.2, 0, 0.1]
     pins: [{node: [4, 4], to: bob}]
 )");
-  scene.time.step = h, scene.solver.name = solver, scene.solver.iterations = 100, scene.solver.tolerance = 0;
+  scene.time.frame = h, scene.solver.name = solver, scene.solver.iterations = 100, scene.solver.tolerance = 0;
   Experiment run(std::move(scene));
   const Vec3 p = run.momentum(), L = run.angular_momentum();
   run.seconds(0.4);

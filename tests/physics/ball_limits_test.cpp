@@ -16,7 +16,7 @@ std::string rod(const std::string& solver, const std::string& gravity, const std
   return "gravity: " + gravity +
          "\nbodies:\n  - {name: rod, shape: {box: {size: [0.1, 0.1, 1]}}, mass: 1, position: [0, 0, -0.5], torque: " + torque +
          "}\njoints:\n  - {type: ball, bodies: [rod, world], anchor: [0, 0, 0], axis: [0, 0, -1], " + limits +
-         "}\nsolver: {iterations: 300, tolerance: 0, name: " + solver + "}\ntime: {step: 0.01}\n";
+         "}\nsolver: {iterations: 300, tolerance: 0, name: " + solver + "}\ntime: {frame: 0.01}\n";
 }
 
 double swing_of(const Experiment& run) { return run.simulation->joint_states()[0].coordinate; }

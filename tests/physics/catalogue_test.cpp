@@ -18,7 +18,7 @@ bodies:
   - {)" + bodies +
          ", shape: {" + (planar ? "disc" : "sphere") + R"(: {radius: 0.1}}, mass: 2}
 solver: {iterations: 400, tolerance: 0}
-time: {step: 0.004}
+time: {frame: 0.004}
 )";
 }
 
@@ -61,7 +61,7 @@ bodies:
   - {name: top, shape: {cylinder: {radius: 0.1, length: 0.04}}, mass: 1, position: [0.2, 0, 0], orientation: {axis: [0, 1, 0], angle: 90}}
 joints: [{type: ball, bodies: [top, world], anchor: [0, 0, 0]}]
 solver: {iterations: 100, tolerance: 0}
-time: {step: )" + std::to_string(h) + "}\n"));
+time: {frame: )" + std::to_string(h) + "}\n"));
         run.world().angular_velocity[0] = Vec3(spin, 0, rate), run.world().velocity[0] = Vec3(0, d * rate, 0);
         run.seconds(0.3);
         EXPECT_LT(std::abs(run.position(0).z()), 0.05 * d) << h << ": it does not fall";

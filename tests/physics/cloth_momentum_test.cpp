@@ -27,7 +27,7 @@ Experiment free_cloth(const char* model, double h, Velocity&& velocity) {
   Scene scene = scene_from_text(
       "gravity: [0, 0, 0]\ncloths:\n  - grid: {size: [1, 1], nodes: [8, 8]}\n    mass: 2\n    thickness: 0.01\n    " +
       std::string(model) + "\n");
-  scene.time.step = h, scene.solver.tolerance = 0;
+  scene.time.frame = h, scene.solver.tolerance = 0;
   Experiment run(std::move(scene));
   World& world = run.world();
   for (std::size_t i = 0; i < world.homes; ++i) world.velocity[i] = drift + velocity(world.position[i]);

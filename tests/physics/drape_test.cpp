@@ -61,7 +61,7 @@ double drape(double rigidity, double scale = 1) {
   const TextFile mesh(ring.obj());
   std::ostringstream text;
   text.precision(17);
-  text << "time: {step: " << 0.004 * std::sqrt(scale)
+  text << "time: {frame: " << 0.004 * std::sqrt(scale)
        << "}\ncloths:\n  - mesh: " << mesh.path().substr(mesh.path().rfind('/') + 1) << "\n    scale: " << scale
        << "\n    mass_per_area: 0.2\n    thickness: 0.001\n    links: {stiffness: " << 100 * scale
        << ", damping: " << 0.01 * std::sqrt(scale)

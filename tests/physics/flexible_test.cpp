@@ -41,7 +41,7 @@ Scene weightless(const std::string& solver, int iterations, double step = 0.016)
   Scene scene = scene_with(0);
   scene.gravity = Vec3::Zero();
   scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.tolerance = 0;
-  scene.time.step = step;
+  scene.time.frame = step;
   return scene;
 }
 

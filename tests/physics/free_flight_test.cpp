@@ -87,7 +87,7 @@ TEST(FreeFlight, FastTumblingKeepsEnergyAndMomentum) {
 // A rod that tumbles fast at a step far too long: finite, and still no energy gained.
 TEST(FreeFlight, LongStepsGainNoEnergy) {
   Scene scene = tumbling(Vec3(0.01, 1, 1), Vec3(60, 20, 5));
-  scene.time.step = 0.1;
+  scene.time.frame = 0.1;
   Experiment run(scene);
   const double E0 = run.energy();
   for (int k = 0; k < 500; ++k) {

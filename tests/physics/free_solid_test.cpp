@@ -37,7 +37,7 @@ TEST(FreeSolid, ASpinDecaysAsImplicitEulerOfFirstOrderHasIt) {
     std::vector<double> lost;
     for (const double h : {0.016, 0.008, 0.004}) {
       Scene scene = block_with(solver, "    angular_velocity: [0, 0, 3.74]\n");
-      scene.time.step = h;
+      scene.time.frame = h;
       Experiment run(std::move(scene));
       const Vec3 before = run.angular_momentum();
       run.seconds(time);
@@ -70,7 +70,7 @@ TEST(FreeSolid, DampingIsThatOfNewtonsSteps) {
   const std::string held = "    velocity: [1, 0, -2]\n    pins: [{within: {min: [-0.2, -1, -1], max: [-0.2, 1, 1]}}]\n";
   const auto places = [&](const std::string& solver, double damping) {
     Scene scene = block_with(solver, held + "    damping: " + std::to_string(damping) + "\n");
-    scene.time.step = 0.004, scene.gravity = Vec3(0, 0, -9.8);
+    scene.time.frame = 0.004, scene.gravity = Vec3(0, 0, -9.8);
     if (solver != "newton") scene.solver.form = Form::total, scene.solver.iterations = 500, scene.solver.tolerance = 0;
     Experiment run(std::move(scene));
     for (int k = 0; k < 5; ++k) {

@@ -165,7 +165,7 @@ TEST(Invariants, FinerStepsTakeOverlapOutNoFaster) {
   for (const int substeps : {1, 4, 64}) {
     Scene scene = scene_with(0.5);
     scene.gravity = Vec3::Zero();
-    scene.time.step = frame, scene.time.substeps = substeps, scene.solver.tolerance = 0;
+    scene.time.frame = frame, scene.time.substeps = substeps, scene.solver.tolerance = 0;
     add(scene, ball(1, 0.1, Vec3(0, 0, 0)));
     add(scene, ball(1, 0.1, Vec3(0.2 - depth, 0, 0)));
     Experiment run(scene);

@@ -16,7 +16,7 @@ const char* const solver_list[] = {"accelerated_jacobi", "jacobi", "gauss_seidel
 
 std::string settings(const std::string& solver, int iterations) {
   return "solver: {name: " + solver + ", iterations: " + std::to_string(iterations) +
-         ", tolerance: 0}\ntime: {step: " + std::to_string(h) + "}\n";
+         ", tolerance: 0}\ntime: {frame: " + std::to_string(h) + "}\n";
 }
 
 JointState joint(const Experiment& run, std::size_t i = 0) { return run.simulation->joint_states()[i]; }

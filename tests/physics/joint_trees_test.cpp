@@ -13,7 +13,7 @@ const char* const solver_list[] = {"accelerated_jacobi", "jacobi", "gauss_seidel
 
 std::string settings(const std::string& solver, int iterations, double step, const std::string& joints) {
   return "solver: {name: " + solver + ", iterations: " + std::to_string(iterations) +
-         ", tolerance: 0, stages: position, joints: " + joints + "}\ntime: {step: " + std::to_string(step) + "}\n";
+         ", tolerance: 0, stages: position, joints: " + joints + "}\ntime: {frame: " + std::to_string(step) + "}\n";
 }
 
 double largest_drift(const Experiment& run) {

@@ -13,7 +13,7 @@ const char* const solver_list[] = {"accelerated_jacobi", "jacobi", "gauss_seidel
 
 std::string settings(const std::string& solver, int iterations, double step, const std::string& more = "") {
   return "solver: {name: " + solver + ", iterations: " + std::to_string(iterations) +
-         ", tolerance: 0}\ntime: {step: " + std::to_string(step) + "}\n" + more;
+         ", tolerance: 0}\ntime: {frame: " + std::to_string(step) + "}\n" + more;
 }
 
 // A rod of 1 m and 1 kg that hangs at its upper end on a hinge of the world about y, turned out by an angle (degrees).

@@ -123,7 +123,7 @@ TEST(Links, ADampedOscillatorIsWhereAnotherCodeHasIt) {
   for (const char* solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"})
     for (const int iterations : {1, 20}) {
       Scene scene = scene_from_text(
-          "gravity: [0, 0, 0]\ntime: {step: 0.01}\nthreads:\n  - {points: [[-5, 0, 0], [0, 0, 0]], segments: 1, radius: 0.01, "
+          "gravity: [0, 0, 0]\ntime: {frame: 0.01}\nthreads:\n  - {points: [[-5, 0, 0], [0, 0, 0]], segments: 1, radius: 0.01, "
           "mass: 2, pins: [{node: 0}], stretch: {stiffness: 100, damping: 0.05}}\n");
       scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.tolerance = 0;
       scene.solver.stages = Stages::position;
@@ -142,7 +142,7 @@ TEST(Rotor, IsTheImplicitMapWithAnyDamping) {
   for (const Rotor& rotor :
        {Rotor{1, 2, 0, 0}, Rotor{1, 2, 0, 10 * 0.016}, Rotor{1, 2, 1e-4, 0}, Rotor{1, 2, 1e-4, 0.5}, Rotor{3, 0.1, 1e-2, 0.05}}) {
     Scene scene = scene_with(0);
-    scene.gravity = Vec3::Zero(), scene.time.step = h;
+    scene.gravity = Vec3::Zero(), scene.time.frame = h;
     scene.solver.tolerance = 0, scene.solver.iterations = 20;
     RotorMap map{Vec3(rest, 0, 0), Vec3(0, speed, 0)};
     const double total = rotor.mass_a + rotor.mass_b, of_a = rotor.mass_b / total, of_b = -rotor.mass_a / total;
@@ -203,7 +203,7 @@ std::string damped_thread(const std::string& solver, const char* end, double bet
   return "threads: [{points: [[0, 0, 0], " + std::string(end) +
          "], segments: 8, radius: 0.01, mass: 0.4, pins: [{node: 0}], stretch: {stiffness: 300, damping: " +
          std::to_string(beta / stiffness) + "}}]\nsolver: {name: " + solver +
-         ", iterations: 400, tolerance: 0}\ntime: {step: " + std::to_string(h) + "}\n";
+         ", iterations: 400, tolerance: 0}\ntime: {frame: " + std::to_string(h) + "}\n";
 }
 
 // The same by XPBD's own loop (Macklin, Mueller and Chentanez 2016, equation 26): positions, one link after the other.

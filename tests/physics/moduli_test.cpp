@@ -55,7 +55,7 @@ Eigen::Matrix2d stress(const Model& model, const Eigen::Matrix2d& e) {
   Scene scene =
       scene_from_text("gravity: [0, 0, 0]\ncloths:\n  - grid: {size: [1, 1], nodes: [7, 7]}\n    mass: 1\n    thickness: " +
                       std::to_string(thickness) + "\n    " + model.text + "\n    pins: [" + pins + "]\n");
-  scene.time.step = 0.02, scene.solver.iterations = 300, scene.solver.tolerance = 0;
+  scene.time.frame = 0.02, scene.solver.iterations = 300, scene.solver.tolerance = 0;
   Experiment run(std::move(scene));
   World& world = run.world();
   for (std::size_t i = 0; i < world.homes; ++i) {

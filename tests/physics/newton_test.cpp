@@ -22,7 +22,7 @@ const std::string by_newton = "solver: {name: newton}\n";
 // 1 m x 0.2 m x 0.2 m, held at one end.
 Scene beam(const std::string& cells, double step, double gravity, const std::string& more = "") {
   std::ostringstream head;
-  head << "gravity: [0, 0, " << gravity << "]\ntime: {step: " << step << "}\n";
+  head << "gravity: [0, 0, " << gravity << "]\ntime: {frame: " << step << "}\n";
   return scene_from_text(
       head.str() + by_newton +
       block_text("[1, 0.2, 0.2]", cells,
@@ -122,7 +122,7 @@ TEST(Newton, ABeamOfABlockBendsStraight) {
   for (const char* cells : {"[8, 2, 2]", "[9, 2, 2]", "[16, 4, 4]", "[8, 4, 2]"})
     for (const char* ratio : {"0", "0.3", "0.49"}) {
       Experiment run(scene_from_text(
-          "time: {step: 1.0e4}\nsolver: {name: newton}\nsolids:\n  - block: {size: [1, 0.2, 0.2], cells: " + std::string(cells) +
+          "time: {frame: 1.0e4}\nsolver: {name: newton}\nsolids:\n  - block: {size: [1, 0.2, 0.2], cells: " + std::string(cells) +
           "}\n    density: 1000\n    youngs_modulus: 1.0e7\n    poissons_ratio: " + ratio +
           "\n    thickness: 0.001\n    pins: [{within: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}]\n"));
       const std::vector<Vec3> start = run.world().position;
@@ -155,7 +155,7 @@ TEST(Newton, TheAirIsThatOfTheIterativeSolvers) {
     Scene scene = scene_from_text(
         "wind: [0, 3, 1]\ncloths:\n  - grid: {size: [1, 1], nodes: [6, 6]}\n    mass: 0.5\n    thickness: 0.01\n    drag: 1\n    "
         "links: {stiffness: 500, damping: 0.01}\n    pins: [{node: [0, 0]}, {node: [5, 0]}]\n");
-    scene.solver.tolerance = 0, scene.time.step = 0.004;
+    scene.solver.tolerance = 0, scene.time.frame = 0.004;
     if (newton)
       scene.solver.name = "newton";
     else
@@ -179,7 +179,7 @@ TEST(Newton, GaussSeidelOfTheTotalFormConvergesToItsSteps) {
     for (const bool newton : {true, false}) {
       Scene scene = scene_from_text("cloths:\n  - grid: {size: [1, 1], nodes: [5, 5]}\n    mass: 0.5\n    thickness: 0.01\n    " +
                                     law + "\n    pins: [{node: [0, 0]}, {node: [4, 4]}]\n    velocity: [0.3, 0.2, 1]\n");
-      scene.solver.tolerance = 0, scene.time.step = 0.004;
+      scene.solver.tolerance = 0, scene.time.frame = 0.004;
       scene.solver.name = newton ? "newton" : "gauss_seidel";
       if (!newton) scene.solver.form = Form::total, scene.solver.iterations = 2000;
       Experiment run(std::move(scene));
@@ -262,7 +262,7 @@ TEST(Newton, TheFirstBendingFrequencyConvergesWithOrderTwo) {
 // A step takes a mode w = omega q + i q' to w / (1 + i h omega): it falls by 1 / (1 + (h omega)^2) in energy and turns late.
 TEST(Newton, AModeRingsAndFadesAsImplicitEulerHasIt) {
   Experiment run(scene_from_text(
-      "gravity: [0, 0, 0]\ntime: {step: 0.1}\n" + by_newton +
+      "gravity: [0, 0, 0]\ntime: {frame: 0.1}\n" + by_newton +
       block_text("[1, 0.2, 0.4]", "[5, 2, 2]",
                  "position: [0.5, 0, 0]\n    " + law + "\n    pins: [{within: {min: [0, -1, -1], max: [0, 1, 1]}}]")));
   const Mode mode = lowest_mode(run);
@@ -294,7 +294,7 @@ TEST(Newton, AModeRingsAndFadesAsImplicitEulerHasIt) {
 TEST(Newton, ASmallLoadIsNotLostInTheFloorOfTheResidual) {
   const auto deflection = [](const char* force) {
     std::ostringstream text;
-    text << "gravity: [0, 0, 0]\ntime: {step: 1.0e+4}\n"
+    text << "gravity: [0, 0, 0]\ntime: {frame: 1.0e+4}\n"
          << by_newton
          << block_text(
                 "[1, 0.2, 0.2]", "[8, 2, 2]",

@@ -52,7 +52,7 @@ double most_gain(const Experiment& run, const ContactProblem& problem, const std
     }
     pressed += std::max(0.0, work);
   }
-  return impulses * (run.last.residual / run.h() + deepest / (run.h() + run.scene->time.step)) + pressed;
+  return impulses * (run.last.residual / run.h() + deepest / (run.h() + run.scene->time.frame)) + pressed;
 }
 
 // Steps, each of which must not gain; returns the sum of what the steps might have (J).
@@ -107,7 +107,7 @@ TEST(RestitutionEnergy, EdgeBouncesAtTheSpeedThatGivesNone) {
   for (const std::string& solver : solvers)
     for (const double e : {0.5, 0.9, 1.0})
       for (const double u : {-1.0, -0.5, 0.5, 1.0}) {
-        Experiment run(scene_from_text("gravity: [0, 0, 0]\ntime: {step: 0.001}\n" + head(solver, 2000, mu, e) +
+        Experiment run(scene_from_text("gravity: [0, 0, 0]\ntime: {frame: 0.001}\n" + head(solver, 2000, mu, e) +
                                        "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n"
                                        "  - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, "
                                        "orientation: {axis: [0, 1, 0], angle: 20}}\n"));

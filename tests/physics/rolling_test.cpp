@@ -20,7 +20,7 @@ Experiment ball_on_plane(const std::string& solver, const std::string& friction,
   return Experiment(
       scene_from_text("gravity: " + vector(g * Vec3(std::sin(slope), 0, -std::cos(slope))) + "\nmaterials: {a: {friction: 0.8, " +
                       friction + "}}\nsolver: {iterations: 800, tolerance: 0, name: " + solver +
-                      "}\ntime: {step: 0.01}\nbodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n" +
+                      "}\ntime: {frame: 0.01}\nbodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n" +
                       "  - {shape: {sphere: {radius: 0.1}}, mass: 2, position: [0, 0, 0.1], velocity: " + vector(v) +
                       ", angular_velocity: " + vector(w) + "}\n"));
 }

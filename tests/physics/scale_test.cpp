@@ -20,7 +20,7 @@ std::string number(double x) {
 // Balls and boxes of 5 to 8 mm times s that fall on each other and on boxes that overlap at the start.
 std::string grains(double s) {
   const auto length = [s](double metres) { return number(s * metres); };
-  return "time: {step: " + number(0.004 * std::sqrt(s)) + "}\nbodies:\n  - shape: {plane: {normal: [0, 0, 1]}}\n" +
+  return "time: {frame: " + number(0.004 * std::sqrt(s)) + "}\nbodies:\n  - shape: {plane: {normal: [0, 0, 1]}}\n" +
          "  - lattice: {count: 36, columns: [3, 3], spacing: [" + length(0.006) + ", " + length(0.009) + ", " + length(0.009) +
          "], height: " + length(0.006) + ", jitter: " + length(0.0005) + ", rotation_jitter: 0.1}\n" +
          "    shape: {box: {size: [" + length(0.008) + ", " + length(0.008) + ", " + length(0.006) + "]}}\n    density: 2600\n" +
@@ -32,7 +32,7 @@ std::string grains(double s) {
 // A sheet 2 mm times s thick that falls over a ball.
 std::string sheet(double s) {
   const auto length = [s](double metres) { return number(s * metres); };
-  return "time: {step: " + number(0.002 * std::sqrt(s)) + "}\nbodies:\n  - {shape: {sphere: {radius: " + length(0.02) +
+  return "time: {frame: " + number(0.002 * std::sqrt(s)) + "}\nbodies:\n  - {shape: {sphere: {radius: " + length(0.02) +
          "}}, motion: fixed}\ncloths:\n  - grid: {size: [" + length(0.06) + ", " + length(0.06) + "], nodes: [13, 13]}\n" +
          "    mass: " + number(0.001 * s * s * s) + "\n    thickness: " + length(0.002) + "\n    self_collision: true\n" +
          "    position: [0, " + length(0.001) + ", " + length(0.025) + "]\n";

@@ -31,7 +31,7 @@ double height_of(const Experiment& run, Id first, Id count) {  // m, mean of the
 // How much shorter (m) such a cube is under its own weight and a weight on top (N), fixed below: its static equilibrium, to
 // round-off.
 double shortening(int cells, double load) {
-  std::string text = "time: {step: 1.0e4}\nsolver: {name: newton}\nsolids:\n" + cube_of(cells, "position: [0, 0, 0.1]");
+  std::string text = "time: {frame: 1.0e4}\nsolver: {name: newton}\nsolids:\n" + cube_of(cells, "position: [0, 0, 0.1]");
   text += "    pins: [{within: {min: [-1, -1, -0.01], max: [1, 1, 0.01]}}]\n";
   if (load > 0)
     text += "    loads: [{within: {min: [-1, -1, 0.19], max: [1, 1, 0.21]}, force: [0, 0, -" + std::to_string(load) + "]}]\n";
@@ -50,8 +50,8 @@ TEST(SoftContact, ABlockSticksOrSlidesOnASlope) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
     for (const double factor : {0.9, 1.1}) {
       const double angle = std::atan(factor * mu);
-      Scene scene =
-          scene_from_text("time: {step: 0.008}\nsolids:\n" + block_of("[0.3, 0.2, 0.1]", "[2, 2, 1]", "position: [0, 0, 0.055]"));
+      Scene scene = scene_from_text("time: {frame: 0.008}\nsolids:\n" +
+                                    block_of("[0.3, 0.2, 0.1]", "[2, 2, 1]", "position: [0, 0, 0.055]"));
       scene.gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle)), scene.friction = {mu};
       scene.solver.name = solver, scene.solver.iterations = 100, scene.solver.tolerance = 0;
       add(scene, ground());
@@ -82,7 +82,7 @@ TEST(SoftContact, BlocksRestOnEachOtherAndBearTheirWeight) {
       const std::string sheet =
           "cloths:\n  - grid: {size: [0.5, 0.5], nodes: [3, 3]}\n    mass: 1\n    thickness: 0.01\n    position: [0, 0, -0.005]\n"
           "    pins: [{within: {min: [-1, -1, -1], max: [1, 1, 1]}}]\n";
-      Scene scene = scene_from_text("time: {step: 0.008}\n" + (on_sheet ? sheet : "") + "solids:\n" +
+      Scene scene = scene_from_text("time: {frame: 0.008}\n" + (on_sheet ? sheet : "") + "solids:\n" +
                                     cube_of(2, "position: [0, 0, 0.106]") + cube_of(3, "position: [0, 0, 0.317]"));
       scene.solver.name = solver, scene.solver.iterations = slow ? 200 : 100, scene.solver.tolerance = 0;
       const Id lower = on_sheet ? 9 : 0, upper = lower + 27;
@@ -105,7 +105,7 @@ TEST(SoftContact, ImpactsInFreeFlightKeepMomentum) {
   const std::string motion = "velocity: [0.2, 0.1, -2]";
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
     for (const std::string other : {"ball", "box", "cloth", "block"}) {
-      std::string text = "gravity: [0, 0, 0]\ntime: {step: 0.008}\n";
+      std::string text = "gravity: [0, 0, 0]\ntime: {frame: 0.008}\n";
       if (other == "cloth")
         text +=
             "cloths:\n  - grid: {size: [0.5, 0.5], nodes: [4, 4]}\n    mass: 1\n    thickness: 0.01\n"

@@ -28,7 +28,7 @@ const std::string held = "pins: [{within: {min: [-9, -9, -9], max: [9, 9, 0.001]
 // +x.
 Scene on(const std::string& support, double mu, double tangent) {
   const double angle = std::atan(tangent);
-  std::string text = "time: {step: 0.008}\n";
+  std::string text = "time: {frame: 0.008}\n";
   if (support == "sheet") text += "cloths:\n  - {grid: {size: [3, 1], nodes: [13, 5]}, mass: 1, thickness: 0.01, " + held + "}\n";
   text += "solids:\n";
   if (support == "block") text += soft_block("[3, 1, 0.1]", "[12, 4, 1]", "position: [0, 0, -0.05]\n    " + held);
@@ -85,7 +85,7 @@ TEST(SoftFriction, InTheSolveItHoldsAndAfterItItSlips) {
   for (const auto model : {FrictionModel::disc, FrictionModel::postprocess}) {
     Scene scene = on("box", mu, tangent);
     scene.solver.friction = model, scene.solver.iterations = 100;
-    const double h = scene.time.step = 0.016;
+    const double h = scene.time.frame = 0.016;
     Experiment run(std::move(scene));
     run.seconds(0.6);
     const double x = run.position(0).x();
@@ -149,7 +149,7 @@ TEST(SoftFriction, AnArmOfASolidComesToRestOnTheSolidItself) {
   const TextFile mesh(letter_c(), ".msh");
   for (const bool itself : {true, false}) {
     Scene scene =
-        scene_from_text("time: {step: 0.008}\nsolids:\n  - mesh: " + mesh.path() +
+        scene_from_text("time: {frame: 0.008}\nsolids:\n  - mesh: " + mesh.path() +
                         "\n    density: 1000\n    youngs_modulus: 1.0e+5\n    poissons_ratio: 0.3\n    damping: 0.02\n"
                         "    thickness: 0.01\n    position: [0, 0, 0.005]\n    least_volume: 0.1\n    self_collision: " +
                         (itself ? "true" : "false") + "\n");

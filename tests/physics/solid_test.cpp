@@ -32,7 +32,7 @@ TEST(Solid, AFreeSpinningBlockKeepsItsMomentaAndGainsNoEnergy) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
     Scene scene = scene_from_text("gravity: [0, 0, 0]\nsolver: {form: total, iterations: 300, tolerance: 0}\n" +
                                   block("    velocity: [0.1, 0.2, 0.3]\n    angular_velocity: [1, 2, 3]\n"));
-    scene.solver.name = solver, scene.time.step = 0.002;
+    scene.solver.name = solver, scene.time.frame = 0.002;
     Experiment run(std::move(scene));
     const Vec3 p = run.momentum(), L = run.angular_momentum();
     double energy = all_energy(run);
@@ -74,7 +74,7 @@ TEST(Solid, ElasticEnergyWithTheVolumeAtRestAndTheCurrentOne) {
 // steps of 2 ms its nodes move by a tenth of an edge.
 TEST(Solid, AnImpactOfHardRubberGainsNoEnergy) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
-    Scene scene = scene_from_text("time: {step: 0.002}\n" + hard_rubber("size: [0.3, 0.2, 0.2], cells: [3, 2, 2]") +
+    Scene scene = scene_from_text("time: {frame: 0.002}\n" + hard_rubber("size: [0.3, 0.2, 0.2], cells: [3, 2, 2]") +
                                   "    position: [0, 0, 0.22]\n    orientation: {axis: [0.6, 0.8, 0], angle: 30}\n"
                                   "    velocity: [3, 0, -5]\n");
     scene.solver.name = solver;
@@ -97,7 +97,7 @@ TEST(Solid, AnImpactOfHardRubberGainsNoEnergy) {
 TEST(Solid, ALightBoxUnderHardRubberIsHeldOnceStepsConverge) {
   std::vector<double> depths;
   for (const int iterations : {100, 400}) {
-    Scene scene = scene_from_text("time: {step: 0.004}\n" + hard_rubber("size: [0.3, 0.3, 0.3], cells: [3, 3, 3]") +
+    Scene scene = scene_from_text("time: {frame: 0.004}\n" + hard_rubber("size: [0.3, 0.3, 0.3], cells: [3, 3, 3]") +
                                   "    position: [0, 0, 0.32]\n    velocity: [0, 0, -2]\n");
     scene.solver.iterations = iterations;
     add(scene, ground());
@@ -218,7 +218,7 @@ TEST(Solid, BigStepsAreBounded) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel", "jacobi"})
     for (const double h : {1.0 / 24, 0.1}) {
       Scene scene = scene_from_text(block("    pins: [{within: {min: [-0.2, -1, -1], max: [-0.2, 1, 1]}}]\n"));
-      scene.solver.name = solver, scene.time.step = h;
+      scene.solver.name = solver, scene.time.frame = h;
       scene.solver.iterations = scene.solver.name == "accelerated_jacobi" ? 50 : 20;
       Experiment run(std::move(scene));
       const double start = run.energy(), weight = 24 * 9.81;

@@ -247,7 +247,7 @@ struct Outcome {
 // overlap than its tolerance and what the turning of the boxes makes of it.
 Outcome heavy_on_light(const std::string& solver, int iterations, Stages stages, double step, double ratio) {
   Scene scene = scene_with(0.5);
-  scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.stages = stages, scene.time.step = step;
+  scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.stages = stages, scene.time.frame = step;
   add(scene, block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5)));
   add(scene, block(ratio, Vec3(1, 1, 1), Vec3(0, 0, 1.5)));
   add(scene, ground());
@@ -327,7 +327,7 @@ TEST(Stack, HeavyOnLightWithTheDefaults) {
 TEST(Stack, BoxesLieStillWithinTheTolerance) {
   for (const double step : {0.001, 0.004, 0.016}) {
     Scene scene = scene_with(0.5);
-    scene.time.step = step;
+    scene.time.frame = step;
     for (int k = 0; k < 2; ++k) add(scene, block(1, Vec3::Ones(), Vec3(0, 0, 0.5 + k)));
     add(scene, ground());
     Experiment run(scene);

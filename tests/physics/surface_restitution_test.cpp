@@ -15,7 +15,7 @@ std::string solver_text(const std::string& name) { return "solver: {name: " + na
 
 // Frictionless, weightless, of one material with restitution e.
 std::string world_text(const std::string& solver, double e, double step) {
-  return "time: {step: " + std::to_string(step) +
+  return "time: {frame: " + std::to_string(step) +
          "}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: 0, restitution: " + std::to_string(e) + "}}\n" + solver_text(solver);
 }
 

@@ -20,7 +20,7 @@ const std::string solvers[] = {"accelerated_jacobi", "jacobi", "gauss_seidel"};
 Scene at_velocity_level(Scene scene, const std::string& solver, int iterations, double gamma = 0.4) {
   scene.solver.level = Level::velocity, scene.solver.stabilisation = gamma;
   scene.solver.name = solver, scene.solver.iterations = iterations, scene.solver.tolerance = 0;
-  scene.gravity = Vec3(0, 0, -g), scene.time.step = h;
+  scene.gravity = Vec3(0, 0, -g), scene.time.frame = h;
   return scene;
 }
 
@@ -241,7 +241,7 @@ TEST(VelocityLevel, SpringsAreAsStiffAsTheySay) {
         return node;
       };
       scene = at_velocity_level(std::move(scene), solver, iterations);
-      scene.gravity = Vec3::Zero(), scene.time.step = step;
+      scene.gravity = Vec3::Zero(), scene.time.frame = step;
       ASSERT_EQ(scene.body(1).properties.mass, m);
       Experiment run(std::move(scene));
       run.steps(100);
@@ -253,7 +253,7 @@ TEST(VelocityLevel, SpringsAreAsStiffAsTheySay) {
             "bodies:\n  - {name: ball, shape: {sphere: {radius: 0.1}}, mass: 3}\n"
             "joints:\n  - {type: ball, bodies: [ball, world], anchor: [0, 0, 0], compliance: 1.0e-4, damping: 0.1}\n");
         hung = at_velocity_level(std::move(hung), solver, iterations);
-        hung.time.step = length;
+        hung.time.frame = length;
         Experiment weight(std::move(hung));
         weight.seconds(8);
         EXPECT_NEAR(weight.position(0).z(), -3 * g * 1e-4, 1e-9) << solver << ' ' << iterations << ' ' << length;

@@ -48,7 +48,7 @@ TEST(Wind, AFallingSheetReachesItsTerminalVelocity) {
   for (const double density : {1.2, 0.3}) {
     const double area = 0.8, mass = 0.2 * area, C = 1.5, terminal = std::sqrt(2 * mass * 9.81 / (density * C * area));
     Scene scene = scene_from_text(sheet("1.5", "air_density: " + std::to_string(density)));
-    scene.time.step = 0.004;
+    scene.time.frame = 0.004;
     Experiment run(std::move(scene));
     EXPECT_NEAR(run.world().properties[0].mass, 0.2 * 0.05 * 0.2, 0.002);
     run.seconds(0.2);

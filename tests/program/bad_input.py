@@ -123,9 +123,9 @@ class BadScenes(RefusedTest):
                 (("radius: 0.1", "radius: 1.0e16"), ":5:", "a size of 2e+16 m"),
                 (("[0, 0, 0.3]", "[0, 1.0e16, 0]"), ":5:", "a coordinate of 1e+16 m"),
                 (("[0, 0, 0.3]", "[0, 1.0e10, 0]"), ":5:", "a size of 0.2 m where coordinates of 1e+10 m are rounded"),
-                (("frames: 5", "frames: 5, step: 1.0e-15"), ":5:", "steps of 1e-15 s"),
-                (("frames: 5", "frames: 5, step: 1.0e-9, substeps: 1000000"), ":5:", "steps of 1e-15 s"),
-                (("frames: 5", "frames: 5, step: 1.0e+20"), ": found", "steps of 1e+20 s"),
+                (("frames: 5", "frames: 5, frame: 1.0e-15"), ":5:", "steps of 1e-15 s"),
+                (("frames: 5", "frames: 5, frame: 1.0e-9, substeps: 1000000"), ":5:", "steps of 1e-15 s"),
+                (("frames: 5", "frames: 5, frame: 1.0e+20"), ": found", "steps of 1e+20 s"),
                 (("time:", "gravity: [0, 0, -1.0e308]\ntime:"), ": found", "in a gravity of 1e+308 m/s^2")):
             with self.subTest(says=says):
                 text = GOOD.replace(*change)
@@ -422,7 +422,7 @@ bodies:
     def test_the_last_checkpoint_is_kept(self):
         """It is whole: from there the same happens again."""
         text = self.PILE.replace("FORCE", "[0, 0, 4.5e8]").replace("3, 0.1]", "3, 5]").replace("mass: 0.05", "mass: 1")
-        run = self.stops(text, "-set", "time.step=0.25", says=["frame ", "body 21 (ram)", "constraint"])
+        run = self.stops(text, "-set", "time.frame=0.25", says=["frame ", "body 21 (ram)", "constraint"])
         frame = int(run.message[0].split("frame ")[1].split(",")[0].split(":")[0])
         self.assertGreater(frame, 1)
         for n in (1, 2):
@@ -431,7 +431,7 @@ bodies:
                 self.assertEqual(file.attrs["frame"], frame - 1)
             self.assertFalse(checkpoint.with_suffix(".h5.part").exists())
             again = unibody(self.folder / "scene.yaml", "-output", self.folder / f"again_{n}", "-restart", checkpoint,
-                            "-set", "time.step=0.25", ranks=3 - n)
+                            "-set", "time.frame=0.25", ranks=3 - n)
             self.assertEqual((again.code, again.message), (3, run.message))
 
     # A body that is nowhere must not be looked for contacts: this ended never.

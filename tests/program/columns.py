@@ -13,7 +13,7 @@ from unibody_runs import ProgramTest, report
 # All nodes are held, half of them by bodies that move: a cloth of links is stretched along x, one of a membrane is sheared, a block
 # is stretched along x, and another one is pressed along y and then turned inside out.
 MATERIALS = """
-    time: {step: 0.125, frames: 2}
+    time: {frame: 0.125, frames: 2}
     gravity: [0, 0, 0]
     materials: {rag: {friction: 0.1}, silk: {friction: 0.2}, jelly: {friction: 0.3}, cork: {friction: 0.4}}
     bodies:
@@ -36,7 +36,7 @@ MATERIALS = """
 
 # One iteration of Jacobi's from rest, m = 2 kg at the middle node and 1 kg at the free end.
 HANGING = """
-    time: {step: 0.01, frames: 1}
+    time: {frame: 0.01, frames: 1}
     gravity: [0, 0, -10]
     solver: {name: jacobi, iterations: 1, stages: position, tolerance: 0}
     materials: {air: {friction: 0}, string: {friction: 0.5}}
@@ -96,7 +96,7 @@ class Columns(ProgramTest):
 class Joints(ProgramTest):
     """joints.csv and joints.h5, columns by name: what holds, drives, stops and rubs bodies at rest and a wheel that speeds up."""
     SCENE = """
-        time: {step: 0.01, frames: 120}
+        time: {frame: 0.01, frames: 120}
         output: {every: 40, joints: true}
         solver: {iterations: 60, tolerance: 0}
         bodies:

@@ -17,7 +17,7 @@ from fclib import Problem  # noqa: E402
 
 # A ball just above the ground, sliding to where it is stopped or held by friction.
 BALL = """
-    time: {step: 0.01, frames: 1}
+    time: {frame: 0.01, frames: 1}
     gravity: [0, 0, -10]
     materials: {stone: {friction: 0.5}}
     solver: {iterations: 400, tolerance: 0, stages: joint}
@@ -27,7 +27,7 @@ BALL = """
 """
 
 PILE = """
-    time: {step: 0.01, frames: 25}
+    time: {frame: 0.01, frames: 25}
     materials: {stone: {friction: 0.4}}
     bodies:
       - container: {size: [0.6, 0.6]}
@@ -45,7 +45,7 @@ PILE = """
 
 # Boxes that meet each other and the ground in the first step, whose problem is the same whatever the solver does.
 BLOCK = """
-    time: {step: 0.01, frames: 1}
+    time: {frame: 0.01, frames: 1}
     materials: {stone: {friction: 0.4}}
     solver: {stages: joint, tolerance: 0}
     bodies:
@@ -57,7 +57,7 @@ BLOCK = """
 """
 
 CLOTH = """
-    time: {step: 0.016, frames: 8}
+    time: {frame: 0.016, frames: 8}
     bodies:
       - shape: {plane: {normal: [0, 0, 1]}}
       - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0.4, 0.4, 0.4], velocity: [0, 0, -3]}

@@ -16,7 +16,7 @@ TOOL = os.environ.get("UNIBODY_CROSSINGS", str(SOURCE / "build" / "release" / "c
 # A cloth of 8 x 8 nodes, 1 m apart, that hangs from two corners.
 HANGING = """
     title: a cloth by itself
-    time: {step: 0.016, frames: 6}
+    time: {frame: 0.016, frames: 6}
     output: {every: 2}
     cloths:
       - {name: sheet, grid: {size: [7, 7], nodes: [8, 8]}, mass: 1, thickness: 0.02, pins: [{node: [0, 0]}, {node: [7, 0]}]}
@@ -29,7 +29,7 @@ FRAMES = [0, 2, 4, 6]
 # A stitch of `needle` goes through the flat cloth, and another one through the upright one.
 THROUGH = """
     title: cloths and ropes through each other
-    time: {step: 1.0e-6, frames: 1}
+    time: {frame: 1.0e-6, frames: 1}
     cloths:
       - {name: flat, grid: {size: [7, 7], nodes: [8, 8]}, mass: 1, thickness: 0.002}
       - name: upright

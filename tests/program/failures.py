@@ -68,7 +68,7 @@ class Failures(ProgramTest):
 
     def test_reference_solver(self):
         self.scene("""
-            time: {step: 10, frames: 1}
+            time: {frame: 10, frames: 1}
             solver: {name: newton}
             solids:
               - {block: {size: [1, 1, 1], cells: [2, 2, 2]}, density: 1000, youngs_modulus: 1.0e+6, poissons_ratio: 0.3,

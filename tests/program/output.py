@@ -19,7 +19,7 @@ from unibody_runs import SCENES, SOURCE, ProgramTest, report, unibody
 STEP, FRAMES, EVERY = 0.016, 30, 5
 SCENE = """
     title: boxes and spheres on the ground
-    time: {step: 0.016, frames: 30}
+    time: {frame: 0.016, frames: 30}
     output: {every: 5, checkpoint_every: 10}
     gravity: [0.3, 0, -9.81]
     bodies:
@@ -185,14 +185,14 @@ class Results(ProgramTest):
         self.assertEqual((summary["first_frame"], summary["last_frame"]), (0, FRAMES))
         self.assertEqual(summary["state_hash"], self.run_done.state)
         versions = summary["versions"]
-        self.assertEqual(set(versions), {"unibody", "petsc", "mpi", "hdf5", "metis"})
+        self.assertEqual(set(versions), {"unibody", "commit", "compiler", "petsc", "mpi", "hdf5", "metis"})
         self.assertEqual(versions["hdf5"].split(".")[:2], h5py.version.hdf5_version.split(".")[:2])
         for name in ("unibody", "petsc", "metis"):
             self.assertRegex(versions[name], r"^\d+\.\d+\.\d+$")
         self.assertRegex(versions["mpi"], r"\d+\.\d+")
         # What the scene leaves to the program is told as it was used: a tolerance of 1e-4 of the smallest box, one frame, ...
         self.assertEqual(summary["settings"], {
-            "time": {"step (s)": STEP, "frames": FRAMES, "substeps": 1},
+            "time": {"frame (s)": STEP, "frames": FRAMES, "substeps": 1},
             "solver": {"name": "accelerated_jacobi", "iterations": 50, "tolerance (m)": 1e-4 * 0.11, "acceleration": "auto",
                        "mass_sharing": "directions", "level": "position", "stages": "two",
                        "warm_start": 1 / 3, "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
@@ -285,12 +285,21 @@ class Switches(ProgramTest):
             self.assertRegex(text, rf"(?m)^.*unibody_{phase}\b")
         self.assertIn("with 2 processors", text)
 
+    def test_version(self):
+        run = unibody("-version", ranks=2)
+        self.assertEqual(run.code, 0, run.err)
+        told = dict(line.split(" ", 1) for line in run.out.strip().splitlines())
+        self.assertEqual(list(told), ["unibody", "commit", "compiler", "petsc", "mpi", "hdf5", "metis"])
+        project = re.search(r"project\(unibody VERSION ([0-9.]+)", (SOURCE / "CMakeLists.txt").read_text())
+        self.assertEqual(told["unibody"], project.group(1))
+        self.assertNotIn("", told.values())
+
     def test_help(self):
         for word in ("-help", "--help", "-h"):
             run = unibody(word, ranks=2, timeout=60, folder=self.folder)
             self.assertEqual(run.code, 0, run.err)
             self.assertEqual(run.out.count("usage:"), 1, "each rank speaks")
-        source = (SOURCE / "src/options.cpp").read_text()
+        source = (SOURCE / "src/app/options.cpp").read_text()
         parser = source[source.index("Options parse_options"):source.index("std::string help_text")]
         options = set(re.findall(r'word == "(-[a-z_]+)"', parser)) - {"-h"}
         self.assertLessEqual({"-output", "-overwrite", "-set", "-restart", "-partition", "-rebalance", "-shared_memory"}, options)

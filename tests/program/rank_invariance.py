@@ -11,7 +11,7 @@ SOLVERS = ["accelerated_jacobi", "gauss_seidel", "jacobi"]
 # Boxes and spheres of many sizes dropped between walls, on a tilted board and beside a kinematic one.
 MIXED = """
     title: boxes and spheres between walls
-    time: {step: 0.016, frames: 40}
+    time: {frame: 0.016, frames: 40}
     output: {every: 10}
     materials: {stone: {friction: 0.5}, ice: {friction: 0}}
     bodies:

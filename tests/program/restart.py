@@ -12,7 +12,7 @@ import h5py
 from unibody_runs import SCENES, ProgramTest, command, comparable, contents, end, start, tree, unibody
 
 PILE = """
-    time: {step: 0.016, frames: 60}
+    time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
     materials: {stone: {friction: 0.4}}
     bodies:
@@ -33,7 +33,7 @@ PILE = """
 """
 
 CLOTH = """
-    time: {step: 0.016, frames: 60}
+    time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
     solver: {warm_start: 0.5, iterations: 12}
     bodies:
@@ -56,7 +56,7 @@ CLOTH = """
 
 # A cloth in the wind, held by a body that turns and tied to one that swings, until they are let go after the checkpoint.
 TIED = """
-    time: {step: 0.016, frames: 60}
+    time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
     wind: [1, 0, 2]
     bodies:
@@ -75,7 +75,7 @@ TIED = """
 
 # A chain that swings into a box, and a motor that has not reached its speed by then.
 JOINTED = """
-    time: {step: 0.016, frames: 60}
+    time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
     solver: {iterations: 12}
     bodies:
@@ -191,7 +191,7 @@ class Restart(ProgramTest):
         other = self.scene(PILE.replace("count: 60", "count: 61"), "other.yaml")
         before = tree(self.folder)
         for path, setting in ((other, []), (scene, ["gravity=[0, 0, -1.62]"]), (scene, ["solver.name=gauss_seidel"]),
-                              (scene, ["solver.iterations=51"]), (scene, ["time.step=0.01"]), (scene, ["time.substeps=2"]),
+                              (scene, ["solver.iterations=51"]), (scene, ["time.frame=0.01"]), (scene, ["time.substeps=2"]),
                               (scene, ["materials.stone.friction=0.41"]), (scene, ["solver.friction=box"]),
                               (scene, ["solver.acceleration=nesterov"]), (scene, ["solver.mass_sharing=count"]), (scene, ["solver.leak=0.25"]), (scene, ["solver.velocity_share=0.6"])):
             with self.subTest(path=path.name, setting=setting):

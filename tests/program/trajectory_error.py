@@ -17,7 +17,7 @@ STEP, GRAVITY, SPIN = 0.02, 9.81, 3.0
 
 # Far apart, in free flight: body 1 spins about a principal axis. Body 0 has no mass and never counts.
 FLIGHT = f"""
-    time: {{step: {STEP}, frames: 10}}
+    time: {{frame: {STEP}, frames: 10}}
     output: {{every: 2}}
     gravity: [0, 0, -{GRAVITY}]
     bodies:
@@ -73,7 +73,7 @@ class TrajectoryErrorTest(ProgramTest):
     def test_frames_by_time(self):
         scene = self.scene(FLIGHT)
         self.good(scene, "coarse", ranks=1)
-        self.good(scene, "fine", "-set", f"time.step={STEP / 4}", "-set", "time.frames=40", "-set", "output.every=4", ranks=1)
+        self.good(scene, "fine", "-set", f"time.frame={STEP / 4}", "-set", "time.frames=40", "-set", "output.every=4", ranks=1)
         rows = self.compare("coarse", "fine", "--by-time")
         self.assertEqual([row[0] for row in rows], [0, 2, 4, 6, 8, 10])
         for row in rows:

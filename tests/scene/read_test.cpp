@@ -9,7 +9,7 @@ namespace {
 TEST(ReadScene, DefaultsHoldWhereTheFileIsSilent) {
   const Scene scene = scene_from(ball);
   EXPECT_EQ(scene.title, "");
-  EXPECT_EQ(scene.time.step, 0.016);
+  EXPECT_EQ(scene.time.frame, 0.016);
   EXPECT_EQ(scene.time.frames, 400);
   EXPECT_EQ(scene.time.substeps, 1);
   EXPECT_EQ(scene.gravity, Vec3(0, 0, -9.81));
@@ -35,11 +35,11 @@ TEST(ReadScene, DefaultsHoldWhereTheFileIsSilent) {
 
 TEST(ReadScene, TimeOutputAndTopLevelKeys) {
   const Scene scene = scene_from(
-      "title: a test\ntime: {step: 0.01, frames: 7, substeps: 3}\ngravity: [1, 2, -3]\nplanar: false\n"
+      "title: a test\ntime: {frame: 0.01, frames: 7, substeps: 3}\ngravity: [1, 2, -3]\nplanar: false\n"
       "output: {every: 5, checkpoint_every: -1, precision: single}\n" +
       ball);
   EXPECT_EQ(scene.title, "a test");
-  EXPECT_EQ(scene.time.step, 0.01);
+  EXPECT_EQ(scene.time.frame, 0.01);
   EXPECT_EQ(scene.time.frames, 7);
   EXPECT_EQ(scene.time.substeps, 3);
   EXPECT_EQ(scene.gravity, Vec3(1, 2, -3));

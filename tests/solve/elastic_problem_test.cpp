@@ -29,7 +29,7 @@ Scene held_block(const std::string& damping) {
       scene_from_text(block_text("[0.3, 0.2, 0.2]", "[3, 2, 2]",
                                  "density: 1000\n    youngs_modulus: 1.0e5\n    poissons_ratio: 0.3\n    damping: " + damping +
                                      "\n    pins: [{within: {min: [-0.15, -1, -1], max: [-0.15, 1, 1]}}]"));
-  scene.time.step = 0.008;
+  scene.time.frame = 0.008;
   return scene;
 }
 

@@ -25,7 +25,7 @@ inline Scene cloth(const ClothCase& of, int nodes, double step) {
       scene_from_text("cloths:\n  - grid: {size: [1, 1], nodes: [" + n + ", " + n + "]}\n    mass: 2\n    thickness: 0.01\n    " +
                       of.model + "\n    pins: [{node: [0, 0]}, {node: [" + last + ", " + last + "]}]\n");
   scene.solver.tolerance = 0, scene.solver.stages = Stages::position;
-  scene.time.step = step;
+  scene.time.frame = step;
   return scene;
 }
 

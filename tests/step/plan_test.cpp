@@ -1,0 +1,188 @@
+// The plan of a step as a table: each setting that a scene may leave open, and each way in which it is decided.
+#include "step/plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace unibody {
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+SceneTraits grains() {
+  SceneTraits traits;
+  traits.frame = 0.02, traits.step = 0.005, traits.gravity = 10, traits.smallest_size = 0.06;
+  return traits;
+}
+SceneTraits cloth() {
+  SceneTraits traits = grains();
+  traits.has_centre_constraints = traits.only_links = true;
+  return traits;
+}
+SceneTraits machine() {
+  SceneTraits traits = grains();
+  traits.has_joints = true;
+  return traits;
+}
+SolverSettings solver(const char* name, int iterations = 50) {
+  SolverSettings settings;
+  settings.name = name, settings.iterations = iterations;
+  return settings;
+}
+SolverSettings at_velocity_level() {
+  SolverSettings settings = solver("accelerated_jacobi");
+  settings.level = Level::velocity;
+  return settings;
+}
+
+}  // namespace
+
+TEST(StepPlan, SizesGoByTheSmallestBody) {
+  const StepPlan plan = unibody::plan({}, grains());
+  EXPECT_DOUBLE_EQ(plan.tolerance, 1e-4 * 0.06);
+  EXPECT_DOUBLE_EQ(plan.margin, 0.002);  // a fifth of the size is more
+  EXPECT_DOUBLE_EQ(plan.recovery_speed, 0.25);
+  EXPECT_DOUBLE_EQ(plan.recovery_time, 0.02);  // a frame, not a step
+  EXPECT_EQ(plan.surface_recovery_time, 0);
+
+  SceneTraits dust = grains();
+  dust.smallest_size = 0.0006;
+  const StepPlan small = unibody::plan({}, dust);
+  EXPECT_DOUBLE_EQ(small.tolerance, 6e-8);
+  EXPECT_DOUBLE_EQ(small.margin, 0.00012);
+  EXPECT_DOUBLE_EQ(small.recovery_speed, std::sqrt(2 * 10 * 0.0006 / 3));
+  dust.gravity = 0;
+  EXPECT_DOUBLE_EQ(unibody::plan({}, dust).recovery_speed, 0.25);
+
+  SceneTraits nothing_moves = grains();
+  nothing_moves.smallest_size = infinite;
+  EXPECT_EQ(unibody::plan({}, nothing_moves).tolerance, 0);
+  EXPECT_EQ(unibody::plan({}, nothing_moves).margin, 0.002);
+}
+
+TEST(StepPlan, WhatTheSceneSetsStands) {
+  SolverSettings set;
+  set.tolerance = 1e-3, set.margin = 0.5, set.recovery_speed = 0, set.recovery_time = 0.7, set.velocity_share = 0.25,
+  set.leak = 0.9;
+  set.warm_start = 0.1;
+  const StepPlan plan = unibody::plan(set, grains(), {.any_contact = true});
+  EXPECT_EQ(plan.tolerance, 1e-3);
+  EXPECT_EQ(plan.margin, 0.5);
+  EXPECT_EQ(plan.recovery_speed, 0);
+  EXPECT_EQ(plan.recovery_time, 0.7);
+  EXPECT_EQ(plan.surface_recovery_time, 0.7);
+  EXPECT_EQ(plan.velocity_share, 0.25);
+  EXPECT_EQ(plan.velocity_iterations, 12);
+  EXPECT_EQ(plan.leak, 0.9);
+  EXPECT_EQ(plan.contacts_share, 1);  // of two stages the first starts from all
+  set.stages = Stages::position;
+  EXPECT_EQ(unibody::plan(set, grains()).contacts_share, 0.1);
+}
+
+TEST(StepPlan, StagesAndTheirShares) {
+  struct Row {
+    const char* what;
+    SolverSettings settings;
+    SceneTraits traits;
+    bool any_contact;
+    Stages stages;
+    bool two_stages;
+    int velocity_iterations;
+    double contacts_share, share;
+    bool solids_start_cold;
+  };
+  const double third = 1.0 / 3;
+  const Row rows[] = {
+      {"grains, accelerated", solver("accelerated_jacobi"), grains(), false, Stages::two, true, 40, 1, 0, false},
+      {"grains, plain Jacobi", solver("jacobi"), grains(), false, Stages::two, true, 25, 1, 0, false},
+      {"grains, Gauss-Seidel", solver("gauss_seidel", 10), grains(), false, Stages::two, true, 5, 1, 0, false},
+      {"two iterations", solver("accelerated_jacobi", 2), grains(), false, Stages::two, true, 1, 1, 0, false},
+      {"cloth, Jacobi", solver("accelerated_jacobi"), cloth(), true, Stages::position, false, 0, third, third, true},
+      {"cloth, Gauss-Seidel, touched", solver("gauss_seidel"), cloth(), true, Stages::two, true, 25, 1, third, false},
+      {"cloth, Gauss-Seidel, alone", solver("gauss_seidel"), cloth(), false, Stages::two, false, 0, 1, third, false},
+      {"machine, Jacobi", solver("accelerated_jacobi"), machine(), true, Stages::position, false, 0, third, third, true},
+      {"machine, Gauss-Seidel", solver("gauss_seidel"), machine(), true, Stages::two, true, 25, 1, third, false},
+      {"velocity level", at_velocity_level(), grains(), true, Stages::position, false, 0, 0.5, 0, false},
+  };
+  for (const Row& row : rows) {
+    const StepPlan plan = unibody::plan(row.settings, row.traits, {.any_contact = row.any_contact});
+    EXPECT_EQ(plan.stages, row.stages) << row.what;
+    EXPECT_EQ(plan.two_stages, row.two_stages) << row.what;
+    EXPECT_EQ(plan.velocity_iterations, row.velocity_iterations) << row.what;
+    EXPECT_EQ(plan.contacts_share, row.contacts_share) << row.what;
+    EXPECT_EQ(plan.share, row.share) << row.what;
+    EXPECT_EQ(plan.solids_start_cold, row.solids_start_cold) << row.what;
+  }
+}
+
+TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
+  const auto leak = [](const char* name, int iterations) { return unibody::plan(solver(name, iterations), grains()).leak; };
+  EXPECT_EQ(leak("accelerated_jacobi", 50), 0.6);
+  EXPECT_EQ(leak("accelerated_jacobi", 20), 0.15);
+  EXPECT_EQ(leak("accelerated_jacobi", 10), 0);
+  EXPECT_EQ(leak("jacobi", 50), 0);
+  EXPECT_EQ(leak("gauss_seidel", 10), 0.3);
+  EXPECT_EQ(leak("gauss_seidel", 5), 0.15);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel"), grains()).swelling, 0.002);
+}
+
+TEST(StepPlan, AccelerationOfTheTwoStages) {
+  constexpr Acceleration optimized = Acceleration::optimized, nesterov = Acceleration::nesterov;
+  struct Row {
+    const char* what;
+    SceneTraits traits;
+    StepFacts facts;
+    Acceleration velocity, position;
+  };
+  SceneTraits membrane = cloth(), tied = cloth();
+  membrane.only_links = false, tied.has_attachments = true;
+  const Row rows[] = {
+      {"grains", grains(), {}, optimized, optimized},    {"grains that bounce", grains(), {.bounces = true}, nesterov, nesterov},
+      {"links", cloth(), {}, optimized, optimized},      {"tight links", cloth(), {.links_are_tight = true}, optimized, nesterov},
+      {"a membrane", membrane, {}, optimized, nesterov}, {"links tied to a body", tied, {}, optimized, nesterov},
+      {"joints", machine(), {}, optimized, nesterov},
+  };
+  for (const Row& row : rows) {
+    const StepPlan plan = unibody::plan({}, row.traits, row.facts);
+    EXPECT_EQ(plan.velocity_acceleration, row.velocity) << row.what;
+    EXPECT_EQ(plan.position_acceleration, row.position) << row.what;
+    EXPECT_EQ(plan.most_stiffness, row.position == optimized ? most_geometric_stiffness : infinite) << row.what;
+  }
+  SolverSettings set;
+  set.gap = Gap::reevaluated;
+  EXPECT_EQ(unibody::plan(set, grains()).position_acceleration, nesterov);
+  set = {}, set.scaling = 0.5;
+  EXPECT_EQ(unibody::plan(set, grains()).velocity_acceleration, nesterov);
+  set.acceleration = optimized;
+  EXPECT_EQ(unibody::plan(set, machine()).position_acceleration, optimized);
+  EXPECT_EQ(unibody::plan(solver("jacobi"), cloth()).most_stiffness, infinite) << "it has no momentum to bound for";
+}
+
+TEST(StepPlan, TightLinksAreLookedForWhereTheyMatter) {
+  EXPECT_TRUE(asks_for_tight_links({}, cloth()));
+  EXPECT_FALSE(asks_for_tight_links({}, grains()));
+  EXPECT_FALSE(asks_for_tight_links(solver("gauss_seidel"), cloth()));
+  SolverSettings set;
+  set.acceleration = Acceleration::nesterov;
+  EXPECT_FALSE(asks_for_tight_links(set, cloth()));
+  EXPECT_FALSE(links_are_tight(3 * tight_links));  // of which a third is a step's start
+  EXPECT_TRUE(links_are_tight(3.01 * tight_links));
+  EXPECT_TRUE(links_are_tight(NAN));
+}
+
+TEST(StepPlan, Stages) {
+  SolverSettings set;
+  set.gap = Gap::reevaluated;
+  const StepPlan plan = unibody::plan(set, grains());
+  const Stage velocity = plan.stage(Stage::Kind::velocity, set, 0.005), position = plan.stage(Stage::Kind::position, set, 0.005);
+  EXPECT_FALSE(velocity.reevaluates);
+  EXPECT_TRUE(position.reevaluates);
+  EXPECT_EQ(velocity.bias(-0.01), 0);
+  EXPECT_DOUBLE_EQ(position.bias(-0.001), -0.001 / 0.025);
+  EXPECT_DOUBLE_EQ(position.bias(-1), -0.25);
+  const SolverSettings linear = at_velocity_level();  // takes out the share gamma of an error
+  EXPECT_DOUBLE_EQ(unibody::plan(linear, grains()).stage(Stage::Kind::position, linear, 0.005).bias(-1), -0.4 / 0.005);
+}
+
+}  // namespace unibody
