@@ -1,7 +1,7 @@
 // Partition: which rank is home to which body.
 //
 // METIS cuts a small graph whose nodes are cells of space for loose bodies and patches of nodes for cloths, threads and solids,
-// weighted by the measured cost of the bodies in them. It is solved on one rank and broadcast; a body's home is then its cell's
+// weighted by the counted work of the bodies in them. It is solved on one rank and broadcast; a body's home is then its cell's
 // part. Where METIS fails, or leaves a part with more than twice its share, the cells are cut by planes (bisection.hpp) and the
 // run says so. No result depends on the partition, so it may be as approximate as it likes; the price of cells is a cut one cell
 // rough. Parts may be empty: fewer cells than ranks, or no bodies at all, are legal.

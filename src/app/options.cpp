@@ -130,7 +130,7 @@ Simulates the scene file SCENE and writes its results into a folder.
   -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
   -start_from FILE       the same, but time.frame, time.substeps and what stands under solver may differ from those of the checkpoint's
                          run: to compare settings from the same state
-  -partition KIND        metis (default): cells of space, weighted by measured work; random:SEED: bodies thrown about the ranks.
+  -partition KIND        metis (default): cells of space, weighted by their bodies' work; random:SEED: bodies thrown about the ranks.
                          No result depends on it
   -rebalance on|off      move bodies between ranks as the work shifts (default on). No result depends on it
   -shared_memory on|off  ranks of one node tell each other through memory that they share what an iteration needs (default

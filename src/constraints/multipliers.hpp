@@ -1,4 +1,4 @@
-// The contact multipliers that persist from step to step: the only history of the simulation, part of every checkpoint.
+// The contact multipliers that persist from step to step: the contacts' part of the history (step/history.hpp).
 // Keyed by (id, id); within a pair a new point takes the multipliers of the nearest old one in body a's frame. Where one body is
 // round there is but one point, and no place is kept.
 #pragma once

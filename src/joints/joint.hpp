@@ -21,7 +21,7 @@ enum class Motor : std::uint8_t { none, speed, position };
 struct Joint {
   JointKind kind = JointKind::ball;
   bool collide = false;        // its bodies may touch each other
-  std::int32_t tree = -1;      // its own rows are solved with those of that tree (settings.hpp: direct); -1: by themselves
+  std::int32_t tree = -1;      // its own rows are solved with those of that tree (JointSolve::direct); -1: by themselves
   std::int32_t colour = 0;     // two joints of a colour share no moving body
   std::array<Id, 2> ids{};     // the second -1: the world
   std::array<Vec3, 2> anchor;  // m, from each body's centre, in its axes; of the world a point

@@ -22,7 +22,7 @@ struct FrameReport {
   std::int64_t sliding_contacts = 0;
   bool converged = false;
   std::int64_t form_left = 0;  // steps taken in the incremental form, not the total one that the scene asks for
-  // Wall times (s) of the step, the largest of all ranks; imbalance: largest over mean busy time.
+  // Wall times (s) of the step, the largest of all ranks; imbalance: largest over mean work (partition/work.hpp).
   double wall_collide = 0, wall_solve = 0, wall_halo = 0, wall_output = 0;
   double imbalance = 1;
   std::optional<StepError> error;              // where it was asked for

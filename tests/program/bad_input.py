@@ -131,7 +131,7 @@ class BadScenes(RefusedTest):
                 text = GOOD.replace(*change)
                 self.assertNotEqual(text, GOOD)
                 self.refused(self.scene(text), says=[f"scene.yaml{place}", says, "expected"])
-        for change in (("0.3]", "0.3]\n    velocity: [0, 1.0e6, 0]"), ("frames: 5", "frames: 5, step: 1.0e-9"),
+        for change in (("0.3]", "0.3]\n    velocity: [0, 1.0e6, 0]"), ("frames: 5", "frames: 5, frame: 1.0e-9"),
                        ("[0, 0, 0.3]", "[1.0e7, 0, 0.3]"), ("radius: 0.1", "radius: 1.0e-7")):
             with self.subTest(good=change):
                 self.good(self.scene(GOOD.replace(*change)), "results", "-overwrite")

@@ -27,12 +27,12 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
      "materials, bodies, cloths, threads, solids or joints"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
-     "FILE:3: key 'time.stp': found an unknown key, expected step, frames or substeps"},
+     "FILE:3: key 'time.stp': found an unknown key, expected frame, frames or substeps"},
     {"key_twice", "title: a\ntime: {frame: 1}\ntitle: b\n",
      "FILE:3: key 'title': found the key a second time, expected each key once"},
     {"title_a_list", "title: [1, 2]\n", "FILE:1: key 'title': found [1, 2], expected a text"},
     {"section_without_value", "time:\n" + ball,
-     "FILE:1: key 'time': found nothing, expected a map with the keys step, frames or substeps"},
+     "FILE:1: key 'time': found nothing, expected a map with the keys frame, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
      "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
      "materials, bodies, cloths, threads, solids or joints"},
@@ -221,7 +221,7 @@ const std::vector<BadInput> bad_overrides{
     {"no_value", ball, "-set time.frames=: key 'time.frames': found nothing, expected an integer >= 0", {{"time.frames", ""}}},
     {"unknown_key",
      ball,
-     "-set time.frmes=3: key 'time.frmes': found an unknown key, expected step, frames or substeps",
+     "-set time.frmes=3: key 'time.frmes': found an unknown key, expected frame, frames or substeps",
      {{"time.frmes", "3"}}},
     {"unknown_section",
      ball,
