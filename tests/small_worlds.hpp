@@ -76,7 +76,7 @@ struct Bench {
 
   // One group in key order, with the Jacobi scaling.
   void build_for_jacobi();
-  // With the counts as they are in the system; those of none: as for Gauss-Seidel.
+  // Lays out the contacts with system.counts as it is: for a Jacobi solver, or for Gauss-Seidel where the counts are empty.
   void build(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups);
   BuildContext context() const;  // of the contacts
 

@@ -1,8 +1,9 @@
 // What a batch is: all constraints of one kind on this rank, laid out for the passes that solvers make over them.
 //
-// The solvers, the natural residual, the warm start, the exchange between ranks, the counts of memory, migration and the
-// checkpoint know batches by this interface alone and reach them by for_each_batch() (solve/batches.hpp). A new kind of
-// constraint is a class that satisfies the concept, and its name in the list there. BatchDefaults has what few kinds need.
+// Solvers, residuals, warm starts, the exchange between ranks, migration, checkpoints and the counts of memory know a batch by
+// this interface alone, and reach all batches by for_each_batch() (solve/batches.hpp). A new kind of constraint is a class that
+// satisfies the concept Batch, and its name in the list there. BatchDefaults holds the members that few kinds have to define
+// themselves.
 #pragma once
 
 #include <concepts>
@@ -51,7 +52,6 @@ struct BuildContext {
   std::span<const double> rolling = {}, spinning = {};  // m, of each pair of materials; empty where nothing resists rolling
   std::size_t materials = 1;
   bool has_surfaces = false;                              // the scene has surfaces that may touch something
-  const Surfaces* surfaces = nullptr;                     // null: none
   std::span<const AttachedNode> attached = {};            // to dynamic bodies, in this step
   bool has_attachments = false;                           // the scene has any
   std::span<const std::int32_t> constraint_colours = {};  // of each type of constraint between centres, over all ranks
@@ -62,12 +62,9 @@ struct BuildContext {
 
 // From which of the last step's multipliers a step starts.
 struct WarmStart {
-  const World& world;
-  const Contacts& contacts;
   double contacts_share = 0;              // of contacts
   double share = 0;                       // of all others; 0 too where the scene has none
   double setting = -1;                    // the scene's own share; negative: a third, or nothing of types that start cold
-  double step = 0.016;                    // s
   const Surfaces* cold_solids = nullptr;  // contacts of these solids start from nothing; null: none do
 };
 

@@ -13,8 +13,9 @@ namespace unibody {
 
 namespace {
 
-// A Jacobi sweep goes through the constraints of so many bodies colour by colour: one that adds to a body right after another
-// did would wait for its sum, and so many bodies stay in the nearest cache.
+// A Jacobi sweep takes the constraints in runs of this many consecutive body ids, and within a run colour by colour. Constraints
+// of one colour share no body, so that no addition to a body has to wait for the one before it; and the bodies of a run stay in
+// the nearest cache.
 constexpr Id ids_in_a_run = 64;
 
 template <class C>

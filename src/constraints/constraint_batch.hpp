@@ -75,8 +75,8 @@ class ConstraintBatch : public BatchDefaults {
   void start_from(const History& history, const WarmStart& warm);
   void remember(History& history, double) const;
 
-  // Adds D lambda of all multipliers to the impulses (N s; x, y, z, 0) on their bodies. Those of links are made smaller first
-  // where their geometric stiffness is more than this (see most_geometric_stiffness).
+  // Adds to each body the impulses D lambda (N s; x, y, z, 0) of this batch's multipliers. Before that, the multiplier of a link
+  // is reduced where its geometric stiffness would exceed most_stiffness (see most_geometric_stiffness).
   void add_impulses(SolveState& state, const WarmStart& warm, double most_stiffness);
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     double most_stiffness = HUGE_VAL);

@@ -109,8 +109,9 @@ struct SolverSettings {
   Gap gap = Gap::frozen;          // frozen: linear in the step; reevaluated: every iteration
   Order order = Order::coloured;  // gauss_seidel only; sequential: one rank only
   double scaling = 1;             // factor on the constraint count n_b of the Jacobi solvers; (0, 1]
-  // s, time constant rho_c at which penetration is taken out; 0: all in one step; open: one frame, but 0 of faces and edges of
-  // surfaces
+  // The time constant (s) with which a position stage takes penetration out; 0: it takes all of it out in one step. Where the
+  // scene leaves it open, it is the length of a frame for contacts of bodies, and 0 for contacts of the faces and edges of
+  // surfaces.
   std::optional<double> recovery_time;
   std::optional<double> recovery_speed;  // m/s, bound on the speed at which penetration is taken out; 0: unbounded; open: by size
   std::optional<double> margin;  // m, contacts are made at gaps below this plus what bodies can travel in the step; open: by size

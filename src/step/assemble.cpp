@@ -19,7 +19,7 @@ BuildContext build_context(const RankState& state, const System& system) {
   context.contacts = &state.contacts, context.contact_batch = &system.contacts();
   if (acts_in_solve(scene.solver.friction) && (has_any(scene.rolling) || has_any(scene.spinning)))
     context.rolling = scene.rolling, context.spinning = scene.spinning, context.materials = scene.materials.size();
-  context.has_surfaces = state.has_surfaces(), context.surfaces = &state.surfaces;
+  context.has_surfaces = state.has_surfaces();
   context.attached = state.attached, context.has_attachments = state.traits.has_attachments;
   context.constraint_colours = state.colours;
   context.memory = system.bodies.get_allocator().resource();

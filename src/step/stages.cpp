@@ -12,10 +12,9 @@
 namespace unibody {
 
 void warm_start(RankState& state, System& system, const StepPlan& plan) {
-  WarmStart warm{state.world, state.contacts};
+  WarmStart warm;
   warm.contacts_share = plan.contacts_share, warm.share = plan.share;
   warm.setting = state.scene.solver.warm_start.value_or(-1);
-  warm.step = state.step();
   if (plan.solids_start_cold) warm.cold_solids = &state.surfaces;
   {
     const Scratch::Frame frame(state.scratch);

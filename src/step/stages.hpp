@@ -11,7 +11,8 @@ namespace unibody {
 // Collective.
 void warm_start(RankState& state, System& system, const StepPlan& plan);
 
-// Runs one stage from the multipliers in the batches, whose impulses the velocities hold already. Collective.
+// Runs the solver for one stage. It starts from the batches' multipliers; their impulses must already be part of the bodies'
+// velocities. Collective.
 SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, Stage::Kind kind,
                       SolveFunction solver, int iterations, double tolerance);
 
