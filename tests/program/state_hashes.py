@@ -9,6 +9,7 @@ A change of the program that should change no result must leave the table as it 
 which writes the table anew, from runs on 1 rank; the new table belongs in the same commit.
 """
 import pathlib
+import re
 import sys
 import unittest
 
@@ -30,8 +31,8 @@ def path_of(scene):
 
 def lacks_mesh(path):
     """A scene whose mesh has to be fetched from the network, and is not there."""
-    meshes = [word for word in path.read_text().split() if "results/meshes/" in word]
-    return any(not (path.parent / mesh).is_file() for mesh in meshes if mesh.endswith(".msh"))
+    meshes = re.findall(r"[:{]\s*((?:\.\./)+results/meshes/[^\s,}]+)", path.read_text())
+    return any(not (path.parent / mesh).is_file() for mesh in meshes)
 
 
 def options(frames, overrides):
