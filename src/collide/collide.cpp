@@ -7,6 +7,7 @@
 #include "collide/crowds.hpp"
 #include "collide/merge_supports.hpp"
 #include "collide/restitution.hpp"
+#include "collide/seams.hpp"
 #include "core/capacity.hpp"
 
 namespace unibody {
@@ -45,6 +46,7 @@ Collider::Collider(std::pmr::memory_resource* memory)
       edges_(memory),
       planes_(memory),
       pairs_(memory),
+      at_seams_(memory),
       broad_phase_(memory) {}
 
 void Collider::collide(const World& world, const CollideSettings& settings, Contacts& contacts, const Surfaces* surfaces,
@@ -66,14 +68,16 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
 
   const auto bodies = static_cast<std::int32_t>(proxies_.size());
   const auto pairs = broad_phase_.sort(pairs_, others + edges_.size());
+  at_seams_.clear();
   for (const IndexPair& pair : pairs)
-    if (pair.second < bodies) collide_bodies(proxies_[pair.first], proxies_[pair.second], settings, contacts);
+    if (pair.second < bodies) collide_bodies(pair, settings, contacts);
   if (surfaces) {
     SurfaceCollider collider(world, *surfaces, settings, contacts.surface);
     for (const IndexPair& pair : pairs)
       if (pair.second >= bodies) collide_surface(pair, *surfaces, collider);
     collider.finish();
   }
+  if (!at_seams_.empty()) mend_seams(settings, surfaces, contacts);
   if (!settings.restitution.empty()) set_bounces(world, settings, contacts);
 }
 
@@ -96,7 +100,11 @@ void Collider::find_pairs(const World& world, std::span<const std::int32_t> crow
   std::copy(roles.begin(), roles.end(), roles_.begin());  // planes look at them, too
 }
 
-void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts) {
+namespace {
+
+// Hands the manifolds of a pair to contacts, those that share a normal made one where that is asked for.
+template <class Each>
+void add_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts, Each&& for_each_manifold) {
   const double friction = settings.friction[a.material * settings.material_count + b.material];
   const auto add = [&](const PairManifold& found) {
     make_room(contacts.manifolds, contacts.manifolds.size() + 1);
@@ -106,11 +114,79 @@ void Collider::collide_bodies(const Proxy& a, const Proxy& b, const CollideSetti
                                   found.time});
     contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
   };
-  if (!settings.merge_supports || (!is_composite(a.kind) && !is_composite(b.kind))) return collide_parts(a, b, settings, add);
+  if (!settings.merge_supports || (!is_composite(a.kind) && !is_composite(b.kind))) return for_each_manifold(add);
   std::vector<PairManifold> manifolds;
-  collide_parts(a, b, settings, [&](const PairManifold& found) { manifolds.push_back(found); });
+  for_each_manifold([&](const PairManifold& found) { manifolds.push_back(found); });
   merge_supports(manifolds, settings.margin);
   for (const PairManifold& m : manifolds) add(m);
+}
+
+}  // namespace
+
+void Collider::collide_bodies(const IndexPair& pair, const CollideSettings& settings, Contacts& contacts) {
+  const Proxy &a = proxies_[pair.first], &b = proxies_[pair.second];
+  const AtSeam start{pair, contacts.manifolds.size(), contacts.points.size()};
+  bool at_seam = false;
+  add_pair(a, b, settings, contacts, [&](const auto& add) {
+    collide_parts(a, b, settings, [&](const PairManifold& found) {
+      at_seam = at_seam || may_be_at_seam(found, settings);
+      if (!at_seam) add(found);
+    });
+  });
+  if (!at_seam) return;
+  contacts.manifolds.resize(start.manifolds), contacts.points.resize(start.points);
+  at_seams_.push_back(start);
+}
+
+// Which bodies could be a pair's third is asked by bounds alone, without filters, so that all ranks on which the pair is find the
+// same: a body whose swept bounds overlap both is on every rank on which one of the two is home.
+void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfaces, Contacts& contacts) {
+  std::vector<Bounds> bounds;
+  for (const Proxy& p : proxies_) bounds.push_back(swept_bounds_of(p, settings));
+  const auto count = proxies_.size();
+  std::vector<Role> roles(count, Role::other);
+  for (const AtSeam& s : at_seams_) roles[s.pair.first] = roles[s.pair.second] = Role::home;
+  for (std::size_t i = 0; i < count; ++i)
+    if (proxies_[i].kind == ShapeKind::plane || (surfaces && surfaces->is_node(proxies_[i].slot))) roles[i] = Role::absent;
+  Pairs pairs;
+  broad_phase_.find(bounds, roles, pairs);
+  std::vector<std::vector<std::int32_t>> near(count);
+  for (const IndexPair& pair : pairs) near[pair.first].push_back(pair.second), near[pair.second].push_back(pair.first);
+  for (std::vector<std::int32_t>& of_one : near) std::ranges::sort(of_one);
+
+  Contacts mended;
+  std::size_t manifolds = 0, points = 0;
+  const auto take_until = [&](std::size_t last_manifold, std::size_t last_point) {
+    for (; manifolds < last_manifold; ++manifolds) {
+      Manifold m = contacts.manifolds[manifolds];
+      m.first += static_cast<std::uint32_t>(mended.points.size() - points);
+      mended.manifolds.push_back(m);
+    }
+    mended.points.insert(mended.points.end(), contacts.points.begin() + static_cast<std::ptrdiff_t>(points),
+                         contacts.points.begin() + static_cast<std::ptrdiff_t>(last_point));
+    points = last_point;
+  };
+  for (const AtSeam& s : at_seams_) {
+    take_until(s.manifolds, s.points);
+    std::vector<std::int32_t> both;
+    std::ranges::set_intersection(near[s.pair.first], near[s.pair.second], std::back_inserter(both));
+    both.insert(both.end(), planes_.begin(), planes_.end());
+    const Proxy &a = proxies_[s.pair.first], &b = proxies_[s.pair.second];
+    if (is_composite(a.kind)) both.push_back(s.pair.first);
+    if (is_composite(b.kind)) both.push_back(s.pair.second);
+    std::ranges::sort(both);
+    std::vector<const Proxy*> thirds;
+    for (const std::int32_t k : both) thirds.push_back(&proxies_[k]);
+    add_pair(a, b, settings, mended, [&](const auto& add) {
+      collide_parts(a, b, settings, [&](const PairManifold& found) {
+        PairManifold manifold = found;
+        mend_at_seam(manifold, thirds, settings);
+        if (manifold.count > 0) add(manifold);
+      });
+    });
+  }
+  take_until(contacts.manifolds.size(), contacts.points.size());
+  contacts.manifolds = std::move(mended.manifolds), contacts.points = std::move(mended.points);
 }
 
 // Nodes meet the faces of others, and those of their own surface if it collides with itself.

@@ -32,7 +32,8 @@ class Collider {
   void find_pairs(const World& world, std::span<const std::int32_t> crowd_ranks);
   void add_surfaces(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
   void pair_edges(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
-  void collide_bodies(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts);
+  void collide_bodies(const IndexPair& pair, const CollideSettings& settings, Contacts& contacts);
+  void mend_seams(const CollideSettings& settings, const Surfaces* surfaces, Contacts& contacts);
   void collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider);
 
   std::pmr::vector<Proxy> proxies_;  // in ascending id
@@ -42,6 +43,13 @@ class Collider {
   std::pmr::vector<std::int32_t> edges_;  // those that may meet others
   std::pmr::vector<std::int32_t> planes_;
   Pairs pairs_;
+
+  // A pair with a manifold that may be at a seam: found again when all other pairs have been.
+  struct AtSeam {
+    IndexPair pair;
+    std::size_t manifolds, points;  // of the pairs before it
+  };
+  std::pmr::vector<AtSeam> at_seams_;
   BroadPhase broad_phase_;
 };
 

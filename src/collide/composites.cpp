@@ -50,6 +50,7 @@ class OnMesh {
       for (int i = 0; i < m.count; ++i) m.points[i].position = at + b_.rotation * (moved + m.points[i].position);
       m.normal = b_.rotation * m.normal;
       if (swapped) m.normal = -m.normal;
+      m.part_a = swapped ? &b_ : &a_, m.part_b = swapped ? &a_ : &b_;
       f(m);
     };
     MeshPlace centre;
@@ -62,6 +63,7 @@ class OnMesh {
     mesh_.find(place_ - extent_, place_ + extent_, triangles);
     const auto touch = [&](const MeshSurface::Triangle& t) {
       PairManifold m;
+      m.triangle = &t;
       if (collide(t, m)) say(m);
     };
     if (mesh_.two_sided || !mesh_.branchings.empty())

@@ -8,6 +8,7 @@
 
 #include "collide/collide_settings.hpp"
 #include "collide/contacts.hpp"
+#include "world/mesh_shape.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -40,6 +41,9 @@ struct PairManifold {
   Vec3 normal = Vec3::UnitZ();  // from the second body towards the first
   int count = 0;
   double time = 0;  // s, as Manifold's
+  // The two convex parts, valid while the manifold is handed out; of a mesh the whole, and its triangle. Null: not said.
+  const Proxy *part_a = nullptr, *part_b = nullptr;
+  const MeshSurface::Triangle* triangle = nullptr;
   ContactPoint points[capacity];
 
   void add(const Vec3& position, double gap, std::uint32_t feature) {
@@ -81,6 +85,7 @@ void collide_core(const Proxy& a, const Proxy& b, const CollideSettings& setting
 template <class F>
 void collide_simple(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f) {
   PairManifold found;
+  found.part_a = &a, found.part_b = &b;
   collide_pair(a, b, settings, found);
   if (found.count > 0) f(found);
   if (collide_core(a, b, settings, found); found.count > 0) f(found);

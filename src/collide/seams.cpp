@@ -1,0 +1,206 @@
+#include "collide/seams.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "collide/convex_distance.hpp"
+#include "world/hull.hpp"
+#include "world/mesh_shape.hpp"
+#include "world/shape_library.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr double flush = 2e-3;               // of the smaller half size: what a step of a surface may be and not be felt
+constexpr double same_direction = 1 - 1e-9;  // cosine
+
+// One of the two solids of a manifold, seen from the other.
+struct Side {
+  const Proxy* part;                      // a convex solid, or a mesh
+  const MeshSurface::Triangle* triangle;  // of the mesh
+  Vec3 normal;                            // unit, from this solid to the other
+  Vec3 points[PairManifold::capacity];    // m, world, on this solid's surface, at the step's start
+};
+
+Side side_of(const PairManifold& m, bool second) {
+  Side side;
+  side.part = second ? m.part_b : m.part_a;
+  side.triangle = side.part->kind == ShapeKind::mesh ? m.triangle : nullptr;
+  side.normal = second ? m.normal : Vec3(-m.normal);
+  for (int k = 0; k < m.count; ++k)
+    side.points[k] = m.points[k].position - 0.5 * m.points[k].gap * side.normal - m.time * side.part->velocity;
+  return side;
+}
+
+Vec3 node_of(const Side& side, std::size_t k) {
+  const MeshSurface& mesh = shape_library().meshes[side.part->data];
+  return side.part->position + side.part->rotation * mesh.nodes[static_cast<std::size_t>(side.triangle->nodes[k])];
+}
+
+// m, how far a solid reaches in a direction (unit).
+double reach_of(const Side& side, const Vec3& direction) {
+  if (side.triangle)
+    return std::max({direction.dot(node_of(side, 0)), direction.dot(node_of(side, 1)), direction.dot(node_of(side, 2))});
+  const Proxy& p = *side.part;
+  if (p.kind == ShapeKind::plane) return HUGE_VAL;
+  if (p.kind == ShapeKind::box) return direction.dot(p.position) + (p.rotation.transpose() * direction).cwiseAbs().dot(p.half);
+  if (is_round(p.shape())) return direction.dot(p.position) + p.half.x();
+  const ConvexBody body = convex_body(p.shape(), p.rotation, p.position);
+  return direction.dot(body.support(direction)) + body.rounding;
+}
+
+// Calls f(normal, height) for the planes of the faces of a solid, until it returns true.
+template <class F>
+bool any_face(const Side& side, F&& f) {
+  const Proxy& p = *side.part;
+  if (side.triangle) {
+    const Vec3 up = p.rotation * side.triangle->normal;
+    return f(up, up.dot(node_of(side, 0)));
+  }
+  if (p.kind == ShapeKind::hull) {
+    const Hull& hull = shape_library().hulls[p.data];
+    return std::any_of(hull.faces.begin(), hull.faces.end(), [&](const Hull::Face& face) {
+      const Vec3 up = p.rotation * face.normal;
+      return f(up, up.dot(p.position) + face.normal.dot(hull.corners[hull.face_corners[face.first]]));
+    });
+  }
+  if (p.kind != ShapeKind::box && p.kind != ShapeKind::cylinder) return false;
+  for (int axis = p.kind == ShapeKind::box ? 0 : 2; axis < 3; ++axis)
+    for (const double sign : {1.0, -1.0}) {
+      const Vec3 up = sign * p.rotation.col(axis);
+      if (f(up, up.dot(p.position) + p.half[axis])) return true;
+    }
+  return false;
+}
+
+double flush_of(const Proxy& a, const Proxy& b) {
+  const double size =
+      std::min(a.kind == ShapeKind::mesh ? HUGE_VAL : a.half_size, b.kind == ShapeKind::mesh ? HUGE_VAL : b.half_size);
+  return flush * size;
+}
+
+bool on_border(const MeshSurface::Triangle& t) { return *std::min_element(t.across.begin(), t.across.end()) < 0; }
+
+bool may_be_hidden(const PairManifold& m, bool second, double slack) {
+  const Side side = side_of(m, second);
+  if (side.part->kind == ShapeKind::mesh && (!side.triangle || !on_border(*side.triangle))) return false;
+  std::optional<Side> other;
+  return any_face(side, [&](const Vec3& up, double height) {
+    if (up.dot(side.normal) > same_direction) return false;
+    for (int k = 0; k < m.count; ++k)
+      if (up.dot(side.points[k]) < height - slack) return false;
+    if (!other) other = side_of(m, !second);
+    return reach_of(*other, -up) <= slack - height;
+  });
+}
+
+// The plane above which a contact keeps a body.
+struct Plane {
+  Vec3 normal = Vec3::Zero();  // unit, towards the body
+  double height = HUGE_VAL;    // m
+  double gap = HUGE_VAL;       // m, of the body's lowest point of contact
+  bool doubtful = true;        // the contact may itself be with a hidden side
+  bool is_near = false;        // the contact lies where the body may go in the step
+};
+
+Plane plane_of(const PairManifold& contact, bool of_second) {
+  Plane plane;
+  plane.normal = of_second ? Vec3(-contact.normal) : contact.normal;
+  for (int k = 0; k < contact.count; ++k) {
+    const ContactPoint& p = contact.points[k];
+    plane.height = std::min(plane.height, plane.normal.dot(p.position) - 0.5 * p.gap);
+    plane.gap = std::min(plane.gap, p.gap);
+  }
+  return plane;
+}
+
+class Mender {
+ public:
+  Mender(PairManifold& manifold, const CollideSettings& settings) : m_(manifold), settings_(settings) {}
+
+  // Looks for a plane that hides the other solid in the contacts of one of the two with a third body. Of several the one counts
+  // that is no hidden side itself, and then the one that is nearest to its body.
+  void look(bool second, const Proxy& third) {
+    const Proxy& body = second ? *m_.part_b : *m_.part_a;
+    const bool third_first = third.id < body.id;
+    const auto judge = [&](const PairManifold& contact) {
+      if (contact.time > 0) return;
+      Plane plane = plane_of(contact, third_first);
+      if (!hides(plane, second)) return;
+      plane.doubtful = may_be_at_seam(contact, settings_);
+      if (plane.doubtful > best_.doubtful || (plane.doubtful == best_.doubtful && plane.gap >= best_.gap)) return;
+      plane.is_near = is_near(contact, body);
+      best_ = plane, of_second_ = second;
+    };
+    third_first ? collide_parts(third, body, settings_, judge) : collide_parts(body, third, settings_, judge);
+  }
+
+  void mend() {
+    if (best_.gap == HUGE_VAL) return;
+    const Side side = side_of(m_, of_second_);  // the body above the plane
+    const Proxy& body = *side.part;
+    if (is_round(body.shape()) || m_.time > 0 || (rolls(body) && best_.is_near)) {
+      m_.count = 0;
+      return;
+    }
+    const Vec3& up = best_.normal;
+    m_.normal = of_second_ ? Vec3(-up) : up;
+    for (int k = 0; k < m_.count; ++k) {
+      const double gap = up.dot(side.points[k]) - best_.height;
+      m_.points[k].gap = gap, m_.points[k].position = side.points[k] - 0.5 * gap * up;
+    }
+    tidy(m_, margin_along(up, *m_.part_a, *m_.part_b, settings_));
+  }
+
+ private:
+  bool hides(const Plane& plane, bool of_second) const {
+    const Side side = side_of(m_, !of_second);
+    if (plane.normal.dot(side.normal) > same_direction) return false;
+    const double slack = flush_of(*m_.part_a, *m_.part_b);
+    if (reach_of(side, plane.normal) > plane.height + slack) return false;
+    const double lowest = plane.height - slack + std::min(0.0, plane.gap);
+    return std::none_of(side.points, side.points + m_.count, [&](const Vec3& p) { return plane.normal.dot(p) < lowest; });
+  }
+
+  // A round side has no corner that the plane must hold.
+  static bool rolls(const Proxy& body) { return body.kind == ShapeKind::capsule || body.kind == ShapeKind::cylinder; }
+
+  bool is_near(const PairManifold& contact, const Proxy& body) const {
+    return std::any_of(contact.points, contact.points + contact.count, [&](const ContactPoint& c) {
+      return (c.position - m_.points[0].position).norm() < body.half_size + settings_.step * body.speed;
+    });
+  }
+
+  PairManifold& m_;
+  const CollideSettings& settings_;
+  Plane best_;
+  bool of_second_ = false;
+};
+
+bool may_collide(const Proxy& a, const Proxy& b) { return (a.group < 0 || a.group != b.group) && (a.dynamic || b.dynamic); }
+
+}  // namespace
+
+bool may_be_at_seam(const PairManifold& m, const CollideSettings&) {
+  if (!m.part_a || m.count == 0) return false;
+  double depth = 0;
+  for (int k = 0; k < m.count; ++k) depth = std::max(depth, -m.points[k].gap);
+  const double slack = 4 * flush_of(*m.part_a, *m.part_b) + depth;
+  return may_be_hidden(m, true, slack) || may_be_hidden(m, false, slack);
+}
+
+void mend_at_seam(PairManifold& m, const std::vector<const Proxy*>& thirds, const CollideSettings& settings) {
+  if (!may_be_at_seam(m, settings)) return;
+  Mender mender(m, settings);
+  for (const bool second : {false, true}) {
+    const Proxy& body = second ? *m.part_b : *m.part_a;
+    if (body.kind == ShapeKind::mesh || body.kind == ShapeKind::plane) continue;
+    for (const Proxy* third : thirds)
+      if (third->id != body.id && may_collide(body, *third)) mender.look(second, *third);
+  }
+  mender.mend();
+}
+
+}  // namespace unibody
