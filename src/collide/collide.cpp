@@ -139,7 +139,8 @@ void Collider::collide_bodies(const IndexPair& pair, const CollideSettings& sett
 }
 
 // Which bodies could be a pair's third is asked by bounds alone, without filters, so that all ranks on which the pair is find the
-// same: a body whose swept bounds overlap both is on every rank on which one of the two is home.
+// same: a body whose swept bounds overlap both is on every rank on which one of the two is home. Of a pair with a body that is
+// not dynamic there is one such rank, and what overlaps the other body is there.
 void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfaces, Contacts& contacts) {
   std::vector<Bounds> bounds;
   for (const Proxy& p : proxies_) bounds.push_back(swept_bounds_of(p, settings));
@@ -168,10 +169,13 @@ void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfa
   };
   for (const AtSeam& s : at_seams_) {
     take_until(s.manifolds, s.points);
-    std::vector<std::int32_t> both;
-    std::ranges::set_intersection(near[s.pair.first], near[s.pair.second], std::back_inserter(both));
-    both.insert(both.end(), planes_.begin(), planes_.end());
     const Proxy &a = proxies_[s.pair.first], &b = proxies_[s.pair.second];
+    std::vector<std::int32_t> both;
+    if (a.dynamic && b.dynamic)
+      std::ranges::set_intersection(near[s.pair.first], near[s.pair.second], std::back_inserter(both));
+    else
+      both = near[a.dynamic ? s.pair.first : s.pair.second];
+    both.insert(both.end(), planes_.begin(), planes_.end());
     if (is_composite(a.kind)) both.push_back(s.pair.first);
     if (is_composite(b.kind)) both.push_back(s.pair.second);
     std::ranges::sort(both);

@@ -24,13 +24,23 @@ struct Side {
   Vec3 points[PairManifold::capacity];    // m, world, on this solid's surface, at the step's start
 };
 
+// m, between the solids at the manifold's time: where they will first touch, none.
+double gap_at_its_time(const PairManifold& m, const ContactPoint& point) { return m.time > 0 ? 0 : point.gap; }
+
+int nearest_of(const PairManifold& m) {
+  int nearest = 0;
+  for (int k = 1; k < m.count; ++k)
+    if (m.points[k].gap < m.points[nearest].gap) nearest = k;
+  return nearest;
+}
+
 Side side_of(const PairManifold& m, bool second) {
   Side side;
   side.part = second ? m.part_b : m.part_a;
   side.triangle = side.part->kind == ShapeKind::mesh ? m.triangle : nullptr;
   side.normal = second ? m.normal : Vec3(-m.normal);
   for (int k = 0; k < m.count; ++k)
-    side.points[k] = m.points[k].position - 0.5 * m.points[k].gap * side.normal - m.time * side.part->velocity;
+    side.points[k] = m.points[k].position - 0.5 * gap_at_its_time(m, m.points[k]) * side.normal - m.time * side.part->velocity;
   return side;
 }
 
@@ -89,8 +99,7 @@ bool may_be_hidden(const PairManifold& m, bool second, double slack) {
   std::optional<Side> other;
   return any_face(side, [&](const Vec3& up, double height) {
     if (up.dot(side.normal) > same_direction) return false;
-    for (int k = 0; k < m.count; ++k)
-      if (up.dot(side.points[k]) < height - slack) return false;
+    if (up.dot(side.points[nearest_of(m)]) < height - slack) return false;
     if (!other) other = side_of(m, !second);
     return reach_of(*other, -up) <= slack - height;
   });
@@ -105,12 +114,13 @@ struct Plane {
   bool is_near = false;        // the contact lies where the body may go in the step
 };
 
-Plane plane_of(const PairManifold& contact, bool of_second) {
+Plane plane_of(const PairManifold& contact, bool of_second, const Proxy& third) {
   Plane plane;
   plane.normal = of_second ? Vec3(-contact.normal) : contact.normal;
   for (int k = 0; k < contact.count; ++k) {
     const ContactPoint& p = contact.points[k];
-    plane.height = std::min(plane.height, plane.normal.dot(p.position) - 0.5 * p.gap);
+    plane.height =
+        std::min(plane.height, plane.normal.dot(p.position - contact.time * third.velocity) - 0.5 * gap_at_its_time(contact, p));
     plane.gap = std::min(plane.gap, p.gap);
   }
   return plane;
@@ -126,8 +136,7 @@ class Mender {
     const Proxy& body = second ? *m_.part_b : *m_.part_a;
     const bool third_first = third.id < body.id;
     const auto judge = [&](const PairManifold& contact) {
-      if (contact.time > 0) return;
-      Plane plane = plane_of(contact, third_first);
+      Plane plane = plane_of(contact, third_first, third);
       if (!hides(plane, second)) return;
       plane.doubtful = may_be_at_seam(contact, settings_);
       if (plane.doubtful > best_.doubtful || (plane.doubtful == best_.doubtful && plane.gap >= best_.gap)) return;
@@ -147,10 +156,14 @@ class Mender {
     }
     const Vec3& up = best_.normal;
     m_.normal = of_second_ ? Vec3(-up) : up;
+    // Points further down than the body reaches are of its sides, drawn out flat.
+    const double lowest = std::min(0.0, best_.gap) - flush_of(*m_.part_a, *m_.part_b);
+    int count = 0;
     for (int k = 0; k < m_.count; ++k) {
       const double gap = up.dot(side.points[k]) - best_.height;
-      m_.points[k].gap = gap, m_.points[k].position = side.points[k] - 0.5 * gap * up;
+      if (gap >= lowest) m_.points[count++] = {side.points[k] - 0.5 * gap * up, gap, m_.points[k].feature};
     }
+    m_.count = count;
     tidy(m_, margin_along(up, *m_.part_a, *m_.part_b, settings_));
   }
 
@@ -160,17 +173,26 @@ class Mender {
     if (plane.normal.dot(side.normal) > same_direction) return false;
     const double slack = flush_of(*m_.part_a, *m_.part_b);
     if (reach_of(side, plane.normal) > plane.height + slack) return false;
-    const double lowest = plane.height - slack + std::min(0.0, plane.gap);
-    return std::none_of(side.points, side.points + m_.count, [&](const Vec3& p) { return plane.normal.dot(p) < lowest; });
+    const int nearest = nearest_of(m_);
+    const double lowest = plane.height - slack - std::abs(m_.points[nearest].gap) + std::min(0.0, plane.gap);
+    return plane.normal.dot(side.points[nearest]) >= lowest;
   }
 
   // A round side has no corner that the plane must hold.
   static bool rolls(const Proxy& body) { return body.kind == ShapeKind::capsule || body.kind == ShapeKind::cylinder; }
 
   bool is_near(const PairManifold& contact, const Proxy& body) const {
-    return std::any_of(contact.points, contact.points + contact.count, [&](const ContactPoint& c) {
-      return (c.position - m_.points[0].position).norm() < body.half_size + settings_.step * body.speed;
-    });
+    const Vec3& place = m_.points[nearest_of(m_)].position;
+    const auto distance = [&](const Vec3& p, const Vec3& q) {
+      const Vec3 along = q - p;
+      const double t = along.dot(place - p) / std::max(along.squaredNorm(), 1e-300);
+      return (p + std::clamp(t, 0.0, 1.0) * along - place).norm();
+    };
+    for (int i = 0; i < contact.count; ++i)
+      for (int j = i; j < contact.count; ++j)
+        if (distance(contact.points[i].position, contact.points[j].position) < body.half_size + settings_.step * body.speed)
+          return true;
+    return false;
   }
 
   PairManifold& m_;
@@ -185,9 +207,7 @@ bool may_collide(const Proxy& a, const Proxy& b) { return (a.group < 0 || a.grou
 
 bool may_be_at_seam(const PairManifold& m, const CollideSettings&) {
   if (!m.part_a || m.count == 0) return false;
-  double depth = 0;
-  for (int k = 0; k < m.count; ++k) depth = std::max(depth, -m.points[k].gap);
-  const double slack = 4 * flush_of(*m.part_a, *m.part_b) + depth;
+  const double slack = 4 * flush_of(*m.part_a, *m.part_b) + std::abs(m.points[nearest_of(m)].gap);
   return may_be_hidden(m, true, slack) || may_be_hidden(m, false, slack);
 }
 

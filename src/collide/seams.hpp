@@ -13,8 +13,8 @@
 
 namespace unibody {
 
-// Whether a manifold may be one with the hidden side of a solid: all of its points lie in the plane of a face that is not the one
-// its normal belongs to, and the other solid lies on that face's outer side. A matter of the pair alone.
+// Whether a manifold may be one with the hidden side of a solid: its nearest point lies in the plane of a face that is not the
+// one its normal belongs to, and the other solid lies on that face's outer side. A matter of the pair alone.
 bool may_be_at_seam(const PairManifold& manifold, const CollideSettings& settings);
 
 // Mends a manifold that may be at a seam: turns it to the normal of a plane that hides one of the two, or leaves it without
