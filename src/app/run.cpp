@@ -30,6 +30,7 @@
 #include "report/surface_report.hpp"
 #include "report/version.hpp"
 #include "step/build.hpp"
+#include "step/mesh_sides.hpp"
 #include "step/simulation.hpp"
 #include "step/step_parts.hpp"
 
@@ -361,8 +362,10 @@ int run(MPI_Comm comm, const Options& options) {
   if (scene.solver.name == "newton" && size > 1)
     throw InputError(scene.path + ": key 'solver.name': found newton on " + std::to_string(size) +
                      " ranks, expected an iterative solver (newton runs on one rank only)");
+  std::vector<std::string> notes = scene.notes;
+  decide_mesh_sides(comm, scene, notes);
   if (rank == 0)
-    for (const std::string& note : scene.notes) std::printf("%s\n", note.c_str());
+    for (const std::string& note : notes) std::printf("%s\n", note.c_str());
   std::uint64_t hash = 0;
   {
     const PetscSession petsc(comm, options.petsc);

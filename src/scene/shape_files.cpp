@@ -174,12 +174,35 @@ std::string describe(const SoupFaults& faults, bool two_sided) {
   return text;
 }
 
+// From which side a surface is touched; without the key an open surface from both, and a closed one from where bodies start.
+void choose_sides(const Value& value, bool closed, MeshSurface& surface) {
+  const Value* key = value.find("sides");
+  const std::string sides = key ? key->string("auto, front, back or both") : "auto";
+  if (sides == "front" || sides == "back") {
+    if (surface.two_sided) key->fail(sides + " of a surface whose triangles do not agree which side is out", "auto or both");
+    if (sides == "back") turn_over(surface);
+  } else if (sides == "both") {
+    touch_from_both(surface);
+  } else if (sides == "auto") {
+    if (surface.two_sided) return;
+    if (closed)
+      surface.sides_by_bodies = true;
+    else
+      touch_from_both(surface);
+  } else {
+    key->fail(sides, "auto, front, back or both");
+  }
+}
+
 Shape read_soup(const Value& value, const Scene& scene) {
   std::string path;
   TriangleMesh mesh = read_mesh(value, "file", scene, path, true);
   const SoupFaults faults = mend_soup(mesh, path, read_weld(value, "file"));
   MeshSurface surface = make_mesh_shape(mesh.nodes, mesh.triangles, 0, faults.both_ways);
-  if (const std::string what = describe(faults, surface.two_sided); !what.empty()) surface.note = path + ": " + what;
+  const std::string what = describe(faults, surface.two_sided);
+  if (!what.empty()) surface.note = path + ": " + what;
+  surface.name = path;
+  choose_sides(value, surface.is_solid, surface);
   return shape_library().add(std::move(surface));
 }
 
@@ -236,11 +259,11 @@ Shape read_compound(const Value& value, const Scene& scene) {
 }
 
 Shape read_mesh_shape(const Value& value, const Scene& scene) {
-  value.map({"file", "scale", "weld", "height_field", "tube"});
+  value.map({"file", "scale", "weld", "sides", "height_field", "tube"});
   const Value *file = value.find("file"), *field = value.find("height_field"), *tube = value.find("tube");
   if ((file != nullptr) + (field != nullptr) + (tube != nullptr) != 1)
     value.fail("not one of file, height_field and tube", "one of the three");
-  for (const char* key : {"scale", "weld"})
+  for (const char* key : {"scale", "weld", "sides"})
     if (const Value* other = value.find(key); other && !file) other->fail_expected("no " + std::string(key) + " without a file");
   if (file) return read_soup(value, scene);
   double below = 0;

@@ -87,6 +87,31 @@ MeshSurface make_mesh_shape(std::span<const Vec3> nodes, std::span<const std::ar
   return mesh;
 }
 
+namespace {
+
+std::vector<std::array<std::int32_t, 3>> triangles_of(const MeshSurface& mesh) {
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  for (const MeshSurface::Triangle& t : mesh.triangles) triangles.push_back(t.nodes);
+  return triangles;
+}
+
+void make_again(MeshSurface& mesh, const std::vector<std::array<std::int32_t, 3>>& triangles, bool two_sided) {
+  std::string note = std::move(mesh.note), name = std::move(mesh.name);
+  const std::vector<Vec3> nodes = std::move(mesh.nodes);
+  mesh = make_mesh_shape(nodes, triangles, 0, two_sided);
+  mesh.note = std::move(note), mesh.name = std::move(name);
+}
+
+}  // namespace
+
+void turn_over(MeshSurface& mesh) {
+  std::vector<std::array<std::int32_t, 3>> triangles = triangles_of(mesh);
+  for (auto& t : triangles) std::swap(t[1], t[2]);
+  make_again(mesh, triangles, false);
+}
+
+void touch_from_both(MeshSurface& mesh) { make_again(mesh, triangles_of(mesh), true); }
+
 void MeshSurface::find(const Vec3& low, const Vec3& high, std::vector<std::int32_t>& found) const {
   const std::size_t before = found.size();
   std::vector<std::size_t> waiting{0};

@@ -35,6 +35,8 @@ struct MeshSurface {
   double radius = 0;                  // m, of the sphere about the origin that holds it
   bool is_solid = false;              // all the way behind its triangles
   bool two_sided = false;
+  bool sides_by_bodies = false;    // which side is touched waits for where bodies start (step/mesh_sides.hpp)
+  std::string name;                // of the file, for messages
   std::string note;                // where it was mended: what a person should know of that
   std::vector<Vec3> node_normals;  // means by angle of the triangles' (Baerentzen & Aanaes 2005); 0 on a border
 
@@ -49,6 +51,10 @@ struct MeshSurface {
   std::vector<Branch> tree;
   std::vector<std::int32_t> order;
 };
+
+// Turns all triangles over, or makes the surface two-sided.
+void turn_over(MeshSurface& mesh);
+void touch_from_both(MeshSurface& mesh);
 
 // Nodes and triangles as those of a TriangleMesh without triangles of no area and without any twice. `below`: m, > 0 for a height
 // field over the x-y plane, which is solid at least so far below its lowest node. two_sided: so whatever way its triangles turn.
