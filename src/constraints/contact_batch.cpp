@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "collide/collide.hpp"
+#include "constraints/carried.hpp"
 #include "constraints/contact_for_each.hpp"
 #include "constraints/friction.hpp"
 #include "world/world.hpp"
@@ -33,6 +34,7 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       normal_momenta(memory),
       tangent_momenta(memory),
       inertias(memory),
+      drifts(memory),
       places_(memory),
       rows_(memory),
       bouncing_(memory),
@@ -91,18 +93,22 @@ void ContactBatch::lay_out(std::span<const std::uint32_t> order, std::span<const
     const Manifold& m = contacts_->manifolds[i];
     Rows& rows = rows_[places_[i] / lanes];
     ++rows.used, rows.count = std::max(rows.count, static_cast<std::uint16_t>(m.count));
-    if (acts_in_solve(friction_) && m.friction > 0) rows.first_tangent = 0;
+    if (acts_in_solve(friction_) && m.friction > 0) {
+      rows.first_tangent = 0;
+      if (is_carried(m)) rows.drift = 0;
+    }
     if (!isotropic[m.slot_a] || !isotropic[m.slot_b]) rows.inertia = 0;
   }
-  std::uint32_t point_count = 0, tangent_count = 0, general_count = 0;
+  std::uint32_t point_count = 0, tangent_count = 0, general_count = 0, drift_count = 0;
   for (Rows& rows : rows_) {
     rows.first_point = std::exchange(point_count, point_count + rows.count);
     if (rows.first_tangent == 0)
       rows.first_tangent = static_cast<std::int32_t>(std::exchange(tangent_count, tangent_count + rows.count));
     if (rows.inertia == 0) rows.inertia = static_cast<std::int32_t>(general_count++);
+    if (rows.drift == 0) rows.drift = static_cast<std::int32_t>(drift_count++);
   }
   const auto renew = [](auto& of, std::size_t size) { of.clear(), of.resize(size); };  // room for so many and no more
-  renew(blocks, rows_.size()), renew(inertias, general_count);
+  renew(blocks, rows_.size()), renew(inertias, general_count), renew(drifts, drift_count);
   renew(points, point_count), renew(normals, point_count);
   renew(tangents, tangent_count), renew(tangent_impulses, tangent_count);
   renew(couplings, gauss_seidel ? tangent_count : 0);
@@ -117,7 +123,8 @@ void ContactBatch::begin_block(std::size_t number, Slot nobody) {
   std::fill_n(block.slot_a, lanes, nobody), std::fill_n(block.slot_b, lanes, nobody);
   std::fill_n(block.manifold, lanes, -1);
   block.first_point = rows.first_point, block.count = rows.count;
-  block.first_tangent = rows.first_tangent, block.inertia = rows.inertia;
+  block.first_tangent = rows.first_tangent, block.inertia = rows.inertia, block.drift = rows.drift;
+  if (rows.drift >= 0) drifts[rows.drift] = Vec3x4{};
   if (rows.inertia >= 0) inertias[rows.inertia] = Inertia{};
   const auto clear = [&](auto& of, std::size_t first) {
     if (!of.empty())
@@ -132,6 +139,18 @@ void ContactBatch::begin_block(std::size_t number, Slot nobody) {
   clear(tangent_scales, first), clear(tangent_momenta, first);
 }
 
+bool ContactBatch::is_carried(const Manifold& m) const {
+  return step_ * common_turn(*world_, m.slot_a, m.slot_b).turn.norm() >= least_turn;
+}
+
+Vec3 ContactBatch::drift_of(const Manifold& m) const {
+  const CommonTurn common = common_turn(*world_, m.slot_a, m.slot_b);
+  const Vec3 from = world_->position[m.slot_a] - world_->position[m.slot_b];
+  const Vec3 velocity = world_->velocity[m.slot_a] - world_->velocity[m.slot_b];
+  const Vec3 drift = drift_along_circle(common.turn, from, velocity, step_);  // odd in both: whichever of the two carries
+  return drift - m.normal * m.normal.dot(drift);
+}
+
 void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number) {
   const World& world = *world_;
   const Manifold& m = contacts_->manifolds[number];
@@ -140,6 +159,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   set_lane(block.n, lane, m.normal);
   set_lane(block.s, lane, first_tangent_of(m.normal));
   block.friction[lane] = m.friction;
+  if (block.drift >= 0) set_lane(drifts[block.drift], lane, drift_of(m));
   Vec3 centre_a = world.position[m.slot_a], centre_b = world.position[m.slot_b];
   if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];
   for (std::uint32_t p = 0; p < m.count; ++p) {

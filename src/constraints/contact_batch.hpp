@@ -1,11 +1,12 @@
 // All contacts of a step, four manifolds a block, and the three passes that solvers make over them (paper, Algorithm 2).
 //
 // Rows of a point: normal r_n = bias + n.u, tangents r_s = s.u, r_t = t.u, with u the relative velocity of the two bodies at the
-// point; all in m/s, since inside a step every residual is divided by h. Unknowns are impulses lambda = h gamma (N s).
-// A block's four manifolds are four SIMD lanes; where a manifold has fewer points than its block, the rest are rows of zeros.
-// The grouping into blocks changes no result. A batch holds what its solver needs: with Gauss-Seidel a point costs 72 bytes and
-// its tangents 40, with the Jacobi solvers 88 and 48; a manifold costs 80, and 96 more with general inertia. Large scenes are
-// bound by the memory, so what changes from sweep to sweep is kept apart: only that has to go back.
+// point (less the drift of what is carried along a circle, in the tangents); all in m/s, since inside a step every residual is
+// divided by h. Unknowns are impulses lambda = h gamma (N s). A block's four manifolds are four SIMD lanes; where a manifold has
+// fewer points than its block, the rest are rows of zeros. The grouping into blocks changes no result. A batch holds what its
+// solver needs: with Gauss-Seidel a point costs 72 bytes and its tangents 40, with the Jacobi solvers 88 and 48; a manifold costs
+// 80, and 96 more with general inertia. Large scenes are bound by the memory, so what changes from sweep to sweep is kept apart:
+// only that has to go back.
 #pragma once
 
 #include <algorithm>
@@ -46,6 +47,7 @@ class ContactBatch : public BatchDefaults {
     std::uint32_t first_point, count;  // points a lane, padded to the longest
     std::int32_t first_tangent;        // -1: no manifold of the block has friction
     std::int32_t inertia;              // -1: both bodies of every lane have isotropic inertia
+    std::int32_t drift;                // -1: no manifold of the block is carried along a circle
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
   };
   struct Point {
@@ -179,6 +181,8 @@ class ContactBatch : public BatchDefaults {
     return contacts_->manifolds[static_cast<std::size_t>(block.manifold[lane])];
   }
 
+  const Vec3x4* drift_at(const Block& block) const { return block.drift < 0 ? nullptr : &drifts[block.drift]; }
+
   RawVector<Block> blocks;
   RawVector<Point> points;
   RawVector<Normal> normals;
@@ -189,12 +193,13 @@ class ContactBatch : public BatchDefaults {
   RawVector<NormalMomentum> normal_momenta;
   RawVector<TangentMomentum> tangent_momenta;
   RawVector<Inertia> inertias;
+  RawVector<Vec3x4> drifts;  // m/s, across the normal: at which the tangents' velocities aim (carried.hpp)
 
  private:
   struct Rows {  // of a block: where they are, and how many lanes it uses
     std::uint32_t first_point = 0;
     std::uint16_t count = 0, used = 0;
-    std::int32_t first_tangent = -1, inertia = -1;
+    std::int32_t first_tangent = -1, inertia = -1, drift = -1;
   };
   void lay_out(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                std::span<const std::uint8_t> isotropic, bool gauss_seidel);
@@ -214,6 +219,8 @@ class ContactBatch : public BatchDefaults {
   bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
+  bool is_carried(const Manifold& m) const;
+  Vec3 drift_of(const Manifold& m) const;
   void fill_lane(Block& block, std::size_t lane, std::uint32_t number);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);

@@ -40,7 +40,7 @@ template <FrictionModel model, bool tangential>
 SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Update<Vec4d>& update, SweepTerms<Vec4d> sums,
                               std::span<const SolverBody> bodies, std::span<Wrench> wrenches) {
   const std::size_t first = block.first_point, first_tangent = tangential ? static_cast<std::size_t>(block.first_tangent) : 0;
-  const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+  const Side a = less_drift(gather(block.slot_a, bodies), batch.drift_at(block)), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
   const Vec4d zero = broadcast(0);
   Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
@@ -113,7 +113,7 @@ double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBo
       const Inertia* inertia = block.inertia < 0 ? nullptr : &inertias[block.inertia];
       const auto relax_as = [&]<bool tangential, bool isotropic>() {
         return relax_block<model, tangential, isotropic>(block, &points[block.first_point], &normals[block.first_point], tangent,
-                                                         sideways, coupling, inertia, backwards, bodies);
+                                                         sideways, coupling, inertia, drift_at(block), backwards, bodies);
       };
       if (tangent)
         change = max(change, inertia ? relax_as.template operator()<true, false>() : relax_as.template operator()<true, true>());
@@ -151,7 +151,7 @@ double ContactBatch::residual(std::span<const SolverBody> bodies) const {
     for (std::size_t number = 0; number < blocks.size(); ++number) {
       const Block& block = blocks[number];
       ask_for<const SolverBody>(blocks, number, bodies);
-      const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+      const Side a = less_drift(gather(block.slot_a, bodies), drift_at(block)), b = gather(block.slot_b, bodies);
       const Vec3x4 t = cross(block.n, block.s);
       const Inertia* inertia = block.inertia < 0 ? nullptr : &inertias[block.inertia];
       for (std::uint32_t k = 0; k < block.count; ++k) {

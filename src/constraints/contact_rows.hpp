@@ -50,6 +50,12 @@ inline Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
   return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
 }
 
+// In which the tangents see no drift: all kernels that look at tangents start from this.
+[[gnu::always_inline]] inline Side less_drift(Side a, const Vec3x4* drift) {
+  if (drift) a.v = a.v - *drift;
+  return a;
+}
+
 // K = D^T W D of a point alone, 1/kg; without tangents nn alone.
 struct Mobility {
   Vec4d nn, ss, tt, st, ns, nt;
@@ -121,9 +127,9 @@ template <FrictionModel model, bool tangential>
 
 template <FrictionModel model, bool tangential, bool isotropic>
 Vec4d relax_block(const Block& block, const Point* points, Normal* normals, const Tangents* tangents,
-                  TangentImpulse* tangent_impulses, const Coupling* couplings, const Inertia* inertia, bool backwards,
-                  std::span<SolverBody> bodies) {
-  Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+                  TangentImpulse* tangent_impulses, const Coupling* couplings, const Inertia* inertia, const Vec3x4* drift,
+                  bool backwards, std::span<SolverBody> bodies) {
+  Side a = less_drift(gather(block.slot_a, bodies), drift), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
   Vec4d change = broadcast(0);
   for (std::uint32_t i = 0; i < block.count; ++i) {
@@ -157,6 +163,7 @@ Vec4d relax_block(const Block& block, const Point* points, Normal* normals, cons
       push<isotropic>(a, b, p, inertia, impulse_vector<true>(block, t, dn, ds, dt));
     }
   }
+  if (drift) a.v = a.v + *drift;
   scatter(block.slot_a, a, bodies);
   scatter(block.slot_b, b, bodies);
   return change;

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "constraints/carried.hpp"
 #include "core/capacity.hpp"
 
 namespace unibody {
@@ -59,7 +60,8 @@ void match(const World& world, const Contacts& contacts, const Manifold& m, std:
 }  // namespace
 
 void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
-            std::span<ContactBatch::Impulse> impulses) {
+            std::span<ContactBatch::Impulse> impulses, double share) {
+  const double scale = share * step;
   std::fill(impulses.begin(), impulses.end(), ContactBatch::Impulse{0, 0, 0});
   const auto& old = multipliers.manifolds;
   std::size_t k = 0;
@@ -78,10 +80,14 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
     else if (!first)
       matches.fill(-1);  // a core's, beside the one point
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+    const Vec3 turn = step * common_turn(world, m.slot_a, m.slot_b).turn;
+    const bool carried = turn.norm() >= least_turn && turn.norm() < most_turn;
+    const Mat3 turned = carried ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Mat3::Identity();
     for (std::uint32_t p = 0; p < m.count; ++p) {
       if (matches[p] < 0) continue;
       const RememberedPoint& from = multipliers.points[old[k].first_point + static_cast<std::size_t>(matches[p])];
-      impulses[m.first + p] = {from.normal * step, from.tangential.dot(s) * step, from.tangential.dot(t) * step};
+      const Vec3 tangential = carried ? Vec3(turned * from.tangential) : from.tangential;
+      impulses[m.first + p] = {from.normal * scale, tangential.dot(s) * scale, tangential.dot(t) * scale};
     }
   }
 }

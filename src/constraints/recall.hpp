@@ -10,11 +10,11 @@
 
 namespace unibody {
 
-// Sets the impulses (N s, in each point's own frame) for a step of `step` s: those of the same pair's nearest remembered point,
-// in the frame of the body that carries it; each old point serves once. A pure function of the pair's points: no order, no rank
-// matters.
+// Sets the impulses (N s, in each point's own frame) for a step of `step` s: `share` times those of the same pair's nearest
+// remembered point, in the frame of the body that carries it; each old point serves once. Friction turns with what turns both
+// (carried.hpp). A pure function of the pair's points: no order, no rank matters.
 void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
-            std::span<ContactBatch::Impulse> impulses);
+            std::span<ContactBatch::Impulse> impulses, double share = 1);
 
 // The other way: what to remember of these impulses. Either of all points at once, or first of nothing, with room for the
 // contacts that there are, and then of each manifold in order.

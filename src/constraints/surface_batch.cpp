@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collide/collide.hpp"
+#include "constraints/carried.hpp"
 #include "constraints/friction.hpp"
 #include "world/world.hpp"
 
@@ -46,6 +47,21 @@ void SurfaceBatch::build(const BuildContext& context) {
   for (Block& block : blocks_) scale(block, context.state.bodies, counts);
 }
 
+// Of the first side relative to the second, which a body carries that is the first.
+Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
+  const auto carrier = static_cast<std::size_t>(contact.slots[0]);
+  const Vec3 turn = world_->angular_velocity_of(carrier);
+  if (!(step_ * turn.norm() >= least_turn)) return Vec3::Zero();
+  Vec3 from = -world_->position[carrier], velocity = -world_->velocity[carrier];
+  for (std::size_t k = 1; k < 4; ++k) {
+    if (contact.slots[k] < 0) continue;
+    const auto i = static_cast<std::size_t>(contact.slots[k]);
+    from -= contact.weights[k] * world_->position[i], velocity -= contact.weights[k] * world_->velocity[i];
+  }
+  const bool rolls = !world_->is_static(contact.slots[0]) && is_round(world_->properties[carrier].shape);
+  return rolls ? Vec3(Vec3::Zero()) : Vec3(-drift_along_circle(turn, from, velocity, step_));
+}
+
 void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context) {
   const auto& bodies = context.state.bodies;
   Block& block = blocks_[i / lanes];
@@ -60,6 +76,7 @@ void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, const 
   put(block.arm, l, contact.arm);
   put(block.n, l, contact.normal);
   put(block.s, l, first_tangent_of(contact.normal));
+  put(block.drift, l, drift_of(contact));
   block.friction[l] = acts_in_solve(friction_) ? contact.friction : 0;
   block.gap[l] = contact.gap, block.beyond[l] = contact.beyond, block.bounce[l] = contact.bounce;
   const auto first = static_cast<std::size_t>(contact.slots[0]);
@@ -139,7 +156,8 @@ SurfaceBatch::Velocity SurfaceBatch::parting(const Block& block, const Vec3x4& t
   Vec3x4 u{zero, zero, zero};
   for (std::size_t k = 0; k < 4; ++k) u = u + gathered(block.slot[k], [&](Slot b) { return bodies[b].v; }) * block.weight[k];
   u = u + cross(gathered(block.slot[0], [&](Slot b) { return bodies[b].w; }), block.arm);
-  return {dot(block.n, u), dot(block.s, u), dot(t, u)};
+  const Vec3x4 sliding = u - block.drift;
+  return {dot(block.n, u), dot(block.s, sliding), dot(t, sliding)};
 }
 
 template <FrictionModel model>

@@ -64,6 +64,7 @@ class SurfaceBatch : public BatchDefaults {
     Slot slot[4][lanes];
     Vec4d weight[4];
     Vec3x4 arm, n, s;
+    Vec3x4 drift;                               // m/s: at which the sides' tangential velocity aims (carried.hpp)
     Vec4d friction, gap, beyond, bounce, bias;  // 1, m, m, m/s, m/s
     Vec4d inertia[6];                           // of end 0: 1/(kg m^2), inverse, world frame: xx, yy, zz, yz, xz, xy
     Scale normal, tangential;
@@ -74,6 +75,7 @@ class SurfaceBatch : public BatchDefaults {
     Vec4d n, s, t;
   };
 
+  Vec3 drift_of(const SurfaceContact& contact) const;
   void set_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context);
   void scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const;
   Vec4d bias_without_bounce(const Block& block) const;
