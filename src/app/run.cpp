@@ -180,6 +180,16 @@ class Run {
         static_cast<long long>(count.one), scene_.body_name(count.one).c_str());
   }
 
+  void stop_if_not_held(const StepReport& step, std::int64_t frame) const {
+    const auto [first, second] = step.guard.not_held;
+    if (first < 0) return;
+    const auto name = [&](Id id) { return "body " + std::to_string(id) + " (" + scene_.body_name(id) + ")"; };
+    throw RunError(
+        "frame " + std::to_string(frame) + ": " + name(first) + " and the surface of " + name(second) +
+        " pass through each other, and could not be held apart: the step asks for more than it can do, as a motion that "
+        "leaves no room; a shorter time.frame or more time.substeps may do");
+  }
+
   bool wants_error(std::int64_t frame) const {
     const int every = options_.error_estimate;
     return every > 0 && (frame % every == 0 || frame == scene_.time.frames);
@@ -240,7 +250,8 @@ FrameReport Run::do_frame(std::int64_t frame) {
     const StepRequest request{last_step && wants_error(frame), last_step && frame == dumped_frame() ? &problem_ : nullptr};
     const StepReport step = last = simulation_.step(request);
     stop_if_not_finite(comm_, scene_, simulation_, frame, s);  // before anything looks for contacts among such bodies
-    held += step.held;
+    held += step.guard.pairs;
+    stop_if_not_held(step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     report.natural_residual = std::max(report.natural_residual, step.residual);
     report.converged &= step.converged, report.form_left += step.form_left;

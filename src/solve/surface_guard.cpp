@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <unordered_set>
 
@@ -23,6 +24,10 @@ constexpr int gentle_rounds = 6, most_rounds = 60;
 
 // Pairs are kept apart by this share of the distance at which surfaces touch, or by half of what there is.
 constexpr double kept_share = 0.1;
+
+// A round body that is no node is kept off by this share of its radius: contacts still have a clear side to push it to, while it
+// is held, and what it lies on need not come as near as its centre to be safe.
+constexpr double kept_of_radius = 0.5;
 
 bool overlap(const Bounds& a, const Bounds& b) {
   return (a.lower.array() <= b.upper.array()).all() && (b.lower.array() <= a.upper.array()).all();
@@ -84,7 +89,9 @@ double SurfaceGuard::slack(std::span<const Slot> nodes) const { return surface_s
 
 // m, a side's part of how far apart pairs are kept.
 double SurfaceGuard::kept(Slot s) const {
-  return surfaces_.is_node(s) ? kept_share * world_.properties[static_cast<std::size_t>(s)].shape.size.x() : 0;
+  const Shape& shape = world_.properties[static_cast<std::size_t>(s)].shape;
+  if (surfaces_.is_node(s)) return kept_share * shape.size.x();
+  return is_round(shape) ? kept_of_radius * shape.size.x() : 0;
 }
 
 // rad/s, with which bodies will turn in the step; of guests from their homes.
@@ -144,7 +151,7 @@ void SurfaceGuard::find_pairs() {
     roles_.push_back(std::any_of(nodes.begin(), nodes.end(), has_moved) ? Role::home : Role::other);
   };
   for (const Point& p : points_) {
-    bounds_.push_back(path(p, world_.velocity, p.turned, face_size_ / 2));
+    bounds_.push_back(path(p, world_.velocity, p.turned, std::max(face_size_ / 2, kept(p.slot))));
     roles_.push_back(has_moved(p.slot) ? Role::home : Role::other);
   }
   for (const SurfaceFace& f : surfaces_.faces) add(f.nodes, kept(f.nodes[0]));
@@ -216,14 +223,15 @@ void SurfaceGuard::test(const Candidate& pair) {
   };
   const double distance = edges ? closest_of_segments(place(0), place(1), place(2), place(3)).distance
                                 : closest_on_triangle(place(0), place(1), place(2), place(3)).distance;
-  const double apart = std::min(2 * kept(s[3]), 0.5 * distance);
+  const double own = edges ? kept(s[0]) : std::max(kept(s[0]), kept(s[3]));
+  const double apart = std::min(own + kept(s[3]), (own > kept(s[3]) ? 0.9999 : 0.5) * distance);
   if (!(apart > 1e-12)) return;  // on each other already: contacts alone can part them
   const auto way = [&](std::size_t k) {
     Vec3 to = place(k) + settings_.step * world_.velocity[static_cast<std::size_t>(s[k])];
     if (k == 0) to += turned;
     return MovingPoint{place(k), to};
   };
-  const ContinuousSettings settings{apart, 0.1 * apart, 200};
+  const ContinuousSettings settings{apart, (own > kept(s[3]) ? 2e-5 : 0.1) * apart, 200};
   const ContinuousHit hit = edges ? edge_meets_edge(way(0), way(1), way(2), way(3), settings)
                                   : point_meets_triangle(way(0), way(1), way(2), way(3), settings);
   if (!hit.hit) return;
@@ -283,15 +291,27 @@ void SurfaceGuard::draw_together(bool stop) {
   for (const auto& [slot, target] : targets) world_.velocity[static_cast<std::size_t>(slot)] = target.sum / target.count;
 }
 
-std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) {
-  if (surfaces_.all_closed()) return 0;
+// The pair of the smallest first id, over all ranks.
+std::array<Id, 2> SurfaceGuard::first_pair(MPI_Comm comm) const {
+  constexpr Id none = std::numeric_limits<Id>::max();
+  std::array<Id, 2> pair{none, none};
+  for (const Hit& hit : hits_) pair = std::min(pair, {hit.key[0], hit.key[hit.key[4] == 1 ? 2 : 1]});
+  Id first = pair[0];
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, comm));
+  if (pair[0] != first) pair[1] = none;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &pair[1], 1, MPI_INT64_T, MPI_MIN, comm));
+  return {first, pair[1]};
+}
+
+SurfaceGuard::Held SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) {
+  if (surfaces_.all_closed()) return {};
   start_ = world_.velocity;
   for (std::size_t i = 0; i < world_.homes; ++i) world_.velocity[i] = Eigen::Map<const Vec3>(bodies[i].v);
   halo.update(Halo::velocity);
   list_features(bodies, halo);
   moved_.assign(world_.size(), 1);  // the pairs of the first round: all
-  std::int64_t held = 0;
-  for (int round = 0; round < most_rounds; ++round) {
+  Held held;
+  for (int round = 0;; ++round) {
     find_pairs();
     hits_.clear();
     for (const IndexPair& pair : pairs_) test(candidate(pair));
@@ -299,13 +319,17 @@ std::int64_t SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) 
     auto counted = static_cast<std::int64_t>(std::count_if(hits_.begin(), hits_.end(), counts_here));
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_INT64_T, MPI_SUM, halo.comm()));
     if (counted == 0) break;
-    held += counted;
+    if (round == most_rounds) {
+      held.not_held = first_pair(halo.comm());
+      break;
+    }
+    held.pairs += counted;
     const std::vector<Vec3> before = world_.velocity;
     draw_together(round >= gentle_rounds);
     halo.update(Halo::velocity);
     for (std::size_t i = 0; i < before.size(); ++i) moved_[i] = before[i] != world_.velocity[i];
   }
-  for (std::size_t i = 0; i < world_.homes && held > 0; ++i) std::copy_n(world_.velocity[i].data(), 3, bodies[i].v);
+  for (std::size_t i = 0; i < world_.homes && held.pairs > 0; ++i) std::copy_n(world_.velocity[i].data(), 3, bodies[i].v);
   return held;
 }
 

@@ -11,11 +11,12 @@
 // The surface of a solid is not held: what gets in is pushed out by contacts, and what is out of its place already would be kept
 // there. Nodes of a solid are, by others' surfaces.
 //
-// Round bodies count by their centres, other dynamic solids by corners (boxes by all, capsules by the ends of their axes,
-// cylinders and hulls by up to 14, compounds by those of their parts), on the straight way that they go while the solid
-// turns; what holds a corner back acts on the solid's centre, and does not turn it. Corners of solids that are held are left to
-// contacts: sheets drawn over one would be torn between it and each other. Pairs that were far apart for their velocities at the
-// start of the step, and thrown at each other within it, are not looked for: a rank may not know of them.
+// Round bodies count by their centres, and are kept off by half of their radius, other dynamic solids by corners (boxes by all,
+// capsules by the ends of their axes, cylinders and hulls by up to 14, compounds by those of their parts), on the straight way
+// that they go while the solid turns; what holds a corner back acts on the solid's centre, and does not turn it. Corners of
+// solids that are held are left to contacts: sheets drawn over one would be torn between it and each other. Pairs that were far
+// apart for their velocities at the start of the step, and thrown at each other within it, are not looked for: a rank may not
+// know of them.
 #pragma once
 
 #include <memory_resource>
@@ -35,9 +36,14 @@ class SurfaceGuard {
  public:
   SurfaceGuard(World& world, const Surfaces& surfaces, const CollideSettings& settings, std::pmr::memory_resource* memory);
 
-  // Changes the velocities (m/s) of home bodies; the World's are those that the step will end with. Collective. Returns how many
-  // pairs were held, over all rounds and ranks.
-  std::int64_t hold(std::span<SolverBody> bodies, const Halo& halo);
+  struct Held {
+    std::int64_t pairs = 0;  // over all rounds and ranks
+    std::array<Id, 2> not_held{-1,
+                               -1};  // of a pair that will pass through each other yet: after most rounds; the same everywhere
+  };
+
+  // Changes the velocities (m/s) of home bodies; the World's are those that the step will end with. Collective.
+  Held hold(std::span<SolverBody> bodies, const Halo& halo);
 
  private:
   // The centre of a round body, or a corner of another.
@@ -70,6 +76,7 @@ class SurfaceGuard {
   Vec3 velocity_of(const Hit& hit, std::size_t end) const;
   Vec3 common_velocity(const Hit& hit) const;
   void draw_together(bool stop);
+  std::array<Id, 2> first_pair(MPI_Comm comm) const;
   Bounds path(std::span<const Slot> nodes, std::span<const Vec3> velocity, double more) const;
   Bounds path(const Point& point, std::span<const Vec3> velocity, const Vec3& turned, double more) const;
   double slack(std::span<const Slot> nodes) const;

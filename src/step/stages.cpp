@@ -87,7 +87,7 @@ SolvedStep solved_step(const System& system, SolvedStep before) {
 // Pairs held apart by the guard and friction after the solve; what the step leaves to the next one, and what slides.
 void follow_up(RankState& state, System& system, double leak, StepReport& report) {
   if (state.has_surfaces())
-    report.held =
+    report.guard =
         SurfaceGuard(state.world, state.surfaces, state.collide_settings, &state.scratch).hold(system.bodies, state.halo);
   if (state.scene.solver.friction == FrictionModel::postprocess)
     report.sliding = postprocess_friction(state.world, state.contacts, system, state.exchange);

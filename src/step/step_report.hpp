@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "solve/batches.hpp"
+#include "solve/surface_guard.hpp"
 #include "step/step_error.hpp"
 
 namespace unibody {
@@ -23,7 +24,7 @@ struct StepReport {
   double residual = 0;                                     // m, natural residual, of two stages the larger; max over ranks
   bool converged = false;                                  // the residual is within the tolerance
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
-  std::int64_t held = 0;           // pairs that would have passed through each other, had they not been held (surface_guard.hpp)
+  SurfaceGuard::Held guard;        // pairs that would have passed through each other, had they not been held
   bool form_left = false;          // taken in the incremental form, not the total one that the scene asks for
   std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
   std::optional<StepError> error;  // where it was asked for

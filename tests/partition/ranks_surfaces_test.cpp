@@ -163,7 +163,7 @@ Story told(Experiment& run, MPI_Comm comm, int steps, Between between) {
   Story story;
   for (int k = 1; k <= steps; ++k) {
     run.step();
-    story.counts.push_back(run.last.held), story.counts.push_back(run.last.sliding);
+    story.counts.push_back(run.last.guard.pairs), story.counts.push_back(run.last.sliding);
     between(k);
     if (k % 5 != 0) continue;
     run.simulation->detect();

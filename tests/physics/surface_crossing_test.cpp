@@ -72,10 +72,10 @@ TEST(SurfaceCrossing, ABulletDoesNotPassAClothOfOneCell) {
                   const auto node = [&](std::size_t i) { return way(static_cast<std::size_t>(f.nodes[i])); };
                   EXPECT_FALSE(point_meets_triangle(way(4), node(0), node(1), node(2), {0, 1e-9, 200}).hit)
                       << solver << ", speed " << speed << ", mass " << mass << ", pinned " << pinned << ", aim " << aim.x()
-                      << ", slant " << slant << ", step " << k << ", held " << run.last.held;
+                      << ", slant " << slant << ", step " << k << ", held " << run.last.guard.pairs;
                 }
                 // What is held last of all, on the diagonal by two faces at once, loses some.
-                held += run.last.held;
+                held += run.last.guard.pairs;
                 if (!pinned) {
                   EXPECT_LT((run.momentum() - p).norm(), (held > 0 ? 0.02 : 1e-12) * p.norm())
                       << solver << ", speed " << speed << ", mass " << mass << ", aim " << aim.x() << ", slant " << slant;

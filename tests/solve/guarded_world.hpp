@@ -45,7 +45,7 @@ struct GuardedWorld : SurfaceWorld {
       }
     for (std::size_t i = 0; i < before_solve.size(); ++i)
       world.velocity[static_cast<std::size_t>(world.find(static_cast<Id>(i)))] = before_solve[i];
-    count = SurfaceGuard(world, *known, settings, std::pmr::get_default_resource()).hold(of_solver, halo);
+    count = SurfaceGuard(world, *known, settings, std::pmr::get_default_resource()).hold(of_solver, halo).pairs;
     solved.resize(bodies.size()), held.resize(bodies.size());
     for (std::size_t i = 0; i < world.size(); ++i) {
       const auto id = static_cast<std::size_t>(world.id[i]);
