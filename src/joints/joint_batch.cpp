@@ -24,8 +24,6 @@ struct JointBatch::Step {
 
 namespace {
 
-constexpr double most_turn = 0.5;  // rad in a step, up to which rows are taken as curved as they are
-
 Vec3 velocity_of(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
 Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
 void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
@@ -155,13 +153,13 @@ JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const Solve
 
 // The same with the values after the step; less of their curve the farther a body turns, and none at velocity level.
 template <class T>
-JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const SolverBody> bodies) const {
+JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, bool as_they_are) const {
   Rows<T> rows = evaluate<T>(part, bodies);
   const SolverBody &of_a = bodies[static_cast<std::size_t>(part.side[0].slot)],
                    &of_b = bodies[static_cast<std::size_t>(part.side[1].slot)];
   const Vec3 along = velocity_of(of_a) - velocity_of(of_b), spin_a = spin_of(of_a), spin_b = spin_of(of_b);
   const double turn = step_ * step_ * std::max(spin_a.squaredNorm(), spin_b.squaredNorm());
-  const double part_of_curve = std::min(1.0, most_turn * most_turn / turn);
+  const double part_of_curve = as_they_are ? 1 : std::min(1.0, most_turn_of_rows * most_turn_of_rows / turn);
   Rows<T> ahead;
   if (stabilisation_ < 0) T::evaluate(end_of(part.side[0], of_a, step_), end_of(part.side[1], of_b, step_), ahead);
   for (std::size_t k = 0; k < T::rows; ++k) {
@@ -222,9 +220,9 @@ double JointBatch::beyond(const Part& part, const Rows<T>& at, bool upper, doubl
 
 template <class T>
 JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies,
-                                          bool shared) const {
+                                          bool shared, bool as_they_are) const {
   constexpr std::size_t n = T::rows;
-  Step<T> step{evaluate_ahead<T>(part, bodies), {}, {}};
+  Step<T> step{evaluate_ahead<T>(part, bodies, as_they_are), {}, {}};
   const Rows<T>& at = step.rows;
   const Side &a = part.side[0], &b = part.side[1];
   const double share_a = shared ? a.share : 1, share_b = shared ? b.share : 1;
@@ -360,7 +358,7 @@ double JointBatch::residual(const SolveState& state) const {
   double worst = 0;
   for (const Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
-      const Step<T> step = step_from<T>(part, part.lambda, bodies, false);
+      const Step<T> step = step_from<T>(part, part.lambda, bodies, false, true);
       for (std::size_t k = 0; k < T::rows; ++k)
         if (step.next[k] != part.lambda[k])
           worst = std::max(worst, (step_ + part.damping) * length_of<T>(part, k, step.defect[k]));

@@ -3,7 +3,9 @@
 // Row k of a joint: r_k = (c_k + E_k lambda_k / h + rho D_k u) / (h + rho), with c taken anew in every pass at the bodies' places
 // and attitudes after the step, and D those at its start (as in SHAKE, Ryckaert et al. 1977): momentum and angular momentum are
 // kept, nothing is damped, and what a step comes to does not depend on the way of the iterations. Unknowns are impulses
-// lambda = h gamma (N s, N m s). Of a body that turns far in the step the rows are taken straight: c + h D u. A joint's own rows
+// lambda = h gamma (N s, N m s). Of a body that turns further than most_turn_of_rows the rows are taken
+// straighter, by which the solve stays safe; the residual sees them as they are, and steps are divided before it comes to that
+// (step/division.hpp). A joint's own rows
 // are solved as one block, whose bodies' masses are shared by their counts with the Jacobi solvers. Rows that others of the block
 // determine already are left alone: those whose pivot falls below 1e-10 of their diagonal. At velocity level all rows are taken
 // straight, and of a row without compliance and damping, or beyond a limit, only the share gamma of its error is to be taken out.
@@ -47,6 +49,8 @@ struct JointInput {
   std::int32_t colours = 0;              // of all joints of the scene
   bool any_tree = false;                 // some of the scene's joints are solved as trees
 };
+
+inline constexpr double most_turn_of_rows = 0.5;  // rad in a step, up to which rows are taken as curved as they are
 
 class JointBatch : public BatchDefaults {
  public:
@@ -137,7 +141,7 @@ class JointBatch : public BatchDefaults {
   template <class T>
   static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies);
   template <class T>
-  Rows<T> evaluate_ahead(const Part& part, std::span<const SolverBody> bodies) const;
+  Rows<T> evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, bool as_they_are = false) const;
   template <class T>
   double left_alone(const Part& part, std::size_t row, double value) const;
   template <class T>
@@ -146,7 +150,8 @@ class JointBatch : public BatchDefaults {
   template <class T>
   double beyond(const Part& part, const Rows<T>& at, bool upper, double lambda) const;
   template <class T>
-  Step<T> step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies, bool shared) const;
+  Step<T> step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies, bool shared,
+                    bool as_they_are = false) const;
   template <class T>
   static double length_of(const Part& part, std::size_t row, double x);
 

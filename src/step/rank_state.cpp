@@ -11,6 +11,7 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
     : scene(of),
       clock(timed_by),
       shares_memory(in_shared_memory),
+      whole_step(scene.time.frame / scene.time.substeps),
       solver(find_solver(scene.solver.name)),
       joint_input{scene.joints, &joints, &joint_slots, scene.joint_colours, scene.joint_trees > 0},
       surfaces(scene.surfaces),
@@ -18,7 +19,7 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
       form(scene.solver.form),
       halo(over),
       exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
-  traits.frame = scene.time.frame, traits.step = scene.time.frame / scene.time.substeps;
+  traits.frame = scene.time.frame, traits.step = whole_step;
   traits.gravity = scene.gravity.norm();
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
   collide_settings.step = traits.step;

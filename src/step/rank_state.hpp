@@ -29,9 +29,11 @@ struct RankState {
   const Scene& scene;
   PhaseClock& clock;
   const bool shares_memory;
+  const double whole_step;  // s, time.frame / time.substeps
   const Solver& solver;
   SceneTraits traits;
   std::int64_t steps_done = 0;  // since time 0; a run that goes on from a checkpoint sets it
+  double time_in_step = 0;      // s, of a step that is taken in parts: how much of it is done
 
   World world;
   History history;
@@ -54,8 +56,8 @@ struct RankState {
   Exchange exchange;
   Scratch scratch;  // of collision detection, then of the solve
 
-  double step() const { return traits.step; }                               // s
-  double time() const { return static_cast<double>(steps_done) * step(); }  // s
+  double step() const { return traits.step; }  // s, or of the part of one that is taken next
+  double time() const { return static_cast<double>(steps_done) * whole_step + time_in_step; }  // s
   MPI_Comm comm() const { return halo.comm(); }
   bool any_over_ranks(bool here) const;                                         // collective
   bool has_surfaces() const { return !is_alone() && !scene.surfaces.empty(); }  // that may touch something

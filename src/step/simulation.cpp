@@ -6,6 +6,7 @@
 #include "partition/migrate.hpp"
 #include "solve/centre_constraints.hpp"
 #include "step/assemble.hpp"
+#include "step/division.hpp"
 #include "step/move_history.hpp"
 #include "step/newton_step.hpp"
 #include "step/stages.hpp"
@@ -42,6 +43,32 @@ void Simulation::detect() {
 
 StepReport Simulation::step(const StepRequest& request) {
   detect();
+  const int parts = parts_of_step(*this);
+  if (parts == 1) {
+    const StepReport report = take_part(request);
+    ++steps_done;
+    return report;
+  }
+  StepReport all;
+  set_length(whole_step / parts);
+  for (int k = 0; k < parts; ++k) {
+    time_in_step = k * RankState::step();
+    const StepReport report = take_part(k + 1 == parts ? request : StepRequest{});
+    all.add_part(report, k == 0);
+  }
+  set_length(whole_step);
+  time_in_step = 0, ++steps_done;
+  return all;
+}
+
+// Batches that last know the length, and so do contacts.
+void Simulation::set_length(double length) {
+  set_step_length(*this, length);
+  detected_ = false, built_version_ = -1;
+}
+
+StepReport Simulation::take_part(const StepRequest& request) {
+  detect();
   const PhaseClock::Scope scope(clock, Phase::solve);
   const Scratch::Frame frame(scratch);
   if (traits.has_joints) turning = turning_of_joints(*this);
@@ -49,7 +76,6 @@ StepReport Simulation::step(const StepRequest& request) {
   finalise(*this, system_);
   system_.clear(&scratch);
   detected_ = false;
-  ++steps_done;
   return report;
 }
 

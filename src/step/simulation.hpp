@@ -18,7 +18,7 @@ class Simulation : public RankState {
   // After the bodies are in, before anything else: what goes by their size.
   void resolve_automatic_settings();
 
-  // Takes the simulation one step of time.frame / time.substeps further.
+  // Takes the simulation one step of time.frame / time.substeps further, in parts where a joint asks for it (division.hpp).
   StepReport step(const StepRequest& request = {});
   using RankState::step;
 
@@ -37,6 +37,8 @@ class Simulation : public RankState {
   std::size_t bytes() const;                     // all that this rank holds
 
  private:
+  void set_length(double length);
+  StepReport take_part(const StepRequest& request);
   StepReport attempt(const StepRequest& request);
   StepReport take_in_form(const StepRequest& request);
 

@@ -1,6 +1,7 @@
 // What a step is asked for, and what it tells of itself.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -28,6 +29,20 @@ struct StepReport {
   bool form_left = false;          // taken in the incremental form, not the total one that the scene asks for
   std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
   std::optional<StepError> error;  // where it was asked for
+
+  // Adds what a further part of the step came to: sums, the worst of the errors, and the last part's state.
+  void add_part(const StepReport& part, bool first) {
+    if (first) {
+      *this = part;
+      return;
+    }
+    iterations += part.iterations, guard.pairs += part.guard.pairs;
+    if (guard.not_held[0] < 0) guard.not_held = part.guard.not_held;
+    residual = std::max(residual, part.residual), converged = converged && part.converged;
+    for (std::size_t k = 0; k < batch_residuals.size(); ++k)
+      batch_residuals[k] = std::max(batch_residuals[k], part.batch_residuals[k]);
+    form_left = form_left || part.form_left, sliding = part.sliding, error = part.error;
+  }
 
   // Of each type of constraint between centres, in the order of their list.
   std::array<double, ConstraintTypes::size> constraint_residuals() const {

@@ -1,0 +1,56 @@
+#include "step/division.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/checked.hpp"
+
+namespace unibody {
+
+namespace {
+
+// rad/s, of one side of a joint, as far as it matters: a wheel turns about its axle at any speed.
+double turn_that_matters(const RankState& state, const Joint& joint, std::size_t end, Slot slot) {
+  if (joint.ids[end] < 0 || slot < 0 || static_cast<std::size_t>(slot) >= state.world.size()) return 0;
+  const auto i = static_cast<std::size_t>(slot);
+  const Vec3 spin = state.world.angular_velocity_of(i);
+  const Quat turn = state.world.orientation_of(i);
+  const Vec3 arm = turn * joint.anchor[end];
+  const double across_arm = spin.cross(arm).norm();
+  double matters = across_arm > 1e-3 * spin.norm() * joint.lever ? spin.norm() : 0;
+  const Vec3 axis = turn * (joint.frame[end] * Vec3::UnitZ());
+  if (joint.kind == JointKind::fixed || joint.kind == JointKind::slider) matters = spin.norm();
+  if (joint.kind == JointKind::hinge || joint.kind == JointKind::universal || joint.has_cone())
+    matters = std::max(matters, spin.cross(axis).norm());
+  return matters;
+}
+
+}  // namespace
+
+int parts_of_step(const RankState& state) {
+  if (!state.traits.has_joints || !state.world.has_rotations) return 1;
+  double fastest = 0;
+  for (std::size_t i = 0; i < state.joints.size(); ++i) {
+    const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.joints[i])];
+    for (const auto& [end, slot] :
+         {std::pair(std::size_t{0}, state.joint_slots[i].a), std::pair(std::size_t{1}, state.joint_slots[i].b)})
+      fastest = std::max(fastest, turn_that_matters(state, joint, end, slot));
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
+  const double parts = std::ceil(state.step() * fastest / most_turn_of_rows);
+  return static_cast<int>(std::clamp(parts, 1.0, static_cast<double>(most_parts)));  // what is not finite is found elsewhere
+}
+
+void set_step_length(RankState& state, double step) {
+  const double ratio = step / state.step();
+  state.traits.step = state.collide_settings.step = step;
+  for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
+    if constexpr (is_constraint_batch<B>)
+      for (auto& multipliers : state.history.of<B>())
+        for (double& x : multipliers) x *= ratio;
+  });
+  for (JointImpulses& joint : state.history.joints())
+    for (double& x : joint.value) x *= ratio;
+}
+
+}  // namespace unibody
