@@ -9,6 +9,7 @@
 #include "solve/colouring.hpp"
 #include "solve/free_motion.hpp"
 #include "step/attach.hpp"
+#include "step/impacts.hpp"
 #include "step/steadying.hpp"
 
 namespace unibody {
@@ -157,6 +158,7 @@ void assemble(RankState& state, System& system, std::span<double> turning) {
   });
   state.exchange.finish_step();
   if (state.drag.any()) state.exchange.refresh(system.bodies);
+  resolve_impacts(state, system);
   steady_turning(state, system, turning);
 
   std::pmr::vector<std::uint32_t> order(state.contacts.manifolds.size(), &state.scratch);
@@ -187,12 +189,26 @@ StepFacts facts_of(const RankState& state, System& system) {
   return {facts[0] != 0, facts[1] != 0, facts[2] != 0};
 }
 
+namespace {
+
+// A body that was hit within the step, as if it had started it where it seems to come from.
+void displace(RankState& state, std::size_t i) {
+  state.world.position[i] += state.displaced[i];
+  const double angle = state.turned[i].norm();
+  if (!(angle > 0)) return;
+  const Quat turn(Eigen::AngleAxisd(angle, state.turned[i] / angle));
+  state.world.orientation[i] = (turn * state.world.orientation[i]).normalized();
+}
+
+}  // namespace
+
 void finalise(RankState& state, const System& system) {
   World& world = state.world;
   for (std::size_t i = 0; i < world.homes && !world.has_rotations; ++i) {
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
     world.velocity[i] = Eigen::Map<const Vec3>(solved.v);
     world.position[i] += state.step() * Eigen::Map<const Vec3>(moving.v);
+    if (!state.displaced.empty()) world.position[i] += state.displaced[i];
   }
   for (std::size_t i = world.has_rotations ? 0 : world.first_static(); i < world.size(); ++i) {
     if (i >= world.homes && i < world.first_static()) continue;
@@ -201,6 +217,7 @@ void finalise(RankState& state, const System& system) {
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
     world.set_state(
         i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(), state.scene.planar));
+    if (!state.displaced.empty() && i < world.homes) displace(state, i);
   }
 }
 

@@ -85,6 +85,7 @@ bool find_contacts(RankState& state) {
     state.crowd_ranks.resize(state.world.size(), -1);
     state.halo.tell_guests(state.world, state.crowd_ranks);
   }
+  state.gaps_found.clear();
   const Scratch::Frame frame(state.scratch);
   Collider(&state.scratch)
       .collide(state.world, state.collide_settings, state.contacts, state.surfaces.empty() ? nullptr : &state.surfaces,

@@ -22,6 +22,9 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   traits.frame = scene.time.frame, traits.step = whole_step;
   traits.gravity = scene.gravity.norm();
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
+  for (const Joint& joint : scene.joints) tied.insert(tied.end(), joint.ids.begin(), joint.ids.end());
+  for (const Attachment& attachment : scene.attachments) tied.push_back(attachment.node), tied.push_back(attachment.body);
+  std::ranges::sort(tied);
   collide_settings.step = traits.step;
   collide_settings.gravity = scene.gravity;
   collide_settings.planar = scene.planar;
@@ -29,6 +32,11 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   collide_settings.friction = scene.friction;
   if (has_any(scene.restitution)) collide_settings.restitution = scene.restitution;
   collide_settings.material_count = scene.materials.size();
+}
+
+bool RankState::is_tied(Id id) const {
+  const auto holds = [&](const ConstraintGroup& group) { return id >= group.first && id < group.first + group.count; };
+  return std::ranges::binary_search(tied, id) || std::ranges::any_of(scene.constraint_groups, holds);
 }
 
 bool RankState::any_over_ranks(bool here) const {

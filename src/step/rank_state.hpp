@@ -42,12 +42,16 @@ struct RankState {
   JointList joints;           // the same
   std::vector<JointSlots> joint_slots;
   const JointInput joint_input;
+  std::vector<Id> tied;                // bodies of joints and attachments, ascending
   std::vector<AttachedNode> attached;  // of this step, to dynamic bodies
   Surfaces surfaces;                   // where they may touch anything, or feel the air; else empty
   Drag drag;
   CollideSettings collide_settings;
   std::vector<std::int32_t> crowd_ranks;     // by slot (crowds.hpp); empty where nothing is crowded
   std::vector<double> turning;               // h^2 K of each slot (kg m^2) that the step is steadied for; empty: no joints
+  std::vector<Vec3> displaced;               // m, by slot: where a body that was hit seems to start the step; empty: none was hit
+  std::vector<Vec3> turned;                  // rad, the same of its turn
+  std::vector<double> gaps_found;            // m, of contact points, before impacts were taken into them; empty: they were not
   Form form = Form::incremental;             // in which this step solves constraints between centres
   ConstraintColours colours{};               // of each type, over all ranks
   std::vector<std::int32_t> lasting_counts;  // for the Jacobi solvers, of each slot: constraints of the batches that last
@@ -59,7 +63,8 @@ struct RankState {
   double step() const { return traits.step; }  // s, or of the part of one that is taken next
   double time() const { return static_cast<double>(steps_done) * whole_step + time_in_step; }  // s
   MPI_Comm comm() const { return halo.comm(); }
-  bool any_over_ranks(bool here) const;                                         // collective
+  bool is_tied(Id id) const;             // by a joint, an attachment or a constraint between centres: not free
+  bool any_over_ranks(bool here) const;  // collective
   bool has_surfaces() const { return !is_alone() && !scene.surfaces.empty(); }  // that may touch something
   bool needs_surfaces() const { return has_surfaces() || drag.any(); }
   bool is_alone() const;  // a single cloth or thread, whose nodes touch nothing

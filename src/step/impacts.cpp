@@ -1,0 +1,430 @@
+#include "step/impacts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "collide/collide.hpp"
+#include "constraints/friction.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr int most_rounds = 400;
+constexpr double never = std::numeric_limits<double>::infinity();
+
+Eigen::Map<Vec3> velocity_of(SolverBody& body) { return Eigen::Map<Vec3>(body.v); }
+Eigen::Map<Vec3> spin_of(SolverBody& body) { return Eigen::Map<Vec3>(body.w); }
+
+// Smallest t in [from, to] at which f, decreasing or convex near it, falls to 0; `slope` its derivative. By Newton's steps from
+// the left, which for convex functions never go beyond.
+double first_touch_of_spheres(const Vec3& apart, const Vec3& velocity, const Vec3& acceleration, double step, double reach,
+                              double from, double to) {
+  const auto place = [&](double t) -> Vec3 { return apart + t * velocity + 0.5 * t * (t - step) * acceleration; };
+  const auto speed = [&](double t) -> Vec3 { return velocity + (t - 0.5 * step) * acceleration; };
+  double t = from;
+  for (int i = 0; i < 64; ++i) {
+    const Vec3 x = place(t);
+    const double distance = x.norm(), gap = distance - reach;
+    const double closing = distance > 0 ? -x.dot(speed(t)) / distance : 0;
+    if (gap <= 1e-12 * reach) return closing > 0 ? t : never;
+    if (!(closing > 0)) return never;
+    t += gap / closing;
+    if (!(t <= to)) return never;
+  }
+  return t;
+}
+
+double first_touch_of_plane(double gap, double velocity, double acceleration, double step, double from, double to) {
+  const auto height = [&](double t) { return gap + t * velocity + 0.5 * t * (t - step) * acceleration; };
+  const auto speed = [&](double t) { return velocity + (t - 0.5 * step) * acceleration; };
+  if (height(from) <= 0) return speed(from) < 0 ? from : never;
+  const double a = 0.5 * acceleration, b = velocity - 0.5 * step * acceleration, discriminant = b * b - 4 * a * gap;
+  if (!(discriminant >= 0)) return never;
+  // the roots without cancellation
+  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+  double first = never;
+  for (const double t : {a != 0 ? q / a : never, q != 0 ? gap / q : never})
+    if (t >= from && t <= to && speed(t) < 0) first = std::min(first, t);
+  return first;
+}
+
+// What a contact's manifold needs for its impact.
+struct Pair {
+  std::uint32_t manifold;
+  Slot a, b;
+  double restitution;
+  bool fast;            // any impact counts
+  double time = never;  // s, of the next one
+};
+
+class Impacts {
+ public:
+  Impacts(RankState& state, System& system)
+      : state_(state), world_(state.world), system_(system), contacts_(state.contacts), step_(state.step()) {}
+
+  std::int64_t run() {
+    list_pairs();
+    if (!state_.any_over_ranks(!pairs_.empty())) return 0;
+    const std::size_t n = world_.size() + 1;
+    start_velocity_.resize(n), clock_.assign(n, 0), state_.displaced.assign(n, Vec3::Zero());
+    state_.turned.assign(n, Vec3::Zero());
+    for (std::size_t i = 0; i < world_.size(); ++i) start_velocity_[i] = velocity_of(system_.bodies[i]);
+    index_bodies();
+    for (Pair& pair : pairs_) pair.time = time_of(pair);
+    std::int64_t count = 0;
+    for (int round = 0; round < most_rounds; ++round) {
+      const bool any = std::ranges::any_of(pairs_, [](const Pair& p) { return p.time < never; });
+      if (!state_.any_over_ranks(any)) break;
+      find_first();
+      count += apply();
+      tell_guests();
+    }
+    correct_contacts();
+    return count;
+  }
+
+ private:
+  bool is_free(Slot slot) const {
+    const auto i = static_cast<std::size_t>(slot);
+    if (world_.is_static(slot)) return true;
+    return world_.properties[i].is_dynamic() && !state_.is_tied(world_.id[i]);
+  }
+
+  // As the solve's contacts see them: every one with a home body is here.
+  void list_pairs() {
+    const auto& e = state_.collide_settings.restitution;
+    for (std::uint32_t k = 0; k < contacts_.manifolds.size(); ++k) {
+      const Manifold& m = contacts_.manifolds[k];
+      if (e.empty() && !(m.time > 0)) continue;
+      const BodyProperties &a = world_.properties[static_cast<std::size_t>(m.slot_a)],
+                           &b = world_.properties[static_cast<std::size_t>(m.slot_b)];
+      const auto place =
+          static_cast<std::size_t>(a.material) * state_.collide_settings.material_count + static_cast<std::size_t>(b.material);
+      const double restitution = e.empty() ? 0 : e[place];
+      if (!(restitution > 0 || m.time > 0) || !is_free(m.slot_a) || !is_free(m.slot_b)) continue;
+      pairs_.push_back({k, m.slot_a, m.slot_b, restitution, m.time > 0});
+    }
+  }
+
+  void keep_gaps() {
+    if (!state_.gaps_found.empty()) return;
+    for (const ContactPoint& p : contacts_.points) state_.gaps_found.push_back(p.gap);
+  }
+
+  void index_bodies() {
+    first_pair_.assign(world_.size() + 1, 0);
+    for (const Pair& pair : pairs_)
+      for (const Slot s : {pair.a, pair.b}) ++first_pair_[static_cast<std::size_t>(s)];
+    std::size_t sum = 0;
+    for (std::size_t& first : first_pair_) sum += first, first = sum - first;
+    pairs_of_.resize(sum);
+    std::vector<std::size_t> next(first_pair_);
+    for (std::uint32_t k = 0; k < pairs_.size(); ++k)
+      for (const Slot s : {pairs_[k].a, pairs_[k].b}) pairs_of_[next[static_cast<std::size_t>(s)]++] = k;
+  }
+
+  bool moves(Slot s) const { return system_.bodies[static_cast<std::size_t>(s)].inverse_mass > 0; }
+  Vec3 acceleration(Slot s) const {
+    const auto i = static_cast<std::size_t>(s);
+    return world_.is_static(s) ? Vec3(Vec3::Zero()) : Vec3((start_velocity_[i] - world_.velocity[i]) / step_);
+  }
+  Vec3 velocity(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].v); }
+  Vec3 spin(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].w); }
+  // m, at a time of the step.
+  Vec3 place(Slot s, double t) const {
+    const auto i = static_cast<std::size_t>(s);
+    return world_.position[i] + state_.displaced[i] + t * velocity(s) + 0.5 * t * (t - step_) * acceleration(s);
+  }
+  double radius(Slot s) const { return world_.properties[static_cast<std::size_t>(s)].shape.size.x(); }
+  bool both_round(const Pair& pair) const {
+    return is_round(world_.properties[static_cast<std::size_t>(pair.a)].shape) &&
+           is_round(world_.properties[static_cast<std::size_t>(pair.b)].shape);
+  }
+
+  // A point of contact, with what it needs of its bodies.
+  struct Point {
+    Vec3 arm_a, arm_b;  // m, from the centres
+    double gap;         // m, at the start of the step as it seems to be now
+  };
+  std::array<Point, PairManifold::kept> points_of(const Pair& pair) const {
+    const Manifold& m = contacts_.manifolds[pair.manifold];
+    const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
+    std::array<Point, PairManifold::kept> points;
+    for (std::uint32_t k = 0; k < m.count; ++k) {
+      const ContactPoint& p = contacts_.points[m.first + k];
+      Point& point = points[k];
+      point.arm_a = arm_of(m, p, world_.position[i], world_.velocity[i]);
+      point.arm_b = arm_of(m, p, world_.position[j], world_.velocity[j]);
+      point.gap = p.gap + m.normal.dot(state_.displaced[i] + state_.turned[i].cross(point.arm_a) - state_.displaced[j] -
+                                       state_.turned[j].cross(point.arm_b));
+    }
+    return points;
+  }
+  Vec3 velocity_at(const Pair& pair, const Point& point, double t) const {
+    return velocity(pair.a) + spin(pair.a).cross(point.arm_a) - velocity(pair.b) - spin(pair.b).cross(point.arm_b) +
+           (t - 0.5 * step_) * (acceleration(pair.a) - acceleration(pair.b));
+  }
+  bool counts(const Pair& pair, double closing) const {
+    return closing > (pair.fast ? 1e-9 : std::max(1e-12, 2 * step_ * state_.traits.gravity));
+  }
+
+  // s, of the next impact that counts; never: none in this step.
+  double time_of(const Pair& pair) const {
+    const double from = std::max(clock_[static_cast<std::size_t>(pair.a)], clock_[static_cast<std::size_t>(pair.b)]);
+    const Vec3 faster = acceleration(pair.a) - acceleration(pair.b);
+    if (both_round(pair)) {
+      const double time = first_touch_of_spheres(place(pair.a, 0) - place(pair.b, 0), velocity(pair.a) - velocity(pair.b), faster,
+                                                 step_, radius(pair.a) + radius(pair.b), from, step_);
+      if (time == never) return never;
+      const Touch touch = touch_of(pair, time);
+      return counts(pair, -touch.normal.dot(velocity_at(pair, touch.points[0], time))) ? time : never;
+    }
+    const Manifold& m = contacts_.manifolds[pair.manifold];
+    const auto points = points_of(pair);
+    double first = never;
+    for (std::uint32_t k = 0; k < m.count; ++k) {
+      const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
+      const double time = first_touch_of_plane(points[k].gap, speed, m.normal.dot(faster), step_, from, step_);
+      if (time < first && counts(pair, -m.normal.dot(velocity_at(pair, points[k], time)))) first = time;
+    }
+    return first;
+  }
+
+  // Where two bodies touch at a time.
+  struct Touch {
+    Vec3 normal;  // from b to a
+    std::array<Point, PairManifold::kept> points;
+    std::uint32_t count = 0;
+  };
+  Touch touch_of(const Pair& pair, double t) const {
+    Touch touch;
+    const Manifold& m = contacts_.manifolds[pair.manifold];
+    touch.normal = m.normal;
+    const Vec3 at_a = place(pair.a, t), at_b = place(pair.b, t);
+    const bool a_round = is_round(world_.properties[static_cast<std::size_t>(pair.a)].shape);
+    if (both_round(pair) && (at_a - at_b).norm() > 0) touch.normal = (at_a - at_b).normalized();
+    if (a_round || is_round(world_.properties[static_cast<std::size_t>(pair.b)].shape)) {
+      const Vec3 point = a_round ? Vec3(at_a - radius(pair.a) * touch.normal) : Vec3(at_b + radius(pair.b) * touch.normal);
+      touch.points[touch.count++] = {point - at_a, point - at_b, 0};
+      return touch;
+    }
+    const auto points = points_of(pair);
+    const double size = std::min(smallest_size(world_.properties[static_cast<std::size_t>(pair.a)].shape),
+                                 smallest_size(world_.properties[static_cast<std::size_t>(pair.b)].shape));
+    const double faster = m.normal.dot(acceleration(pair.a) - acceleration(pair.b));
+    for (std::uint32_t k = 0; k < m.count; ++k) {
+      const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
+      if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster <= 1e-6 * size) touch.points[touch.count++] = points[k];
+    }
+    return touch;
+  }
+
+  // Of each body the first impact, by its time, then by the pair's ids: what both of its bodies have as their first comes next.
+  void find_first() {
+    const std::size_t n = world_.size() + 1;
+    first_time_.assign(n, never), first_other_.assign(n, -1);
+    const auto id = [&](Slot s) { return static_cast<double>(world_.id[static_cast<std::size_t>(s)]); };
+    const auto key = [&](std::size_t body, double other) {
+      const double own = id(static_cast<Slot>(body));
+      return std::pair(std::min(own, other), std::max(own, other));
+    };
+    for (const Pair& pair : pairs_) {
+      if (pair.time == never) continue;
+      for (const auto& [own, other] : {std::pair(pair.a, pair.b), std::pair(pair.b, pair.a)}) {
+        const auto i = static_cast<std::size_t>(own);
+        const double with = id(other);
+        if (pair.time < first_time_[i] || (pair.time == first_time_[i] && key(i, with) < key(i, first_other_[i])))
+          first_time_[i] = pair.time, first_other_[i] = with;
+      }
+    }
+    if (state_.exchange.empty()) return;
+    state_.exchange.refresh(std::span(first_time_)), state_.exchange.refresh(std::span(first_other_));
+  }
+
+  bool comes_next(const Pair& pair) const {
+    const auto agrees = [&](Slot own, Slot other) {
+      const auto i = static_cast<std::size_t>(own);
+      return !moves(own) ||
+             (first_time_[i] == pair.time && first_other_[i] == static_cast<double>(world_.id[static_cast<std::size_t>(other)]));
+    };
+    return pair.time < never && agrees(pair.a, pair.b) && agrees(pair.b, pair.a);
+  }
+
+  // Each body is in one impact of a round at most. Returns how many this rank counts.
+  std::int64_t apply() {
+    std::int64_t count = 0;
+    changed_.clear();
+    std::vector<std::uint8_t> hit(world_.size() + 1, 0);
+    for (Pair& pair : pairs_) {
+      if (!comes_next(pair)) continue;
+      if ((moves(pair.a) && hit[static_cast<std::size_t>(pair.a)]) || (moves(pair.b) && hit[static_cast<std::size_t>(pair.b)]))
+        continue;  // another part of the same two
+      strike(pair);
+      for (const Slot s : {pair.a, pair.b})
+        if (moves(s)) hit[static_cast<std::size_t>(s)] = 1, changed_.push_back(s);
+      count += counts_here(world_, contacts_.manifolds[pair.manifold]);
+    }
+    return count;
+  }
+
+  // The impulses of all points at once: what each does at the others, in axes of the contact.
+  struct Blow {
+    std::uint32_t count = 0;
+    std::array<std::array<Mat3, PairManifold::kept>, PairManifold::kept> K;  // 1/kg
+    std::array<Vec3, PairManifold::kept> before, impulse;                    // m/s, N s
+
+    Vec3 after(std::uint32_t k) const {
+      Vec3 u = before[k];
+      for (std::uint32_t l = 0; l < count; ++l) u += K[k][l] * impulse[l];
+      return u;
+    }
+  };
+
+  void strike(const Pair& pair) {
+    const Touch touch = touch_of(pair, pair.time);
+    const Vec3 n = touch.normal, s = first_tangent_of(n), t = n.cross(s);
+    Mat3 axes;
+    axes << n, s, t;
+    const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
+    const auto turn_of = [&](std::size_t slot) {
+      if (world_.is_static(static_cast<Slot>(slot))) return Mat3(Mat3::Zero());
+      return inverse_inertia_of(system_.bodies, system_.inertia, system_.isotropic, slot);
+    };
+    const Mat3 turn_a = turn_of(i), turn_b = turn_of(j);
+    const double linear = system_.bodies[i].inverse_mass + system_.bodies[j].inverse_mass;
+    Blow blow;
+    blow.count = touch.count;
+    for (std::uint32_t k = 0; k < touch.count; ++k) {
+      blow.before[k] = axes.transpose() * velocity_at(pair, touch.points[k], pair.time), blow.impulse[k].setZero();
+      for (std::uint32_t l = 0; l < touch.count; ++l)
+        for (int x = 0; x < 3; ++x) {
+          const Vec3 f = axes.col(x);
+          blow.K[k][l].col(x) =
+              axes.transpose() * (linear * f + (turn_a * touch.points[l].arm_a.cross(f)).cross(touch.points[k].arm_a) +
+                                  (turn_b * touch.points[l].arm_b.cross(f)).cross(touch.points[k].arm_b));
+        }
+    }
+    const bool has_friction = acts_in_solve(state_.scene.solver.friction);
+    solve(blow, pair.restitution, has_friction ? contacts_.manifolds[pair.manifold].friction : 0);
+    Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;
+    for (std::uint32_t k = 0; k < touch.count; ++k) {
+      const Vec3 f = axes * blow.impulse[k];
+      force += f, torque_a += touch.points[k].arm_a.cross(f), torque_b += touch.points[k].arm_b.cross(f);
+    }
+    push(i, force, turn_a * torque_a, pair.time);
+    push(j, -force, -(turn_b * torque_b), pair.time);
+  }
+
+  static void solve(Blow& blow, double restitution, double friction) {
+    for (int pass = 0; pass < 200; ++pass) {
+      double change = 0, size = 0;
+      for (std::uint32_t k = 0; k < blow.count; ++k) {
+        Vec3& impulse = blow.impulse[k];
+        const Vec3 old = impulse;
+        const Mat3& K = blow.K[k][k];
+        const double target = std::max(0.0, -restitution * blow.before[k].x());
+        impulse.x() = std::max(0.0, impulse.x() - (blow.after(k).x() - target) / K(0, 0));
+        if (friction > 0) {
+          const Vec3 u = blow.after(k);
+          const double across = std::max(K(1, 1), K(2, 2)) + std::abs(K(1, 2));
+          impulse.y() -= u.y() / across, impulse.z() -= u.z() / across;
+          const double along = std::hypot(impulse.y(), impulse.z()), limit = friction * impulse.x();
+          if (along > limit) impulse.y() *= limit / along, impulse.z() *= limit / along;
+        }
+        change = std::max(change, (impulse - old).norm()), size = std::max(size, impulse.norm());
+      }
+      if (change <= 1e-15 * size) break;
+    }
+    // Newton's hypothesis can give energy where there is friction (bounce_limit.cpp): no more than there was.
+    double work = 0, q = 0;  // J, twice
+    for (std::uint32_t k = 0; k < blow.count; ++k) {
+      const Vec3 after = blow.after(k);
+      work += blow.impulse[k].dot(blow.before[k] + after), q += blow.impulse[k].dot(after - blow.before[k]);
+    }
+    if (work > 0)
+      for (std::uint32_t k = 0; k < blow.count; ++k) blow.impulse[k] *= 1 - std::min(1.0, work / q);
+  }
+
+  void push(std::size_t i, const Vec3& impulse, const Vec3& turning, double time) {
+    SolverBody& body = system_.bodies[i];
+    if (!(body.inverse_mass > 0)) return;
+    const Vec3 change = body.inverse_mass * impulse;
+    velocity_of(body) += change, spin_of(body) += turning;
+    state_.displaced[i] -= time * change, state_.turned[i] -= time * turning;
+    clock_[i] = time;
+  }
+
+  // What guests do with others that are not here.
+  void tell_guests() {
+    if (!state_.exchange.empty()) {
+      std::vector<SolverBody> before(system_.bodies.begin(), system_.bodies.end());
+      state_.exchange.refresh(std::span<SolverBody>(system_.bodies));
+      state_.exchange.refresh(std::span(clock_));
+      std::vector<double> one(world_.size() + 1);
+      for (int k = 0; k < 3; ++k) {
+        for (std::size_t i = 0; i < one.size(); ++i) one[i] = state_.displaced[i][k];
+        state_.exchange.refresh(std::span(one));
+        for (std::size_t i = 0; i < one.size(); ++i) state_.displaced[i][k] = std::exchange(one[i], state_.turned[i][k]);
+        state_.exchange.refresh(std::span(one));
+        for (std::size_t i = 0; i < one.size(); ++i) state_.turned[i][k] = one[i];
+      }
+      for (std::size_t i = world_.homes; i < world_.first_static(); ++i)
+        if (!std::equal(before[i].v, before[i].v + 3, system_.bodies[i].v) ||
+            !std::equal(before[i].w, before[i].w + 3, system_.bodies[i].w))
+          changed_.push_back(static_cast<Slot>(i));
+    }
+    for (const Slot s : changed_)
+      for (std::size_t k = first_pair_[static_cast<std::size_t>(s)]; k < first_pair_[static_cast<std::size_t>(s) + 1]; ++k)
+        pairs_[pairs_of_[k]].time = time_of(pairs_[pairs_of_[k]]);
+  }
+
+  // The solve sees the gaps from where bodies seem to have started. A row would stop bodies that pass by each other.
+  void correct_contacts() {
+    keep_gaps();
+    for (Manifold& m : contacts_.manifolds) {
+      const Vec3 apart =
+          state_.displaced[static_cast<std::size_t>(m.slot_a)] - state_.displaced[static_cast<std::size_t>(m.slot_b)];
+      for (std::uint32_t p = m.first; p < m.first + m.count; ++p) contacts_.points[p].gap += m.normal.dot(apart);
+    }
+    for (const Pair& pair : pairs_) {
+      const Manifold& m = contacts_.manifolds[pair.manifold];
+      const Vec3 u = velocity(pair.a) - velocity(pair.b);
+      for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
+        const bool slow = contacts_.bounce.empty() || !(contacts_.bounce[p] > 0);
+        if (!contacts_.bounce.empty()) contacts_.bounce[p] = 0;
+        const double closing = -m.normal.dot(u);
+        if (both_round(pair) && (pair.fast || !slow || closing > 2 * step_ * state_.traits.gravity))
+          contacts_.points[p].gap = std::max(contacts_.points[p].gap, step_ * closing);
+      }
+    }
+  }
+
+  RankState& state_;
+  World& world_;
+  System& system_;
+  Contacts& contacts_;
+  double step_;
+  std::vector<Pair> pairs_;
+  std::vector<std::size_t> first_pair_;  // of each body, into pairs_of_
+  std::vector<std::uint32_t> pairs_of_;
+  std::vector<Vec3> start_velocity_;              // m/s, predicted
+  std::vector<double> clock_;                     // s, of each body's last impact
+  std::vector<double> first_time_, first_other_;  // s; id
+  std::vector<Slot> changed_;                     // in the last round
+};
+
+}  // namespace
+
+std::int64_t resolve_impacts(RankState& state, System& system) {
+  if (!state.gaps_found.empty())  // the step is taken once more
+    for (std::size_t p = 0; p < state.contacts.points.size(); ++p) state.contacts.points[p].gap = state.gaps_found[p];
+  state.displaced.clear(), state.turned.clear(), state.gaps_found.clear();
+  if (state.world.first_static() == 0) return 0;
+  return Impacts(state, system).run();
+}
+
+}  // namespace unibody
