@@ -160,7 +160,7 @@ class Run {
   void start_world();
   void rebalance();
   FrameReport do_frame(std::int64_t frame);
-  std::vector<NamedValue> further_columns(const StepReport& step, std::int64_t held, const FrameReport& report);
+  std::vector<NamedValue> further_columns(const StepReport& step, const FrameReport& report);
   void open_files();
   void write(std::int64_t frame);
   void dump(std::int64_t frame);
@@ -244,13 +244,14 @@ FrameReport Run::do_frame(std::int64_t frame) {
   report.step = frame, report.time = static_cast<double>(frame) * scene_.time.frame;
   report.converged = true;
   StepReport last;
-  std::int64_t held = 0;
+  SurfaceGuard::Held held;
+  std::int64_t impacts = 0;
   for (int s = 0; s < scene_.time.substeps; ++s) {
     const bool last_step = s + 1 == scene_.time.substeps;
     const StepRequest request{last_step && wants_error(frame), last_step && frame == dumped_frame() ? &problem_ : nullptr};
     const StepReport step = last = simulation_.step(request);
     stop_if_not_finite(comm_, scene_, simulation_, frame, s);  // before anything looks for contacts among such bodies
-    held += step.guard.pairs;
+    held.pairs += step.guard.pairs, impacts += step.impacts;
     stop_if_not_held(step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     report.natural_residual = std::max(report.natural_residual, step.residual);
@@ -263,17 +264,19 @@ FrameReport Run::do_frame(std::int64_t frame) {
       measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));
   if (!scene_.constraint_groups.empty())
     report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
-  report.constraint_columns = further_columns(last, held, report);
+  last.guard = held, last.impacts = impacts;
+  report.constraint_columns = further_columns(last, report);
   report.imbalance = balance_.imbalance(parts_of(simulation_));
   return report;
 }
 
 // What a scene's types of bodies and constraints have to tell beside the columns of all scenes.
-std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_t held, const FrameReport& report) {
+std::vector<NamedValue> Run::further_columns(const StepReport& step, const FrameReport& report) {
   const World& world = simulation_.world;
   auto columns = constraint_columns(comm_, scene_, world, simulation_.constraints, step.constraint_residuals());
   const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
   add(strain_columns(comm_, scene_, world, simulation_.constraints));
+  columns.push_back({"impacts (1)", static_cast<double>(step.impacts)});
   if (!scene_.constraint_groups.empty()) columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
   if (scene_.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
   add(joint_columns(comm_, scene_.joints.size(), simulation_.joint_slots, simulation_.joint_states(),
@@ -281,7 +284,7 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_
   if (simulation_.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
   if (options_.error_estimate > 0) add_error_columns(step, columns);
   if (!simulation_.has_surfaces()) return columns;
-  columns.push_back({"held_pairs (1)", static_cast<double>(held)});
+  columns.push_back({"held_pairs (1)", static_cast<double>(step.guard.pairs)});
   if (!scene_.output.crossings) return columns;
   const PhaseClock::Scope scope(clock_, Phase::output);
   columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm_, world, simulation_.surfaces))});
@@ -289,7 +292,7 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, std::int64_
 }
 
 void Run::open_files() {
-  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, 0, {}));
+  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, {}));
   if (scene_.output.every > 0)
     frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces);
   if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints);

@@ -69,6 +69,7 @@ Body from_row(Id id, const BodyRow& row) {
 struct PointRow {
   std::int64_t owner, id_a, id_b, place_in_manifold, placed;  // placed: 1, or 0 where no place is kept
   std::array<double, 7> reals;                                // place, normal, tangential
+  std::array<double, 3> torque;                               // N m, of the manifold's first point: its rolling friction
 };
 constexpr Id key_columns = 5;
 
@@ -77,13 +78,15 @@ auto order(const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b, p.pla
 PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k) {
   const RememberedPoint& p = all.points_of(m)[k];
   const auto places = all.places_of(m);
+  const Vec3 torque = all.torques.empty() || k > 0 ? Vec3(Vec3::Zero()) : all.torques[m];
   const Vec3 place = places.empty() ? Vec3(Vec3::Zero()) : places[k];
   return {owner,
           all.manifolds[m].id_a,
           all.manifolds[m].id_b,
           static_cast<std::int64_t>(k),
           !places.empty(),
-          {place[0], place[1], place[2], p.normal, p.tangential[0], p.tangential[1], p.tangential[2]}};
+          {place[0], place[1], place[2], p.normal, p.tangential[0], p.tangential[1], p.tangential[2]},
+          {torque[0], torque[1], torque[2]}};
 }
 
 void append(Multipliers& to, const PointRow& row) {
@@ -121,7 +124,9 @@ bool write_bodies(hid_t file, const std::vector<BodyRow>& rows, hsize_t first, h
   return h5::write_rows(dataset, H5T_NATIVE_DOUBLE, first, rows.size(), rows.data());
 }
 
-bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total) {
+constexpr const char* torque_table = "multipliers/torque";
+
+bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total, bool has_torques) {
   const auto mine = static_cast<std::int64_t>(rows.size());
   std::int64_t last = 0;
   check_mpi(MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm));
@@ -138,7 +143,13 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
   h5::write_attribute(key, "columns", std::string("owner id_a id_b place_in_manifold placed"));
   const auto force = h5::create_dataset(group, "point", H5T_IEEE_F64LE, static_cast<hsize_t>(total), 7);
   h5::write_attribute(force, "columns", std::string("place[3] (m) normal (N) tangential[3] (N)"));
-  return h5::write_rows(force, H5T_NATIVE_DOUBLE, first, rows.size(), reals.data()) && good;
+  const bool all = h5::write_rows(force, H5T_NATIVE_DOUBLE, first, rows.size(), reals.data()) && good;
+  if (!has_torques) return all;
+  std::vector<double> torques;
+  for (const PointRow& p : rows) torques.insert(torques.end(), p.torque.begin(), p.torque.end());
+  const auto torque = h5::create_dataset(file, torque_table, H5T_IEEE_F64LE, static_cast<hsize_t>(total), 3);
+  h5::write_attribute(torque, "columns", std::string("of a manifold's first point: torque[3] (N m)"));
+  return h5::write_rows(torque, H5T_NATIVE_DOUBLE, first, rows.size(), torques.data()) && all;
 }
 
 }  // namespace
@@ -156,12 +167,14 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
   check_mpi(MPI_Comm_rank(comm, &rank));
   const Id first = id_blocks(comm, count).first(rank);
   const std::string part = path + ".part";
-  auto total = static_cast<std::int64_t>(points.size());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm));
+  std::array<std::int64_t, 2> sums{static_cast<std::int64_t>(points.size()), history.contacts().torques.empty() ? 0 : 1};
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_INT64_T, MPI_SUM, comm));
+  const std::int64_t total = sums[0];
+  const bool has_torques = sums[1] > 0;
   const h5::Quiet quiet;
   const std::string failed = "cannot write the checkpoint " + path + ": ";
   agree<RunError>(comm, failed, [&] {
-    if (rank == 0) reserve_on_disk(part, (body_columns * count + (key_columns + 7) * total) * 8 + 65536);
+    if (rank == 0) reserve_on_disk(part, (body_columns * count + (key_columns + 10) * total) * 8 + 65536);
   });
   agree<RunError>(comm, failed, [&] {
     auto file = h5::create_file(comm, part, seal_bytes);
@@ -171,7 +184,7 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     h5::write_attribute(file, "time", time);
     h5::write_attribute(file, "bodies", count);
     bool good = write_bodies(file, bodies, static_cast<hsize_t>(first), static_cast<hsize_t>(count));
-    good = write_points(comm, file, points, total) && good;
+    good = write_points(comm, file, points, total, has_torques) && good;
     good = write_history_rows(comm, file, rows) && good;
     good = write_joint_rows(file, joints) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
@@ -249,7 +262,7 @@ class Directory {
   std::vector<int> homes_;
 };
 
-Multipliers assemble(std::vector<PointRow> rows) {
+Multipliers assemble(std::vector<PointRow> rows, bool has_torques) {
   const auto key = [](const PointRow& p) { return std::array{p.id_a, p.id_b, p.place_in_manifold}; };
   std::sort(rows.begin(), rows.end(), [&](const PointRow& a, const PointRow& b) { return key(a) < key(b); });
   // A pair with both bodies home here arrived twice.
@@ -260,13 +273,14 @@ Multipliers assemble(std::vector<PointRow> rows) {
     const auto& manifolds = result.manifolds;
     if (manifolds.empty() || manifolds.back().id_a != p.id_a || manifolds.back().id_b != p.id_b)
       result.begin_manifold(p.id_a, p.id_b);
+    if (has_torques && p.place_in_manifold == 0) result.set_last_torque({p.torque[0], p.torque[1], p.torque[2]});
     append(result, p);
   }
   return result;
 }
 
 struct PointTables {
-  h5::Handle key, point;
+  h5::Handle key, point, torque;  // the last only with rolling friction
   Id count = 0;
 };
 
@@ -274,6 +288,8 @@ PointTables point_tables(hid_t file) {
   PointTables tables;
   tables.key = h5::open_table(file, "multipliers/key", {}, key_columns, H5T_STD_I64LE);
   tables.point = h5::open_table(file, "multipliers/point", h5::rows_of(tables.key), 7, H5T_IEEE_F64LE);
+  if (H5Lexists(file, torque_table, H5P_DEFAULT) > 0)
+    tables.torque = h5::open_table(file, torque_table, h5::rows_of(tables.key), 3, H5T_IEEE_F64LE);
   tables.count = static_cast<Id>(h5::rows_of(tables.key));
   return tables;
 }
@@ -284,10 +300,13 @@ std::vector<PointRow> read_points(const PointTables& tables, Id first, Id last) 
   std::vector<double> reals(n * 7);
   h5::read_rows(tables.key, H5T_NATIVE_INT64, static_cast<hsize_t>(first), n, keys.data());
   h5::read_rows(tables.point, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, reals.data());
+  std::vector<double> torques(tables.torque ? n * 3 : 0);
+  if (tables.torque) h5::read_rows(tables.torque, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, torques.data());
   std::vector<PointRow> rows(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto* i = keys.data() + k * key_columns;
-    rows[k] = {i[0], i[1], i[2], i[3], i[4], {}};
+    rows[k] = {i[0], i[1], i[2], i[3], i[4], {}, {}};
+    if (!torques.empty()) std::copy_n(torques.data() + k * 3, 3, rows[k].torque.begin());
     std::copy_n(reals.data() + k * 7, 7, rows[k].reals.begin());
   }
   return rows;
@@ -375,9 +394,11 @@ Multipliers Checkpoint::read_multipliers(const World& world) const {
   int rank = 0;
   check_mpi(MPI_Comm_rank(comm_, &rank));
   std::vector<PointRow> rows;
+  bool has_torques = false;
   agree<InputError>(comm_, "", [&] {
     rows = reading(path_, [&] {
       const PointTables tables = point_tables(file_);
+      has_torques = static_cast<bool>(tables.torque);
       const IdBlocks share = id_blocks(comm_, tables.count);
       const Id first = share.first(rank), before = std::max<Id>(0, first - 1);  // the last of the rank before is looked at, too
       auto read = read_points(tables, before, share.first(rank + 1));
@@ -387,7 +408,7 @@ Multipliers Checkpoint::read_multipliers(const World& world) const {
       return read;
     });
   });
-  return assemble(Directory(comm_, count_, world).deliver(world, rows));
+  return assemble(Directory(comm_, count_, world).deliver(world, rows), has_torques);
 }
 
 }  // namespace unibody

@@ -23,7 +23,8 @@ struct RememberedManifold {
 struct Multipliers {
   std::vector<RememberedManifold> manifolds;  // ascending (id_a, id_b); of all pairs with a home body here
   std::vector<RememberedPoint> points;
-  std::vector<Vec3> places;  // m, of each point of a manifold or of none, in the frame of body a (of b where a is static)
+  std::vector<Vec3> torques;  // N m, of rolling and spinning friction, world frame, on body a; of each manifold, or of none
+  std::vector<Vec3> places;   // m, of each point of a manifold or of none, in the frame of body a (of b where a is static)
 
   std::span<const RememberedPoint> points_of(std::size_t m) const {
     const std::size_t first = manifolds[m].first_point;
@@ -37,10 +38,15 @@ struct Multipliers {
   void begin_manifold(Id id_a, Id id_b) {
     manifolds.push_back({id_a, id_b, static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(places.size())});
   }
+  void set_last_torque(const Vec3& torque) {
+    torques.resize(manifolds.size(), Vec3::Zero());
+    torques.back() = torque;
+  }
   void append(const Multipliers& from, std::size_t m) {
     const auto new_points = from.points_of(m);
     const auto new_places = from.places_of(m);
     begin_manifold(from.manifolds[m].id_a, from.manifolds[m].id_b);
+    if (!from.torques.empty() || !torques.empty()) set_last_torque(from.torques.empty() ? Vec3(Vec3::Zero()) : from.torques[m]);
     points.insert(points.end(), new_points.begin(), new_points.end());
     places.insert(places.end(), new_places.begin(), new_places.end());
   }

@@ -35,6 +35,7 @@ void RollingBatch::build(const BuildContext& context) {
     double rolling, spinning;  // m
   };
   contacts_ = context.contact_batch, step_ = context.state.step;
+  history_ = context.contact_history, kept_ = Kept::nothing;
   rows_.clear(), group_end_.clear();
   std::vector<Resistance> list;
   for_each_resisting(context, [&](std::uint32_t manifold, const Manifold&, double rolling, double spinning) {
@@ -51,6 +52,10 @@ void RollingBatch::build(const BuildContext& context) {
     Row row{};
     row.block = static_cast<std::uint32_t>(block), row.lane = static_cast<std::uint32_t>(lane);
     row.counted = contacts_->is_counted(resistance.manifold);
+    row.id_a = m.id_a, row.id_b = m.id_b;
+    const auto& all = context.contacts->manifolds;
+    row.first =
+        resistance.manifold == 0 || all[resistance.manifold - 1].id_a != m.id_a || all[resistance.manifold - 1].id_b != m.id_b;
     row.a = m.slot_a, row.b = m.slot_b, row.rolling = resistance.rolling, row.spinning = resistance.spinning;
     row.axes = {m.normal, first_tangent_of(m.normal), m.normal.cross(first_tangent_of(m.normal))};
     const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
@@ -149,15 +154,67 @@ double RollingBatch::relax(std::size_t colour, bool, SolveState& state) {
 }
 
 void RollingBatch::keep_impulses(bool joint) {
+  kept_ = joint ? Kept::joint : Kept::apart;
   for (Row& row : rows_) {
-    if (!joint) row.kept = row.lambda, row.lambda = Torque{};
+    row.kept = row.lambda;
+    if (!joint) row.lambda = Torque{};
     row.y = row.lambda;
+  }
+}
+
+namespace {
+
+// Of a pair in the contacts' history; -1: it is not there.
+std::ptrdiff_t place_of(const Multipliers& history, Id a, Id b) {
+  const auto before = [](const RememberedManifold& m, const std::pair<Id, Id>& key) { return std::pair(m.id_a, m.id_b) < key; };
+  const auto& all = history.manifolds;
+  const auto at = std::lower_bound(all.begin(), all.end(), std::pair(a, b), before);
+  return at != all.end() && at->id_a == a && at->id_b == b ? at - all.begin() : -1;
+}
+
+}  // namespace
+
+void RollingBatch::start_from(const NoHistory&, const WarmStart& warm) {
+  if (!(warm.contacts_share > 0) || history_ == nullptr || history_->torques.empty()) return;
+  for (Row& row : rows_) {
+    const std::ptrdiff_t place = row.first ? place_of(*history_, row.id_a, row.id_b) : -1;
+    if (place < 0) continue;
+    const Vec3 torque = warm.contacts_share * step_ * history_->torques[static_cast<std::size_t>(place)];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const bool acts = k == 0 ? row.spinning > 0 && row.scale[0] > 0 : row.rolling > 0 && row.scale[1] > 0;
+      row.lambda[k] = row.y[k] = acts ? row.axes[k].dot(torque) : 0;
+    }
+  }
+}
+
+void RollingBatch::add_impulses(SolveState& state, const WarmStart& warm, double) const {
+  if (!(warm.contacts_share > 0)) return;
+  for (const Row& row : rows_) {
+    const Vec3 torque = torque_of(row, row.lambda);
+    const Vec4d four{torque.x(), torque.y(), torque.z(), 0};
+    state.wrenches[static_cast<std::size_t>(row.a)].torque += four;
+    state.wrenches[static_cast<std::size_t>(row.b)].torque -= four;
+  }
+}
+
+void RollingBatch::remember(NoHistory&, double leak) const {
+  if (rows_.empty() || history_ == nullptr) return;
+  history_->torques.assign(history_->manifolds.size(), Vec3::Zero());
+  for (const Row& row : rows_) {
+    const std::ptrdiff_t place = place_of(*history_, row.id_a, row.id_b);
+    if (place < 0) continue;
+    Torque kept;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = row.kept[k], y = row.lambda[k];
+      kept[k] = kept_ == Kept::nothing ? y : x + leak * (kept_ == Kept::apart ? y : y - x);
+    }
+    history_->torques[static_cast<std::size_t>(place)] += torque_of(row, kept) / step_;
   }
 }
 
 void RollingBatch::join_stages() {
   for (Row& row : rows_) {
-    for (std::size_t k = 0; k < 3; ++k) row.lambda[k] += row.kept[k];
+    for (std::size_t k = 0; k < 3 && kept_ == Kept::apart; ++k) row.lambda[k] += row.kept[k];
     row.y = row.lambda, row.kept = Torque{};
   }
 }

@@ -5,7 +5,8 @@
 // angular impulses (N m s), bounded by the manifold's normal impulses N, summed over its points, at every iteration anew:
 //   |tau_n| <= spinning N,  |(tau_s, tau_t)| <= rolling N
 // with coefficients in metres: the arm at which the normal force meets the ground ahead of the centre. As friction, it is the
-// same in both stages, each with its own N, whose bounds add up. All starts from zero in every step: it keeps no history.
+// same in both stages, each with its own N, whose bounds add up. It starts from a share of the last step's torques, which stand
+// with the contacts' history (Multipliers::torques): from nothing, what is held would creep by what each step leaves undone.
 // Scales are absolute row sums of the manifold's 3 x 3 block, masses split by the bodies' counts with the Jacobi solvers, where
 // such a manifold counts twice: once for its contact, once for these rows.
 #pragma once
@@ -51,6 +52,10 @@ class RollingBatch : public BatchDefaults {
   void keep_impulses(bool joint);
   void join_stages();
 
+  void start_from(const NoHistory&, const WarmStart& warm);
+  void add_impulses(SolveState& state, const WarmStart& warm, double) const;
+  void remember(NoHistory&, double leak) const;  // after the contacts' own
+
   // An angle counts by the longer arm from the bodies' centres to the contact.
   double residual(const SolveState& state) const;
 
@@ -62,6 +67,8 @@ class RollingBatch : public BatchDefaults {
     std::uint32_t block, lane;
     bool counted;
     Slot a, b;
+    Id id_a, id_b;
+    bool first;                       // of its pair's manifolds
     double rolling, spinning, lever;  // m
     std::array<Vec3, 3> axes;         // n, s, t
     Mat3 turn_a, turn_b;              // 1/(kg m^2), inverse inertia, world frame
@@ -82,7 +89,9 @@ class RollingBatch : public BatchDefaults {
   std::pmr::vector<Row> rows_;
   const ContactBatch* contacts_ = nullptr;
   std::vector<std::size_t> group_end_;
+  Multipliers* history_ = nullptr;
   double step_ = 0.016;
+  enum class Kept { nothing, apart, joint } kept_ = Kept::nothing;  // as ContactBatch's
 };
 
 template <class F>

@@ -14,9 +14,10 @@
 
 namespace unibody {
 
-BuildContext build_context(const RankState& state, const System& system) {
+BuildContext build_context(RankState& state, const System& system) {
   const Scene& scene = state.scene;
   BuildContext context{state.elements(), state.world, system, scene.solver, state.solver.sweeps_by_colour};
+  context.contact_history = &state.history.contacts();
   context.contacts = &state.contacts, context.contact_batch = &system.contacts();
   if (acts_in_solve(scene.solver.friction) && (has_any(scene.rolling) || has_any(scene.spinning)))
     context.rolling = scene.rolling, context.spinning = scene.spinning, context.materials = scene.materials.size();
@@ -158,7 +159,7 @@ void assemble(RankState& state, System& system, std::span<double> turning) {
   });
   state.exchange.finish_step();
   if (state.drag.any()) state.exchange.refresh(system.bodies);
-  resolve_impacts(state, system);
+  state.impacts = resolve_impacts(state, system);
   steady_turning(state, system, turning);
 
   std::pmr::vector<std::uint32_t> order(state.contacts.manifolds.size(), &state.scratch);

@@ -8,7 +8,7 @@
 namespace unibody {
 
 // What batches are built from, as a rank has it now. The state and the system must outlive it.
-BuildContext build_context(const RankState& state, const System& system);
+BuildContext build_context(RankState& state, const System& system);
 
 // v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits. What the air
 // does comes on top, for homes alone; assemble() tells the guests.

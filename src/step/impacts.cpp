@@ -423,7 +423,6 @@ std::int64_t resolve_impacts(RankState& state, System& system) {
   if (!state.gaps_found.empty())  // the step is taken once more
     for (std::size_t p = 0; p < state.contacts.points.size(); ++p) state.contacts.points[p].gap = state.gaps_found[p];
   state.displaced.clear(), state.turned.clear(), state.gaps_found.clear();
-  if (state.world.first_static() == 0) return 0;
   return Impacts(state, system).run();
 }
 

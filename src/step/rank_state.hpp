@@ -51,6 +51,7 @@ struct RankState {
   std::vector<double> turning;               // h^2 K of each slot (kg m^2) that the step is steadied for; empty: no joints
   std::vector<Vec3> displaced;               // m, by slot: where a body that was hit seems to start the step; empty: none was hit
   std::vector<Vec3> turned;                  // rad, the same of its turn
+  std::int64_t impacts = 0;                  // of the step, which this rank counts
   std::vector<double> gaps_found;            // m, of contact points, before impacts were taken into them; empty: they were not
   Form form = Form::incremental;             // in which this step solves constraints between centres
   ConstraintColours colours{};               // of each type, over all ranks

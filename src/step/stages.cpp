@@ -95,7 +95,10 @@ void follow_up(RankState& state, System& system, double leak, StepReport& report
     report.sliding += batch.sliding();
     batch.remember(std::get<decltype(place)::value>(state.history), leak);
   });
-  if (!state.is_alone()) check_mpi(MPI_Allreduce(MPI_IN_PLACE, &report.sliding, 1, MPI_INT64_T, MPI_SUM, state.comm()));
+  if (state.is_alone()) return;
+  std::array<std::int64_t, 2> counts{report.sliding, state.impacts};
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), 2, MPI_INT64_T, MPI_SUM, state.comm()));
+  report.sliding = counts[0], report.impacts = counts[1];
 }
 
 }  // namespace

@@ -27,6 +27,7 @@ struct StepReport {
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
   SurfaceGuard::Held guard;        // pairs that would have passed through each other, had they not been held
   bool form_left = false;          // taken in the incremental form, not the total one that the scene asks for
+  std::int64_t impacts = 0;        // that were resolved by themselves (impacts.hpp), over all ranks
   std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
   std::optional<StepError> error;  // where it was asked for
 
@@ -36,7 +37,7 @@ struct StepReport {
       *this = part;
       return;
     }
-    iterations += part.iterations, guard.pairs += part.guard.pairs;
+    iterations += part.iterations, guard.pairs += part.guard.pairs, impacts += part.impacts;
     if (guard.not_held[0] < 0) guard.not_held = part.guard.not_held;
     residual = std::max(residual, part.residual), converged = converged && part.converged;
     for (std::size_t k = 0; k < batch_residuals.size(); ++k)
