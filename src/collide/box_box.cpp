@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collide/box_edges.hpp"
 #include "collide/shape_pairs.hpp"
 
 namespace unibody {
@@ -316,7 +317,9 @@ void box_manifold(const Proxy& a, const Proxy& b, const BoxRelation& r, const Bo
 void box_box(const Proxy& a, const Proxy& b, const PairSettings& settings, PairManifold& out) {
   const BoxRelation relation = relate_boxes(a, b);
   BoxAxis axis;
-  if (find_axis(relation, a.half, b.half, settings.margin, axis)) box_manifold(a, b, relation, axis, settings.margin, out);
+  if (!find_axis(relation, a.half, b.half, settings.margin, axis)) return;
+  if (!manifold_of_meeting_edges(a, b, relation, false, settings.margin, out))
+    box_manifold(a, b, relation, axis, settings.margin, out);
 }
 
 }  // namespace unibody

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collide/box_edges.hpp"
 #include "collide/shape_pairs.hpp"
 
 namespace unibody {
@@ -39,6 +40,7 @@ void box_box_planar(const Proxy& a, const Proxy& b, const PairSettings& settings
     if (s > separation + (k >= 2 && best < 2 ? bias : 0)) separation = s, best = k;
   }
   if (separation > settings.margin) return;
+  if (manifold_of_meeting_edges(a, b, relate_boxes(a, b), true, settings.margin, out)) return;
 
   // x: the reference rectangle, y: the other; n from x to y
   const Rectangle &x = box[best / 2], &y = box[1 - best / 2];
