@@ -1,12 +1,16 @@
 #include "solve/free_motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace unibody {
 
 namespace {
 
-constexpr double most_turn = 1;        // rad in a step, up to which the solver works with the mean spin
+constexpr double most_turn = 1;            // rad in a step, up to which the solver works with the mean spin
+constexpr double most_turn_at_once = 0.2;  // rad: one Cayley map is off by a three hundredth of that
+constexpr double turn_of_part = 0.05;      // rad, of what is divided
+constexpr int most_parts = 256;
 constexpr double least_growth = 1e-4;  // of a body's energy of turning, which is not round-off
 
 bool has_isotropic_inertia(const BodyProperties& body, bool planar) {
@@ -91,23 +95,48 @@ Quat turned_by(const Quat& orientation, const Vec3& spin, double step) {
   return (Quat(1, half.x(), half.y(), half.z()) * orientation).normalized();
 }
 
+namespace {
+
+// Into how many parts a turn is divided.
+int parts_of(double angle) {
+  if (!(angle > most_turn_at_once)) return 1;
+  return static_cast<int>(std::min<double>(most_parts, std::ceil(angle / turn_of_part)));
+}
+
+// With this momentum (kg m^2/s), freely.
+Quat turned_freely(Quat orientation, const Vec3& momentum, const Vec3& inertia, double step, int parts) {
+  for (int k = 0; k < parts; ++k) {
+    const Mat3 R = orientation.toRotationMatrix();
+    const Vec3 own = (R.transpose() * momentum).cwiseQuotient(inertia);
+    orientation = turned_by(orientation, R * midpoint_spin(inertia, own, step / parts), step / parts);
+  }
+  return orientation;
+}
+
+}  // namespace
+
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
-                        const Vec3& gyroscopic, double step, bool planar) {
+                        const Vec3& gyroscopic, double step, bool planar, bool free) {
   BodyState next = state;
   next.velocity = Eigen::Map<const Vec3>(solved.v);
   next.angular_velocity = Eigen::Map<const Vec3>(solved.w);
   next.position += step * Eigen::Map<const Vec3>(moving.v);
   if (body.shape.kind == ShapeKind::particle) return next;  // it does not turn
   const Vec3 spin = Eigen::Map<const Vec3>(moving.w);
+  const int parts = free ? parts_of(step * spin.norm()) : 1;
   next.orientation = turned_by(state.orientation, spin, step);
+  if (parts > 1) next.orientation = Quat(Eigen::AngleAxisd(step * spin.norm(), spin.normalized())) * state.orientation;
   if (!body.is_dynamic() || planar || has_isotropic_inertia(body, planar)) return next;
   // The spin follows from the momentum in the new attitude.
   const Mat3 before = state.orientation.toRotationMatrix();
   const Vec3 momentum = before * body.inertia.cwiseProduct(before.transpose() * next.angular_velocity) + gyroscopic;
   Mat3 after = next.orientation.toRotationMatrix();
   const bool fast = step * std::max(spin.norm(), state.angular_velocity.norm()) > most_turn;
-  if (fast ||
-      energy_of_turning(momentum, after, body.inertia) > (1 + least_growth) * energy_of_turning(momentum, before, body.inertia)) {
+  if (parts > 1) {
+    next.orientation = turned_freely(state.orientation, momentum, body.inertia, step, parts);
+    after = next.orientation.toRotationMatrix();
+  } else if (fast || energy_of_turning(momentum, after, body.inertia) >
+                         (1 + least_growth) * energy_of_turning(momentum, before, body.inertia)) {
     const Vec3 own = (before.transpose() * momentum).cwiseQuotient(body.inertia);
     next.orientation = turned_by(state.orientation, before * midpoint_spin(body.inertia, own, step), step);
     after = next.orientation.toRotationMatrix();

@@ -6,7 +6,8 @@
 //
 // Impulses add to the mean spin, by which the body turns; its new momentum in the attitude that it so gets may be worth more
 // energy than before: a thin rod, whose inertia about its length is small, would spin up without end. Where a step would gain
-// energy by turning, or turns a body by more than a radian, the body turns as with its new momentum it would freely.
+// energy by turning, or turns a body by more than a radian, the body turns as with its new momentum it would freely. So does a
+// body without joints that turns by more than a fifth of one, in parts of a twentieth, so that it keeps its phase.
 #pragma once
 
 #include "constraints/solver_body.hpp"
@@ -30,8 +31,9 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
 Quat turned_by(const Quat& orientation, const Vec3& spin, double step);
 
 // The state after the step, from the velocities that the solver left. `moving`: those that it moves with, where they differ.
+// free: no row was solved for the attitude that a single map leads to.
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
-                        const Vec3& gyroscopic, double step, bool planar);
+                        const Vec3& gyroscopic, double step, bool planar, bool free = false);
 inline BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& solved,
                                const Vec3& gyroscopic, double step, bool planar) {
   return finish_motion(body, state, solved, solved, gyroscopic, step, planar);

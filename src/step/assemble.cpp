@@ -216,8 +216,8 @@ void finalise(RankState& state, const System& system) {
     if (world.properties[i].motion == Motion::fixed) continue;
     const Vec3 gyroscopic = system.isotropic[i] ? Vec3(Vec3::Zero()) : system.gyroscopic[i];
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
-    world.set_state(
-        i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(), state.scene.planar));
+    world.set_state(i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(),
+                                     state.scene.planar, !state.is_tied(world.id[i])));
     if (!state.displaced.empty() && i < world.homes) displace(state, i);
   }
 }
