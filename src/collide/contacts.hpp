@@ -20,8 +20,7 @@ struct ContactPoint {
 // All contact points of one pair of bodies. They share one normal.
 //
 // Bodies that move further in the step than their size are in contact as they will first touch, at `time`, moved on at their
-// velocities but not turned. Their arms are those of that moment: else an impact without friction would spin balls. Of such a
-// pair, if both are free, angular momentum is kept but for J x (v_a - v_b) time; of all others exactly.
+// velocities but not turned. Their arms are those of that moment: else an impact without friction would spin balls.
 struct Manifold {
   Id id_a, id_b;  // the key: id_a < id_b
   Slot slot_a, slot_b;

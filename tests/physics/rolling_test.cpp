@@ -99,4 +99,21 @@ solver: {iterations: 400, tolerance: 0, name: )") +
   }
 }
 
+// At the defaults, below the threshold tan(slope) = coefficient / radius: what each step leaves undone does not add up.
+TEST(Rolling, WhatIsHeldIsAtRestAtTheDefaults) {
+  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
+    for (const int substeps : {1, 4})
+      for (const double share : {0.5, 0.9, 0.98}) {
+        const double coefficient = 0.01, slope = std::atan(share * coefficient / radius);
+        Experiment run(scene_from_text(
+            "time: {substeps: " + std::to_string(substeps) + "}\nsolver: {name: " + solver + "}\ngravity: [" +
+            std::to_string(g * std::sin(slope)) + ", 0, " + std::to_string(-g * std::cos(slope)) +
+            "]\nmaterials: {m: {friction: 0.5, rolling_friction: 0.01}}\nbodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n  - "
+            "{shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 0.1]}\n"));
+        run.seconds(8);
+        EXPECT_LT(run.position(1).head<2>().norm(), 1e-3) << share << ' ' << solver << ' ' << substeps;
+        EXPECT_LT(run.velocity(1).norm(), 1e-6) << share << ' ' << solver << ' ' << substeps;
+      }
+}
+
 }  // namespace unibody::small_worlds

@@ -216,4 +216,27 @@ threads:
   }
 }
 
+// A heavy ball on a light cloth that hangs between two edges: whatever the iterations leave undone, it stays on its side.
+TEST(SurfaceCrossing, AHeavyBallStaysOnItsSide) {
+  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
+    for (const int iterations : {2, 4, 50}) {
+      Experiment run(scene_from_text("solver: {name: " + std::string(solver) + ", iterations: " + std::to_string(iterations) +
+                                     "}\nbodies:\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, "
+                                     "2.103]}\ncloths:\n  - {grid: {size: [1, 1], "
+                                     "nodes: [21, 21]}, mass: 0.3, thickness: 0.005, position: [0, 0, 2], pins: [{within: {min: "
+                                     "[-0.51, -0.51, 1], max: [-0.49, "
+                                     "0.51, 3]}}, {within: {min: [0.49, -0.51, 1], max: [0.51, 0.51, 3]}}]}\n"));
+      for (int k = 0; k < 300; ++k) {
+        run.step();
+        const Vec3 ball = run.position(0);
+        double nearest = HUGE_VAL, height = 0;
+        for (Id id = 1; id <= 441; ++id) {
+          const Vec3 way = run.position(id) - ball;
+          if (way.head<2>().norm() < nearest) nearest = way.head<2>().norm(), height = way.z();
+        }
+        ASSERT_LT(height, 0) << solver << ", " << iterations << " iterations, step " << k;
+      }
+    }
+}
+
 }  // namespace unibody::small_worlds

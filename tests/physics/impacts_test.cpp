@@ -1,0 +1,122 @@
+// Impacts within a step: what they conserve, and how fast they come to the closed forms as steps get shorter.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds {
+
+class Impacts : public testing::TestWithParam<const char*> {};
+
+namespace {
+
+// m, of the first peaks of a body dropped by 1 m that bounces with e = 0.5.
+std::vector<double> peaks(const std::string& solver, const std::string& shape, double h) {
+  Experiment run(
+      scene_from_text("time: {frame: " + std::to_string(h) + "}\nsolver: {name: " + solver +
+                      "}\nmaterials: {m: {friction: 0.3, restitution: 0.5}}\nbodies:\n  - {shape: {plane: {normal: [0, 0, "
+                      "1]}}}\n  - {shape: {" +
+                      shape + "}, mass: 1, position: [0, 0, 1.1]}\n"));
+  std::vector<double> result;
+  double before = 1, last = 1;
+  while (result.size() < 3 && run.simulation->steps_done * h < 2) {
+    run.step();
+    const double z = run.position(1).z() - 0.1;
+    if (last >= before && last > z) result.push_back(last);
+    before = last, last = z;
+  }
+  return result;
+}
+
+}  // namespace
+
+// Heights e^2, e^4, e^6, sampled: a peak may be missed by g h^2 / 8.
+TEST_P(Impacts, PeaksAreOfSecondOrder) {
+  for (const char* shape : {"sphere: {radius: 0.1}", "box: {size: [0.2, 0.2, 0.2]}", "cylinder: {radius: 0.3, length: 0.2}"})
+    for (const double h : {0.016, 0.008, 0.004}) {
+      const std::vector<double> found = peaks(GetParam(), shape, h);
+      ASSERT_EQ(found.size(), 3u);
+      for (int k = 0; k < 3; ++k)
+        EXPECT_NEAR(found[static_cast<std::size_t>(k)], std::pow(0.25, k + 1), 9.81 * h * h / 4 + 1e-9) << shape << ' ' << h;
+    }
+}
+
+// J = (1 + e) v, w = mu J r / I, as long as it slides: first order in the step before.
+TEST_P(Impacts, FrictionGivesTheSpinOfTheImpulse) {
+  for (const double h : {0.016, 0.004}) {
+    Experiment run(
+        scene_from_text("time: {frame: " + std::to_string(h) + "}\nsolver: {name: " + GetParam() +
+                        "}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: 0.1, restitution: 0.5}}\nbodies:\n  - {shape: "
+                        "{plane: {normal: [0, 0, 1]}}}\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, "
+                        "0.31], velocity: [2, 0, -2]}\n"));
+    run.seconds(0.16);
+    EXPECT_NEAR(run.velocity(1).z(), 1, 1e-12);
+    EXPECT_NEAR(run.velocity(1).x(), 2 - 0.1 * 1.5 * 2, 1e-12);
+    EXPECT_NEAR(run.state(1).angular_velocity.y(), 0.1 * 1.5 * 2 * 0.1 / (0.4 * 0.01), 1e-9);
+    EXPECT_NEAR(run.position(1).z(), 0.1 + (0.16 - 0.105), 1e-12);  // it comes at 0.105 s, and goes on from there
+  }
+}
+
+TEST_P(Impacts, GlancingOnesKeepAngularMomentum) {
+  for (const char* shape : {"sphere: {radius: 0.05}", "box: {size: [0.1, 0.1, 0.1]}"})
+    for (const double speed : {1.0, 5.0, 50.0})
+      for (const double e : {0.0, 0.7}) {
+        Experiment run(scene_from_text("solver: {name: " + std::string(GetParam()) +
+                                       "}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: 0.3, restitution: " + std::to_string(e) +
+                                       "}}\nbodies:\n  - {shape: {" + shape + "}, mass: 1}\n  - {shape: {" + shape +
+                                       "}, mass: 1, position: [" + std::to_string(-0.11 - 0.005 * speed) +
+                                       ", 0.07, 0], velocity: [" + std::to_string(speed) + ", 0, 0]}\n"));
+        const Vec3 before = run.angular_momentum();
+        run.seconds(0.32);
+        EXPECT_GT(run.velocity(0).norm(), 0.1 * speed) << shape << ' ' << speed;  // they met
+        EXPECT_LT((run.angular_momentum() - before).norm(), 1e-9 * speed) << shape << ' ' << speed << ' ' << e;
+        EXPECT_LE(run.kinetic_energy(), 0.5 * speed * speed * (1 + 1e-12)) << shape << ' ' << speed << ' ' << e;
+      }
+}
+
+// 200 balls in a box of 2 m, 3 m/s, for 10 s.
+TEST_P(Impacts, AGasKeepsItsEnergy) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> speed(0, 2);
+  std::string text = "solver: {name: " + std::string(GetParam()) +
+                     "}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: 0, restitution: 1}}\nbodies:\n";
+  for (int k = 0; k < 6; ++k) {
+    const Vec3 n = (k % 2 ? -1.0 : 1.0) * Vec3::Unit(k / 2);
+    const auto list = [](const Vec3& x) {
+      return "[" + std::to_string(x.x()) + ", " + std::to_string(x.y()) + ", " + std::to_string(x.z()) + "]";
+    };
+    text += "  - {shape: {plane: {normal: " + list(n) + "}}, position: " + list(-n) + "}\n";
+  }
+  Scene scene = scene_from_text(text +
+                                "  - {shape: {sphere: {radius: 0.05}}, mass: 1, lattice: {count: 200, columns: [6, 6], "
+                                "spacing: [0.32, 0.32, 0.32]}, position: [0, 0, -0.85]}\n");
+  Experiment run(std::move(scene));
+  for (std::size_t i = 0; i < run.world().homes; ++i) run.world().velocity[i] = Vec3(speed(random), speed(random), speed(random));
+  const double before = run.kinetic_energy();
+  std::int64_t impacts = 0;
+  for (int k = 0; k < 625; ++k) {
+    run.step(), impacts += run.last.impacts;
+    ASSERT_LE(run.kinetic_energy(), before * (1 + 1e-4)) << k;
+  }
+  EXPECT_GT(impacts, 2000);
+  EXPECT_NEAR(run.kinetic_energy() / before, 1, 1e-4);
+  for (std::size_t i = 0; i < run.world().homes; ++i) EXPECT_LT(run.world().position[i].cwiseAbs().maxCoeff(), 1);
+}
+
+// A row of balls that touch: the last one leaves with the speed of the first.
+TEST_P(Impacts, ACradlePassesItOn) {
+  std::string text = "solver: {name: " + std::string(GetParam()) +
+                     "}\ngravity: [0, 0, 0]\nmaterials: {m: {friction: 0, restitution: 1}}\nbodies:\n";
+  for (int k = 0; k < 5; ++k)
+    text += "  - {shape: {sphere: {radius: 0.05}}, mass: 1, position: [" + std::to_string(k == 0 ? -0.4 : 0.1 * k) + ", 0, 0]" +
+            (k == 0 ? ", velocity: [1, 0, 0]" : "") + "}\n";
+  Experiment run(scene_from_text(text));
+  run.seconds(0.64);
+  for (int k = 0; k < 5; ++k) EXPECT_NEAR(run.velocity(k).x(), k == 4 ? 1 : 0, 1e-9) << k;
+}
+
+INSTANTIATE_TEST_SUITE_P(Solvers, Impacts, testing::Values("accelerated_jacobi", "gauss_seidel"));
+
+}  // namespace unibody::small_worlds
