@@ -300,8 +300,8 @@ std::vector<PointRow> read_points(const PointTables& tables, Id first, Id last) 
   std::vector<double> reals(n * 7);
   h5::read_rows(tables.key, H5T_NATIVE_INT64, static_cast<hsize_t>(first), n, keys.data());
   h5::read_rows(tables.point, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, reals.data());
-  std::vector<double> torques(tables.torque ? n * 3 : 0);
-  if (tables.torque) h5::read_rows(tables.torque, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, torques.data());
+  std::vector<double> torques(tables.torque >= 0 ? n * 3 : 0);
+  if (tables.torque >= 0) h5::read_rows(tables.torque, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, torques.data());
   std::vector<PointRow> rows(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto* i = keys.data() + k * key_columns;
@@ -398,7 +398,7 @@ Multipliers Checkpoint::read_multipliers(const World& world) const {
   agree<InputError>(comm_, "", [&] {
     rows = reading(path_, [&] {
       const PointTables tables = point_tables(file_);
-      has_torques = static_cast<bool>(tables.torque);
+      has_torques = tables.torque >= 0;
       const IdBlocks share = id_blocks(comm_, tables.count);
       const Id first = share.first(rank), before = std::max<Id>(0, first - 1);  // the last of the rank before is looked at, too
       auto read = read_points(tables, before, share.first(rank + 1));

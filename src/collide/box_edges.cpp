@@ -9,7 +9,7 @@ namespace {
 
 constexpr double parallel = 1 - 1e-6;  // cosine between edges
 constexpr double facing = 0.996;       // cosine above which two faces count as lying on each other: 5 degrees
-constexpr double closeness = 0.05;     // of the smallest half edge
+constexpr double closeness = 0.3;      // of the smallest half edge
 
 // Edges of a box that run along its axis `along`, seen across it: by the signs of their places along the other two axes.
 struct Corner {

@@ -24,11 +24,12 @@ struct ContactPoint {
 struct Manifold {
   Id id_a, id_b;  // the key: id_a < id_b
   Slot slot_a, slot_b;
-  Vec3 normal;          // world, unit, from b towards a: a positive normal force pushes a along it
-  double friction;      // Coulomb's mu of the pair
-  std::uint32_t first;  // into Contacts::points
-  std::uint32_t count;  // 1..8
-  double time = 0;      // s, since the start of the step
+  Vec3 normal;           // world, unit, from b towards a: a positive normal force pushes a along it
+  double friction;       // Coulomb's mu of the pair
+  std::uint32_t first;   // into Contacts::points
+  std::uint32_t count;   // 1..8
+  double time = 0;       // s, since the start of the step
+  double displaced = 0;  // m, along the normal: part of the gaps, where impacts in the step let bodies seem to start it elsewhere
 };
 
 // From a body's centre to the point (m), both when they are at the manifold's time.

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "collide/convex_distance.hpp"
+#include "collide/triangle_distance.hpp"
 #include "world/hull.hpp"
 #include "world/mesh_shape.hpp"
 #include "world/shape_library.hpp"
@@ -14,6 +16,7 @@ namespace unibody {
 namespace {
 
 constexpr double flush = 2e-3;               // of the smaller half size: what a step of a surface may be and not be felt
+constexpr double flush_direction = 0.999;    // cosine between a plane and a face that lies in it
 constexpr double same_direction = 1 - 1e-9;  // cosine
 
 // One of the two solids of a manifold, seen from the other.
@@ -33,6 +36,8 @@ int nearest_of(const PairManifold& m) {
     if (m.points[k].gap < m.points[nearest].gap) nearest = k;
   return nearest;
 }
+
+double depth_of(const PairManifold& m) { return std::max(0.0, -m.points[nearest_of(m)].gap); }
 
 Side side_of(const PairManifold& m, bool second) {
   Side side;
@@ -112,6 +117,11 @@ struct Plane {
   double gap = HUGE_VAL;       // m, of the body's lowest point of contact
   bool doubtful = true;        // the contact may itself be with a hidden side
   bool is_near = false;        // the contact lies where the body may go in the step
+  bool of_face = false;        // of the other solid, which rises from the seam; else of the contact with the third
+
+  bool better_than(const Plane& other) const {
+    return std::tie(of_face, doubtful, gap) < std::tie(other.of_face, other.doubtful, other.gap);
+  }
 };
 
 Plane plane_of(const PairManifold& contact, bool of_second, const Proxy& third) {
@@ -137,9 +147,9 @@ class Mender {
     const bool third_first = third.id < body.id;
     const auto judge = [&](const PairManifold& contact) {
       Plane plane = plane_of(contact, third_first, third);
-      if (!hides(plane, second)) return;
       plane.doubtful = may_be_at_seam(contact, settings_);
-      if (plane.doubtful > best_.doubtful || (plane.doubtful == best_.doubtful && plane.gap >= best_.gap)) return;
+      if (!hides(plane, second) && !rises_from(plane, contact, third_first, second)) return;
+      if (best_.gap != HUGE_VAL && !plane.better_than(best_)) return;
       plane.is_near = is_near(contact, body);
       best_ = plane, of_second_ = second;
     };
@@ -150,6 +160,7 @@ class Mender {
     if (best_.gap == HUGE_VAL) return;
     const Side side = side_of(m_, of_second_);  // the body above the plane
     const Proxy& body = *side.part;
+    if (best_.of_face && (is_round(body.shape()) || m_.time > 0)) return touch_face(body);
     if (is_round(body.shape()) || m_.time > 0 || (rolls(body) && best_.is_near)) {
       m_.count = 0;
       return;
@@ -168,14 +179,68 @@ class Mender {
   }
 
  private:
+  // The other solid has a face in the plane, and the manifold is at its edge.
   bool hides(const Plane& plane, bool of_second) const {
     const Side side = side_of(m_, !of_second);
     if (plane.normal.dot(side.normal) > same_direction) return false;
-    const double slack = flush_of(*m_.part_a, *m_.part_b);
-    if (reach_of(side, plane.normal) > plane.height + slack) return false;
+    const double slack = flush_of(*m_.part_a, *m_.part_b), reach = reach_of(side, plane.normal);
+    const double lowest = plane.height - slack + std::min(0.0, plane.gap);
+    if (reach > plane.height + slack || reach < lowest) return false;
     const int nearest = nearest_of(m_);
-    const double lowest = plane.height - slack - std::abs(m_.points[nearest].gap) + std::min(0.0, plane.gap);
-    return plane.normal.dot(side.points[nearest]) >= lowest;
+    if (plane.normal.dot(side.points[nearest]) < lowest - depth_of(m_)) return false;
+    return any_face(side, [&](const Vec3& up, double) { return up.dot(plane.normal) > flush_direction; });
+  }
+
+  // Where the other solid goes on from the third's surface at an angle, as a ramp does: its side under the seam is hidden by the
+  // third, and what can be touched is its face there.
+  bool rises_from(Plane& plane, const PairManifold& contact, bool third_first, bool of_second) const {
+    const Side side = side_of(m_, !of_second), body = side_of(m_, of_second);
+    const Vec3 across = side.normal - plane.normal * plane.normal.dot(side.normal);
+    if (!(across.norm() > 1e-3)) return false;
+    const double slack = flush_of(*m_.part_a, *m_.part_b);
+    const int nearest = nearest_of(m_);
+    const double reach = slack + depth_of(m_);
+    const Vec3& point = side.points[nearest];
+    const double over = plane.normal.dot(point) - plane.height;
+    if (over > reach || over < std::min(0.0, plane.gap) - reach) return false;
+    if (!contains(side_of(contact, !third_first), point + slack * across.normalized(), reach)) return false;
+    return any_face(side, [&](const Vec3& up, double height) {
+      if (up.dot(side.normal) > same_direction || up.dot(across) < 0 || up.dot(plane.normal) < 0.1) return false;
+      if (up.dot(point) < height - reach || reach_of(body, -up) > reach - height) return false;
+      plane.normal = up, plane.height = height, plane.of_face = true;
+      plane.gap = -reach_of(body, -up) - height;
+      return true;
+    });
+  }
+
+  static bool contains(const Side& side, const Vec3& point, double slack) {
+    const Proxy& p = *side.part;
+    if (p.kind == ShapeKind::plane) return true;
+    if (is_round(p.shape())) return false;
+    if (p.kind == ShapeKind::cylinder) {
+      const Vec3 local = p.rotation.transpose() * (point - p.position);
+      if (local.head<2>().norm() > p.half.x() + slack) return false;
+    } else if (side.triangle) {
+      const TrianglePoint at = closest_on_triangle(point, node_of(side, 0), node_of(side, 1), node_of(side, 2));
+      return at.distance <= slack;
+    } else if (p.kind != ShapeKind::box && p.kind != ShapeKind::hull) {
+      return false;
+    }
+    return !any_face(side, [&](const Vec3& up, double height) { return up.dot(point) > height + slack; });
+  }
+
+  // One point: the lowest over the face.
+  void touch_face(const Proxy& body) {
+    const Vec3& up = best_.normal;
+    Vec3 lowest = body.position - body.half.x() * up;
+    if (!is_round(body.shape())) {
+      const ConvexBody solid = convex_body(body.shape(), body.rotation, body.position);
+      lowest = solid.support(-up) - solid.rounding * up;
+    }
+    m_.normal = of_second_ ? Vec3(-up) : up, m_.time = 0, m_.count = 0;
+    const double gap = up.dot(lowest) - best_.height;
+    m_.add(lowest - 0.5 * gap * up, gap, 0);
+    tidy(m_, margin_along(up, *m_.part_a, *m_.part_b, settings_));
   }
 
   // A round side has no corner that the plane must hold.
@@ -207,7 +272,9 @@ bool may_collide(const Proxy& a, const Proxy& b) { return (a.group < 0 || a.grou
 
 bool may_be_at_seam(const PairManifold& m, const CollideSettings&) {
   if (!m.part_a || m.count == 0) return false;
-  const double slack = 4 * flush_of(*m.part_a, *m.part_b) + std::abs(m.points[nearest_of(m)].gap);
+  const bool of_mesh = m.part_a->kind == ShapeKind::mesh || m.part_b->kind == ShapeKind::mesh;
+  if (of_mesh && !m.triangle) return false;  // pushed out of all of it
+  const double slack = 4 * flush_of(*m.part_a, *m.part_b) + depth_of(m);
   return may_be_hidden(m, true, slack) || may_be_hidden(m, false, slack);
 }
 

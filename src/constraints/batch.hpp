@@ -58,6 +58,7 @@ struct BuildContext {
   std::span<const std::int32_t> constraint_colours = {};  // of each type of constraint between centres, over all ranks
   std::pmr::memory_resource* memory = std::pmr::get_default_resource();
   std::function<void(std::span<std::int32_t>)> exchange{};  // values of guests from their homes, one a slot
+  std::span<const Vec3> displaced{};                        // m, by slot: where bodies seem to start the step; empty: nowhere
   Multipliers* contact_history = nullptr;                   // in which rolling friction keeps its torques
   std::function<bool(bool)> any_over_ranks{};               // collective
 };

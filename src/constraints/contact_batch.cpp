@@ -46,6 +46,7 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
 void ContactBatch::build(const BuildContext& context) {
   const auto& [bodies, inertia, isotropic, counts] =
       std::tie(context.state.bodies, context.state.inertia, context.state.isotropic, context.state.counts);
+  displaced_ = context.displaced;
   contacts_ = context.contacts, world_ = &context.world, friction_ = context.settings.friction;
   scaling_ = context.settings.scaling, step_ = context.state.step;
   is_gauss_seidel_ = counts.empty(), bias_is_gap_ = true, kept_ = Kept::nothing;
@@ -162,6 +163,9 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   if (block.drift >= 0) set_lane(drifts[block.drift], lane, drift_of(m));
   Vec3 centre_a = world.position[m.slot_a], centre_b = world.position[m.slot_b];
   if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];
+  // The bodies reach the place of the contact from where they will come out: angular momentum is kept.
+  if (!displaced_.empty())
+    centre_a += displaced_[static_cast<std::size_t>(m.slot_a)], centre_b += displaced_[static_cast<std::size_t>(m.slot_b)];
   for (std::uint32_t p = 0; p < m.count; ++p) {
     const ContactPoint& contact = contacts_->points[m.first + p];
     Point& point = points[block.first_point + p];

@@ -233,6 +233,7 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
   const Contacts* contacts_ = nullptr;
   const World* world_ = nullptr;
+  std::span<const Vec3> displaced_;  // only while it is built
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016;
   Stage stage_;

@@ -102,10 +102,11 @@ namespace {
 
 // Whether the body's centre, at the velocities to come, goes into the static body.
 bool goes_into(const World& world, std::size_t body, const Vec3& velocity, std::size_t other, const Vec3& velocity_of_other,
-               double step) {
+               double step, const Vec3& displaced) {
   CollideSettings settings;
   settings.step = step;
   Proxy a = make_proxy(world, body, settings), b = make_proxy(world, other, settings);
+  a.position += displaced;
   a.velocity = velocity, a.speed = velocity.norm();
   b.velocity = velocity_of_other, b.speed = velocity_of_other.norm();
   return centre_meets(a, b, step);
@@ -124,7 +125,7 @@ bool ContactBatch::hold_centre(const Manifold& m, bool is_a, bool stop, std::spa
   const ContactPoint& point = contacts_->points[m.first];
   const double closed = m.time * std::max(0.0, -out.dot(world.velocity[own] - world.velocity[other]));
   const Vec3 to_centre = -arm_of(m, point, world.position[own], world.velocity[own]);
-  const double height = out.dot(to_centre) + 0.5 * (point.gap - closed) + closed;
+  const double height = out.dot(to_centre) + 0.5 * (point.gap - m.displaced - closed) + closed + m.displaced;
 
   Eigen::Map<Vec3> velocity(bodies[own].v);
   const Vec3 arm = arm_of(m, point, world.position[other], world.velocity[other]);
@@ -132,7 +133,7 @@ bool ContactBatch::hold_centre(const Manifold& m, bool is_a, bool stop, std::spa
   const double parting = out.dot(velocity - surface);
   if (height + step_ * parting >= std::min(height, 0.0)) return false;
   const bool is_plane = world.properties[other].shape.kind == ShapeKind::plane;
-  if (!is_plane && !goes_into(world, own, velocity, other, surface, step_)) return false;
+  if (!is_plane && !goes_into(world, own, velocity, other, surface, step_, m.displaced * out)) return false;
   if (stop) return velocity = surface, true;
   const double kept = std::min(height, 0.25 * smallest_size(world.properties[own].shape));
   velocity += ((kept - height) / step_ - parting) * out;

@@ -167,6 +167,7 @@ void assemble(RankState& state, System& system, std::span<double> turning) {
   if (!state.solver.sweeps_by_colour) count_constraints(state, context, system);
   order_contacts(state, order, groups);
   fill_places(state, system);
+  context.displaced = state.displaced;
   context.contact_order = order, context.contact_groups = groups;
   bool by_wrenches = false;
   for_each_batch(system.batches, [&]<class B>(auto, B& batch) {

@@ -9,6 +9,8 @@ namespace unibody {
 
 namespace {
 
+constexpr double turn_of_part = 0.25;  // rad
+
 // rad/s, of one side of a joint, as far as it matters: a wheel turns about its axle at any speed.
 double turn_that_matters(const RankState& state, const Joint& joint, std::size_t end, Slot slot) {
   if (joint.ids[end] < 0 || slot < 0 || static_cast<std::size_t>(slot) >= state.world.size()) return 0;
@@ -37,7 +39,8 @@ int parts_of_step(const RankState& state) {
       fastest = std::max(fastest, turn_that_matters(state, joint, end, slot));
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
-  const double parts = std::ceil(state.step() * fastest / most_turn_of_rows);
+  const double turn = state.step() * fastest;
+  const double parts = turn > most_turn_of_rows ? std::ceil(turn / turn_of_part) : 1;
   return static_cast<int>(std::clamp(parts, 1.0, static_cast<double>(most_parts)));  // what is not finite is found elsewhere
 }
 

@@ -218,7 +218,10 @@ class Impacts {
     const double faster = m.normal.dot(acceleration(pair.a) - acceleration(pair.b));
     for (std::uint32_t k = 0; k < m.count; ++k) {
       const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
-      if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster <= 1e-6 * size) touch.points[touch.count++] = points[k];
+      if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster > 1e-6 * size) continue;
+      // one place for both: angular momentum is kept
+      const Vec3 place = 0.5 * (at_a + points[k].arm_a + at_b + points[k].arm_b);
+      touch.points[touch.count++] = {place - at_a, place - at_b, 0};
     }
     return touch;
   }
@@ -319,7 +322,21 @@ class Impacts {
     push(j, -force, -(turn_b * torque_b), pair.time);
   }
 
+  // Newton's hypothesis can give energy where there is friction (bounce_limit.cpp): the points then part at the share of their
+  // speeds at which the impulses do no work.
   static void solve(Blow& blow, double restitution, double friction) {
+    if (solve_at(blow, restitution, friction) <= 0 || restitution == 0) return;
+    double low = 0, high = 1;
+    for (int k = 0; k < 50; ++k) {
+      const double share = 0.5 * (low + high);
+      (solve_at(blow, share * restitution, friction) > 0 ? high : low) = share;
+    }
+    solve_at(blow, low * restitution, friction);
+  }
+
+  // Returns twice the work of the impulses (J).
+  static double solve_at(Blow& blow, double restitution, double friction) {
+    for (std::uint32_t k = 0; k < blow.count; ++k) blow.impulse[k].setZero();
     for (int pass = 0; pass < 200; ++pass) {
       double change = 0, size = 0;
       for (std::uint32_t k = 0; k < blow.count; ++k) {
@@ -339,14 +356,9 @@ class Impacts {
       }
       if (change <= 1e-15 * size) break;
     }
-    // Newton's hypothesis can give energy where there is friction (bounce_limit.cpp): no more than there was.
-    double work = 0, q = 0;  // J, twice
-    for (std::uint32_t k = 0; k < blow.count; ++k) {
-      const Vec3 after = blow.after(k);
-      work += blow.impulse[k].dot(blow.before[k] + after), q += blow.impulse[k].dot(after - blow.before[k]);
-    }
-    if (work > 0)
-      for (std::uint32_t k = 0; k < blow.count; ++k) blow.impulse[k] *= 1 - std::min(1.0, work / q);
+    double work = 0;
+    for (std::uint32_t k = 0; k < blow.count; ++k) work += blow.impulse[k].dot(blow.before[k] + blow.after(k));
+    return work;
   }
 
   void push(std::size_t i, const Vec3& impulse, const Vec3& turning, double time) {
@@ -354,7 +366,9 @@ class Impacts {
     if (!(body.inverse_mass > 0)) return;
     const Vec3 change = body.inverse_mass * impulse;
     velocity_of(body) += change, spin_of(body) += turning;
-    state_.displaced[i] -= time * change, state_.turned[i] -= time * turning;
+    state_.displaced[i] -= time * change;
+    // Of others the spin would have to follow from the momentum in that attitude, and could be worth more energy there.
+    if (system_.isotropic[i]) state_.turned[i] -= time * turning;
     clock_[i] = time;
   }
 
@@ -386,9 +400,15 @@ class Impacts {
   void correct_contacts() {
     keep_gaps();
     for (Manifold& m : contacts_.manifolds) {
-      const Vec3 apart =
-          state_.displaced[static_cast<std::size_t>(m.slot_a)] - state_.displaced[static_cast<std::size_t>(m.slot_b)];
-      for (std::uint32_t p = m.first; p < m.first + m.count; ++p) contacts_.points[p].gap += m.normal.dot(apart);
+      const auto i = static_cast<std::size_t>(m.slot_a), j = static_cast<std::size_t>(m.slot_b);
+      if (state_.displaced[i].isZero(0) && state_.displaced[j].isZero(0)) continue;
+      m.displaced = m.normal.dot(state_.displaced[i] - state_.displaced[j]);
+      for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
+        ContactPoint& point = contacts_.points[p];
+        const Vec3 of_a = state_.turned[i].cross(arm_of(m, point, world_.position[i], world_.velocity[i]));
+        const Vec3 of_b = state_.turned[j].cross(arm_of(m, point, world_.position[j], world_.velocity[j]));
+        point.gap += m.displaced + m.normal.dot(of_a - of_b);
+      }
     }
     for (const Pair& pair : pairs_) {
       const Manifold& m = contacts_.manifolds[pair.manifold];
@@ -420,6 +440,7 @@ class Impacts {
 }  // namespace
 
 std::int64_t resolve_impacts(RankState& state, System& system) {
+  for (Manifold& m : state.contacts.manifolds) m.displaced = 0;
   if (!state.gaps_found.empty())  // the step is taken once more
     for (std::size_t p = 0; p < state.contacts.points.size(); ++p) state.contacts.points[p].gap = state.gaps_found[p];
   state.displaced.clear(), state.turned.clear(), state.gaps_found.clear();

@@ -165,12 +165,12 @@ Story told(Experiment& run, MPI_Comm comm, int steps, Between between) {
     run.step();
     story.counts.push_back(run.last.guard.pairs), story.counts.push_back(run.last.sliding);
     between(k);
-    if (k % 5 != 0) continue;
     run.simulation->detect();
     std::int64_t contacts = 0;
     for (const SurfaceContact& c : run.simulation->contacts.surface) contacts += counts_here(run.world(), c);
     MPI_Allreduce(MPI_IN_PLACE, &contacts, 1, MPI_INT64_T, MPI_SUM, comm);
     story.touched |= contacts > 0;
+    if (k % 5 != 0) continue;
     story.counts.push_back(contacts);
     story.counts.push_back(count_crossings(comm, run.world(), run.simulation->surfaces));
     story.hashes.push_back(state_hash(comm, run.world()));

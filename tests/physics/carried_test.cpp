@@ -62,7 +62,7 @@ TEST_P(Carried, NotWhatSlides) {
                                  "}\nmaterials: {m: {friction: 0.01}}\nbodies:\n"
                                  "  - {shape: {cylinder: {radius: 3, length: 0.1}}, motion: kinematic, position: [0, 0, -0.05], "
                                  "angular_velocity: [0, 0, 2]}\n"
-                                 "  - {shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, position: [0.5, 0, 0.05]}\n"));
+                                 "  - {shape: {box: {size: [0.02, 0.02, 0.02]}}, mass: 1, position: [0.5, 0, 0.01]}\n"));
   const double t = 0.16;
   run.seconds(t);
   EXPECT_NEAR(run.velocity(1).y(), 0.0981 * t, 2e-5);

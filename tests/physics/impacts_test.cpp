@@ -20,7 +20,7 @@ std::vector<double> peaks(const std::string& solver, const std::string& shape, d
                       "1]}}}\n  - {shape: {" +
                       shape + "}, mass: 1, position: [0, 0, 1.1]}\n"));
   std::vector<double> result;
-  double before = 1, last = 1;
+  double before = 2, last = 1.5;  // above where it starts
   while (result.size() < 3 && run.simulation->steps_done * h < 2) {
     run.step();
     const double z = run.position(1).z() - 0.1;

@@ -108,8 +108,8 @@ TEST(MeshSides, AnOpenSurfaceHoldsOnBoth) {
                                       ", angular_velocity: [3, 8, 2]}\n");
         Experiment run(std::move(scene));
         run.seconds(0.16);
-        for (Id id = 1; id <= 2; ++id)
-          EXPECT_NEAR(side * run.position(id).z(), 0.005, 1e-3) << id << ' ' << side << ' ' << height;
+        for (Id id = 1; id <= 2; ++id) EXPECT_GT(side * run.position(id).z(), 0.0049) << id << ' ' << side << ' ' << height;
+        EXPECT_NEAR(side * run.position(1).z(), 0.005, 1e-4) << side << ' ' << height;
       }
 }
 

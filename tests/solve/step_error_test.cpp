@@ -168,7 +168,7 @@ TEST(StepError, OfAChainIsTheDistanceToItsConvergedStep) {
 TEST(StepError, IsOfTheLevelThatTheStepHas) {
   Experiment start(scene_from_text(with_solver(cubes, "iterations: 30, velocity_share: 0.5, leak: 0")));
   start.steps(15);
-  const std::string exactly = "name: accelerated_jacobi, tolerance: 0, iterations: 40000, ";
+  const std::string exactly = "name: accelerated_jacobi, tolerance: 0, iterations: 400000, ";
   Experiment converged = from(start, with_solver(cubes, exactly + "level: velocity"));
   Experiment of_positions = from(start, with_solver(cubes, exactly + "stages: joint"));
   converged.step(), of_positions.step();

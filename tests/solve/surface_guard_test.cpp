@@ -192,7 +192,7 @@ TEST(SurfaceGuard, AHeldFaceMayTurn) {
       const Id ball = w.add(sphere(0, 0.04, place));
       w.guard();
       EXPECT_FALSE(passes_face(w, w.held, ball, face)) << turn << ", from " << place.transpose();
-      EXPECT_EQ(w.count, 1);
+      EXPECT_GE(w.count, 1);
       expect_untouched(w, 0, 3);
     }
 }
