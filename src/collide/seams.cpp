@@ -273,7 +273,8 @@ bool may_collide(const Proxy& a, const Proxy& b) { return (a.group < 0 || a.grou
 bool may_be_at_seam(const PairManifold& m, const CollideSettings&) {
   if (!m.part_a || m.count == 0) return false;
   const bool of_mesh = m.part_a->kind == ShapeKind::mesh || m.part_b->kind == ShapeKind::mesh;
-  if (of_mesh && !m.triangle) return false;  // pushed out of all of it
+  if (of_mesh && !m.triangle) return false;                             // pushed out of all of it
+  if (depth_of(m) > 10 * flush_of(*m.part_a, *m.part_b)) return false;  // deep in each other: nothing is flush
   const double slack = 4 * flush_of(*m.part_a, *m.part_b) + depth_of(m);
   return may_be_hidden(m, true, slack) || may_be_hidden(m, false, slack);
 }

@@ -206,6 +206,9 @@ void displace(RankState& state, std::size_t i) {
 
 void finalise(RankState& state, const System& system) {
   World& world = state.world;
+  std::vector<std::uint8_t> in_contact(world.size(), 0);
+  for (const Manifold& m : state.contacts.manifolds)
+    in_contact[static_cast<std::size_t>(m.slot_a)] = in_contact[static_cast<std::size_t>(m.slot_b)] = 1;
   for (std::size_t i = 0; i < world.homes && !world.has_rotations; ++i) {
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
     world.velocity[i] = Eigen::Map<const Vec3>(solved.v);
@@ -218,7 +221,7 @@ void finalise(RankState& state, const System& system) {
     const Vec3 gyroscopic = system.isotropic[i] ? Vec3(Vec3::Zero()) : system.gyroscopic[i];
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
     world.set_state(i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(),
-                                     state.scene.planar, !state.is_tied(world.id[i])));
+                                     state.scene.planar, !in_contact[i] && !state.is_tied(world.id[i])));
     if (!state.displaced.empty() && i < world.homes) displace(state, i);
   }
 }

@@ -42,7 +42,7 @@ TEST(Leaning, CardsStandByTheFrictionThatTheyNeed) {
     const double needed = (length * s - thickness * c) / (2 * length * c);
     for (const bool planar : {false, true}) {
       const auto [stood, start] = height(angle, 1.25 * needed, planar);
-      EXPECT_NEAR(stood, start, 0.01 * start) << degrees;
+      EXPECT_NEAR(stood, start, 0.1 * start) << degrees;
       // friction between the edges bears a part: with less at both, down they come
       const auto [fallen, from] = height(angle, 0.6 * needed, planar);
       EXPECT_LT(fallen, 0.9 * from) << degrees;

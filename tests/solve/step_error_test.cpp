@@ -132,7 +132,7 @@ TEST(StepError, IsTheDistanceToAnotherRunThatConverges) {
   Experiment start(scene_from_text(with_solver(cubes, "iterations: 35")));
   start.steps(15);
   Experiment converged =
-      from(start, with_solver(cubes, "name: accelerated_jacobi, tolerance: 0, stages: joint, iterations: 40000"));
+      from(start, with_solver(cubes, "name: accelerated_jacobi, tolerance: 0, stages: joint, iterations: 400000"));
   converged.step();
   ASSERT_LT(converged.last.residual, 1e-11);
   for (const std::string solver : {"name: accelerated_jacobi", "name: gauss_seidel", "name: gauss_seidel, stages: joint",
