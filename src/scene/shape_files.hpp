@@ -16,8 +16,8 @@ Shape read_hull(const Value& value, const Scene& scene);
 // pieces: n}: a closed surface as convex pieces, n cells of its longest side, with the mass properties of the solid inside.
 Shape read_compound(const Value& value, const Scene& scene);
 
-// mesh: {file: FILE, scale: factor, sides: auto, front, back or both}, mended where it is no sound mesh; {height_field: {size, cells, heights or hills, seed}}; or
-// {tube: {radius, length, sides}}: the inside of a drum about the z axis, with its two ends.
+// mesh: {file: FILE, scale: factor, sides: auto, front, back or both}, mended where it is no sound mesh; {height_field: {size,
+// cells, heights or hills, seed}}; or {tube: {radius, length, sides}}: the inside of a drum about the z axis, with its two ends.
 Shape read_mesh_shape(const Value& value, const Scene& scene);
 
 // What a person should know of a shape that was read, as that a mesh was mended; empty if nothing.
