@@ -8,6 +8,7 @@
 
 #include "collide/collide.hpp"
 #include "constraints/friction.hpp"
+#include "step/blow.hpp"
 
 namespace unibody {
 
@@ -276,19 +277,6 @@ class Impacts {
     return count;
   }
 
-  // The impulses of all points at once: what each does at the others, in axes of the contact.
-  struct Blow {
-    std::uint32_t count = 0;
-    std::array<std::array<Mat3, PairManifold::kept>, PairManifold::kept> K;  // 1/kg
-    std::array<Vec3, PairManifold::kept> before, impulse;                    // m/s, N s
-
-    Vec3 after(std::uint32_t k) const {
-      Vec3 u = before[k];
-      for (std::uint32_t l = 0; l < count; ++l) u += K[k][l] * impulse[l];
-      return u;
-    }
-  };
-
   void strike(const Pair& pair) {
     const Touch touch = touch_of(pair, pair.time);
     const Vec3 n = touch.normal, s = first_tangent_of(n), t = n.cross(s);
@@ -314,7 +302,7 @@ class Impacts {
         }
     }
     const bool has_friction = acts_in_solve(state_.scene.solver.friction);
-    solve(blow, pair.restitution, has_friction ? contacts_.manifolds[pair.manifold].friction : 0);
+    blow.solve(pair.restitution, has_friction ? contacts_.manifolds[pair.manifold].friction : 0);
     Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;
     for (std::uint32_t k = 0; k < touch.count; ++k) {
       const Vec3 f = axes * blow.impulse[k];
@@ -322,45 +310,6 @@ class Impacts {
     }
     push(i, force, turn_a * torque_a, pair.time);
     push(j, -force, -(turn_b * torque_b), pair.time);
-  }
-
-  // Newton's hypothesis can give energy where there is friction (bounce_limit.cpp): the points then part at the share of their
-  // speeds at which the impulses do no work.
-  static void solve(Blow& blow, double restitution, double friction) {
-    if (solve_at(blow, restitution, friction) <= 0 || restitution == 0) return;
-    double low = 0, high = 1;
-    for (int k = 0; k < 50; ++k) {
-      const double share = 0.5 * (low + high);
-      (solve_at(blow, share * restitution, friction) > 0 ? high : low) = share;
-    }
-    solve_at(blow, low * restitution, friction);
-  }
-
-  // Returns twice the work of the impulses (J).
-  static double solve_at(Blow& blow, double restitution, double friction) {
-    for (std::uint32_t k = 0; k < blow.count; ++k) blow.impulse[k].setZero();
-    for (int pass = 0; pass < 200; ++pass) {
-      double change = 0, size = 0;
-      for (std::uint32_t k = 0; k < blow.count; ++k) {
-        Vec3& impulse = blow.impulse[k];
-        const Vec3 old = impulse;
-        const Mat3& K = blow.K[k][k];
-        const double target = std::max(0.0, -restitution * blow.before[k].x());
-        impulse.x() = std::max(0.0, impulse.x() - (blow.after(k).x() - target) / K(0, 0));
-        if (friction > 0) {
-          const Vec3 u = blow.after(k);
-          const double across = std::max(K(1, 1), K(2, 2)) + std::abs(K(1, 2));
-          impulse.y() -= u.y() / across, impulse.z() -= u.z() / across;
-          const double along = std::hypot(impulse.y(), impulse.z()), limit = friction * impulse.x();
-          if (along > limit) impulse.y() *= limit / along, impulse.z() *= limit / along;
-        }
-        change = std::max(change, (impulse - old).norm()), size = std::max(size, impulse.norm());
-      }
-      if (change <= 1e-15 * size) break;
-    }
-    double work = 0;
-    for (std::uint32_t k = 0; k < blow.count; ++k) work += blow.impulse[k].dot(blow.before[k] + blow.after(k));
-    return work;
   }
 
   void push(std::size_t i, const Vec3& impulse, const Vec3& turning, double time) {
