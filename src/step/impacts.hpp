@@ -7,9 +7,9 @@
 // body that is hit at t goes on as if it had started the step elsewhere, by -t times its change of velocity. Momentum, angular
 // momentum and, without friction and with a restitution of 1, energy are kept to rounding.
 //
-// Which impacts are: those faster than 2 g h with a restitution, and those of round bodies that move past what they hit by more than
-// half a size in the step, with any. Bodies with joints, nodes and what is attached are not free; contacts of those bounce in the
-// solve, and so do those of other solids that are swept.
+// Which impacts are: those faster than 2 g h with a restitution, and those of round bodies that move past what they hit by more
+// than half a size in the step, with any. Bodies with joints, nodes and what is attached are not free; contacts of those bounce
+// in the solve, and so do those of other solids that are swept.
 #pragma once
 
 #include "step/rank_state.hpp"
