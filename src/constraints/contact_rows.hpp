@@ -163,7 +163,11 @@ Vec4d relax_block(const Block& block, const Point* points, Normal* normals, cons
       push<isotropic>(a, b, p, inertia, impulse_vector<true>(block, t, dn, ds, dt));
     }
   }
-  if (drift) a.v = a.v + *drift;
+  if (drift) {  // what does not move keeps its velocity to the last bit, however often it is touched on this rank
+    const Vec3x4 found = gather(block.slot_a, bodies).v, after = a.v + *drift;
+    const Mask4 moves = a.mass > broadcast(0);
+    a.v = {select(moves, after.x, found.x), select(moves, after.y, found.y), select(moves, after.z, found.z)};
+  }
   scatter(block.slot_a, a, bodies);
   scatter(block.slot_b, b, bodies);
   return change;

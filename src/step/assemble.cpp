@@ -220,8 +220,9 @@ void finalise(RankState& state, const System& system) {
     if (world.properties[i].motion == Motion::fixed) continue;
     const Vec3 gyroscopic = system.isotropic[i] ? Vec3(Vec3::Zero()) : system.gyroscopic[i];
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
-    world.set_state(i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(),
-                                     state.scene.planar, !in_contact[i] && !state.is_tied(world.id[i])));
+    world.set_state(
+        i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(), state.scene.planar,
+                         (i >= world.first_static() || !in_contact[i]) && !state.is_tied(world.id[i])));
     if (!state.displaced.empty() && i < world.homes) displace(state, i);
   }
 }
