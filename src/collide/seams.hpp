@@ -17,9 +17,9 @@ namespace unibody {
 // one its normal belongs to, and the other solid lies on that face's outer side. A matter of the pair alone.
 bool may_be_at_seam(const PairManifold& manifold, const CollideSettings& settings);
 
-// Mends a manifold that may be at a seam: turns it to the normal of a plane that hides one of the two, or leaves it without
-// points where that plane's own contact says all. `thirds`: bodies that may touch both, in ascending id, a compound of the pair
-// included. Parts and positions as in what collide_parts() hands out.
+// Corrects a manifold that may lie at a seam. Where a plane hides one of the two solids, the manifold takes the normal of that
+// plane, or loses its points where that plane's own contact says all. `thirds`: bodies that may touch both, in ascending id, a
+// compound of the pair included. Parts and positions as in what collide_parts() hands out.
 void mend_at_seam(PairManifold& manifold, const std::vector<const Proxy*>& thirds, const CollideSettings& settings);
 
 }  // namespace unibody

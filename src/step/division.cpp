@@ -11,7 +11,8 @@ namespace {
 
 constexpr double turn_of_part = 0.25;  // rad
 
-// rad/s, of one side of a joint, as far as it matters: a wheel turns about its axle at any speed.
+// The part of a body's angular velocity (rad/s) that would open or tilt its joint within the step. Turning about the joint's own
+// axis does neither, so a wheel on its axle counts as not turning.
 double turn_that_matters(const RankState& state, const Joint& joint, std::size_t end, Slot slot) {
   if (joint.ids[end] < 0 || slot < 0 || static_cast<std::size_t>(slot) >= state.world.size()) return 0;
   const auto i = static_cast<std::size_t>(slot);

@@ -1,4 +1,5 @@
-// Steps in which a jointed body turns too far for its rows, which are straight: they are taken in equal parts.
+// A joint is solved as if its bodies moved along straight lines within a step. A step in which a jointed body turns too far for
+// that is divided: it is taken as several shorter steps of equal length.
 #pragma once
 
 #include "step/rank_state.hpp"

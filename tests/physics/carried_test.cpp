@@ -14,7 +14,8 @@ std::string head(const std::string& solver, int substeps) {
          "}\nmaterials: {m: {friction: 0.5}, ice: {friction: 0}}\nbodies:\n";
 }
 
-// Of the turntable's case w^2 r = 2 and 3.2 m/s^2, below mu g = 4.9.
+// Two bodies that lie on the turntable. To stay on their circles they need centripetal accelerations w^2 r of 2 and 3.2 m/s^2,
+// and friction can give mu g = 4.9 m/s^2.
 const std::string riders =
     "  - {shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, position: [0.5, 0, 0.05], velocity: [0, 1, 0], angular_velocity: [0, "
     "0, 2]}\n"
