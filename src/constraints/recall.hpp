@@ -11,8 +11,9 @@
 namespace unibody {
 
 // Sets the impulses (N s, in each point's own frame) for a step of `step` s: `share` times those of the same pair's nearest
-// remembered point, in the frame of the body that carries it; each old point serves once. Friction turns with what turns both
-// (carried.hpp). A pure function of the pair's points: no order, no rank matters.
+// remembered point, in the frame of the body that carries it; each old point serves once. The friction
+// force of two bodies that turn together is turned along with them (carried.hpp). The result depends on the pair's points alone,
+// not on the order of the pairs or on the rank.
 void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
             std::span<ContactBatch::Impulse> impulses, double share = 1);
 

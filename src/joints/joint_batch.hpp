@@ -3,9 +3,9 @@
 // Row k of a joint: r_k = (c_k + E_k lambda_k / h + rho D_k u) / (h + rho), with c taken anew in every pass at the bodies' places
 // and attitudes after the step, and D those at its start (as in SHAKE, Ryckaert et al. 1977): momentum and angular momentum are
 // kept, nothing is damped, and what a step comes to does not depend on the way of the iterations. Unknowns are impulses
-// lambda = h gamma (N s, N m s). Of a body that turns further than most_turn_of_rows the rows are taken
-// straighter, by which the solve stays safe; the residual sees them as they are, and steps are divided before it comes to that
-// (step/division.hpp). A joint's own rows
+// lambda = h gamma (N s, N m s). Where a body turns by more than most_turn_of_rows in the step, the solve takes less
+// of the rows' curvature into account, so that it stays stable. The residual takes all of it, so that an open joint is seen.
+// Steps are divided (step/division.hpp) so that this is rare. A joint's own rows
 // are solved as one block, whose bodies' masses are shared by their counts with the Jacobi solvers. Rows that others of the block
 // determine already are left alone: those whose pivot falls below 1e-10 of their diagonal. At velocity level all rows are taken
 // straight, and of a row without compliance and damping, or beyond a limit, only the share gamma of its error is to be taken out.
