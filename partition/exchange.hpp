@@ -63,7 +63,6 @@ class Exchange {
     std::vector<std::uint32_t> manifolds;  // ascending
   };
   std::span<const Neighbour> neighbours() const { return neighbours_; }
-  bool empty() const { return neighbours_.empty(); }
 
   MPI_Comm comm() const { return halo_.comm(); }
   Mailboxes& boxes_of_sums() const { return sums_; }  // for a SweepSums to each other rank, and no other messages

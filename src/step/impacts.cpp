@@ -247,7 +247,6 @@ class Impacts {
           first_time_[i] = pair.time, first_other_[i] = with;
       }
     }
-    if (state_.exchange.empty()) return;
     state_.exchange.refresh(std::span(first_time_)), state_.exchange.refresh(std::span(first_other_));
   }
 
@@ -323,28 +322,31 @@ class Impacts {
     clock_[i] = time;
   }
 
-  // What guests do with others that are not here.
+  // Guests take what their homes have met with bodies that are not here. Every rank comes to these exchanges, also one whose only
+  // neighbours share a cloth with it and no contact.
   void tell_guests() {
-    if (!state_.exchange.empty()) {
-      std::vector<SolverBody> before(system_.bodies.begin(), system_.bodies.end());
-      state_.exchange.refresh(std::span<SolverBody>(system_.bodies));
-      state_.exchange.refresh(std::span(clock_));
-      std::vector<double> one(world_.size() + 1);
-      for (int k = 0; k < 3; ++k) {
-        for (std::size_t i = 0; i < one.size(); ++i) one[i] = state_.displaced[i][k];
-        state_.exchange.refresh(std::span(one));
-        for (std::size_t i = 0; i < one.size(); ++i) state_.displaced[i][k] = std::exchange(one[i], state_.turned[i][k]);
-        state_.exchange.refresh(std::span(one));
-        for (std::size_t i = 0; i < one.size(); ++i) state_.turned[i][k] = one[i];
-      }
-      for (std::size_t i = world_.homes; i < world_.first_static(); ++i)
-        if (!std::equal(before[i].v, before[i].v + 3, system_.bodies[i].v) ||
-            !std::equal(before[i].w, before[i].w + 3, system_.bodies[i].w))
-          changed_.push_back(static_cast<Slot>(i));
+    const std::size_t first = world_.homes, end = world_.first_static();
+    std::vector<SolverBody> before(system_.bodies.begin() + static_cast<std::ptrdiff_t>(first),
+                                   system_.bodies.begin() + static_cast<std::ptrdiff_t>(end));
+    state_.exchange.refresh(std::span<SolverBody>(system_.bodies));
+    state_.exchange.refresh(std::span(clock_));
+    refresh(state_.displaced), refresh(state_.turned);
+    for (std::size_t i = first; i < end; ++i) {
+      const SolverBody &was = before[i - first], &is = system_.bodies[i];
+      if (!std::equal(was.v, was.v + 3, is.v) || !std::equal(was.w, was.w + 3, is.w)) changed_.push_back(static_cast<Slot>(i));
     }
     for (const Slot s : changed_)
       for (std::size_t k = first_pair_[static_cast<std::size_t>(s)]; k < first_pair_[static_cast<std::size_t>(s) + 1]; ++k)
         pairs_[pairs_of_[k]].time = time_of(pairs_[pairs_of_[k]]);
+  }
+
+  void refresh(std::vector<Vec3>& values) {
+    std::vector<double> one(values.size());
+    for (int k = 0; k < 3; ++k) {
+      for (std::size_t i = 0; i < one.size(); ++i) one[i] = values[i][k];
+      state_.exchange.refresh(std::span(one));
+      for (std::size_t i = 0; i < one.size(); ++i) values[i][k] = one[i];
+    }
   }
 
   // The solve sees the gaps from where bodies seem to have started. A row would stop bodies that pass by each other.

@@ -131,7 +131,7 @@ void expect_guests_told(std::size_t longest_letter) {
     for (const Slot s : {m.slot_a, m.slot_b})
       if (!w.is_home(s) && !w.is_static(s)) shared.insert(static_cast<std::size_t>(s));
   if (rank_count() > 1) {
-    EXPECT_FALSE(exchange.empty());
+    EXPECT_FALSE(exchange.neighbours().empty());
   }
   std::vector<SolverBody> bodies(w.size() + 1, SolverBody{});
   std::vector<std::int32_t> values(w.size() + 1, -7);
