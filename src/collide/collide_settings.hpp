@@ -1,6 +1,7 @@
 // What collision detection needs to know besides the bodies.
 #pragma once
 
+#include "collide/struck_bodies.hpp"
 #include "core/types.hpp"
 
 namespace unibody {
@@ -15,6 +16,7 @@ struct CollideSettings {
   std::vector<double> friction{0.5};  // n x n by material
   std::vector<double> restitution;    // the same; empty: 0 for all
   std::size_t material_count = 1;
+  StruckBodies struck{};  // that the step has found; empty in most
 };
 
 }  // namespace unibody

@@ -68,7 +68,10 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
   Impact impact;
   const Sweep sweep = cell.sweep(first, second, velocity, margin / velocity.norm(), impact);
   if (sweep == Sweep::overlap) return collide_at(cell, first, second, margin, settings, m);
-  if (sweep == Sweep::miss) return collide_at(cell, first, second, margin - settings.step * fastest(first, second), settings, m);
+  if (sweep == Sweep::miss) {
+    const bool keeps_way = first.struck == 0 && second.struck == 0;
+    return collide_at(cell, first, second, margin - (keeps_way ? settings.step * fastest(first, second) : 0), settings, m);
+  }
 
   Proxy a = first, b = second;
   a.position += impact.time * a.velocity;
@@ -123,12 +126,13 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.half = turns ? body.shape.size : Vec3::Constant(body.shape.size.x());
   p.data = body.shape.data;
   p.radius = p.kind == ShapeKind::plane ? 0 : bounding_radius(body.shape);
-  p.speed = p.velocity.norm();
+  p.dynamic = body.is_dynamic();
+  if (p.dynamic) p.struck = settings.struck.speed_at(p.position, p.radius);
+  p.speed = std::max(p.velocity.norm(), p.struck);
   p.spin_reach = turns ? settings.step * p.radius * world.angular_velocity_of(slot).norm() : 0;
   p.half_size = p.kind == ShapeKind::hull ? 0.5 * smallest_size(body.shape) : p.half.minCoeff();
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;
-  p.dynamic = body.is_dynamic();
   p.fall = p.dynamic ? settings.gravity.norm() * settings.step * settings.step : 0;
   p.material = body.material, p.group = body.group;
   p.slot = static_cast<Slot>(slot);
@@ -138,7 +142,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
 
 double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const CollideSettings& settings) {
   const double va = normal.dot(a.velocity), vb = normal.dot(b.velocity);
-  const double fastest_along = std::max({std::abs(va), std::abs(vb), std::abs(va - vb)});
+  const double fastest_along = std::max({std::abs(va), std::abs(vb), std::abs(va - vb), a.struck, b.struck});
   const double fall = std::abs(normal.dot(settings.gravity)) * settings.step * settings.step;
   return settings.margin + settings.step * fastest_along + (a.spin_reach + b.spin_reach) + fall;
 }

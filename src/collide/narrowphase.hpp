@@ -19,10 +19,11 @@ struct Proxy {
   Mat3 rotation;
   Vec3 half;          // m, the shape's size; of round bodies the radius, three times
   double radius;      // m, bounding radius
-  double speed;       // m/s
+  double speed;       // m/s, at the start of the step, or what it may be given in it
   double spin_reach;  // m, how far a rotation can carry a surface point in the step; 0 where it cannot change the shape
   double fall;        // m, |g| h^2 of a dynamic body: what its weight adds in the step
   double half_size;   // m, half of the smallest size
+  double struck = 0;  // m/s, what others may give it in the step; 0: nothing that is known of
   ShapeKind kind;
   bool home, dynamic;
   std::int32_t material, group;

@@ -3,55 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "collide/collide.hpp"
 #include "constraints/friction.hpp"
 #include "step/blow.hpp"
+#include "step/first_touch.hpp"
 
 namespace unibody {
 
 namespace {
 
 constexpr int most_rounds = 400;
-constexpr double never = std::numeric_limits<double>::infinity();
 
 Eigen::Map<Vec3> velocity_of(SolverBody& body) { return Eigen::Map<Vec3>(body.v); }
 Eigen::Map<Vec3> spin_of(SolverBody& body) { return Eigen::Map<Vec3>(body.w); }
-
-// Smallest t in [from, to] at which f, decreasing or convex near it, falls to 0; `slope` its derivative. By Newton's steps from
-// the left, which for convex functions never go beyond.
-double first_touch_of_spheres(const Vec3& apart, const Vec3& velocity, const Vec3& acceleration, double step, double reach,
-                              double from, double to) {
-  const auto place = [&](double t) -> Vec3 { return apart + t * velocity + 0.5 * t * (t - step) * acceleration; };
-  const auto speed = [&](double t) -> Vec3 { return velocity + (t - 0.5 * step) * acceleration; };
-  double t = from;
-  for (int i = 0; i < 64; ++i) {
-    const Vec3 x = place(t);
-    const double distance = x.norm(), gap = distance - reach;
-    const double closing = distance > 0 ? -x.dot(speed(t)) / distance : 0;
-    if (gap <= 1e-12 * reach) return closing > 0 ? t : never;
-    if (!(closing > 0)) return never;
-    t += gap / closing;
-    if (!(t <= to)) return never;
-  }
-  return t;
-}
-
-double first_touch_of_plane(double gap, double velocity, double acceleration, double step, double from, double to) {
-  const auto height = [&](double t) { return gap + t * velocity + 0.5 * t * (t - step) * acceleration; };
-  const auto speed = [&](double t) { return velocity + (t - 0.5 * step) * acceleration; };
-  if (height(from) <= 0) return speed(from) < 0 ? from : never;
-  const double a = 0.5 * acceleration, b = velocity - 0.5 * step * acceleration, discriminant = b * b - 4 * a * gap;
-  if (!(discriminant >= 0)) return never;
-  // the roots without cancellation
-  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
-  double first = never;
-  for (const double t : {a != 0 ? q / a : never, q != 0 ? gap / q : never})
-    if (t >= from && t <= to && speed(t) < 0) first = std::min(first, t);
-  return first;
-}
 
 // What a contact's manifold needs for its impact.
 struct Pair {
@@ -70,6 +36,7 @@ class Impacts {
   std::int64_t run() {
     list_pairs();
     if (!state_.any_over_ranks(!pairs_.empty())) return 0;
+    leave_chains_to_the_solve();
     const std::size_t n = world_.size() + 1;
     start_velocity_.resize(n), clock_.assign(n, 0), state_.displaced.assign(n, Vec3::Zero());
     state_.turned.assign(n, Vec3::Zero());
@@ -103,14 +70,42 @@ class Impacts {
       if (e.empty() && !(m.time > 0)) continue;
       const BodyProperties &a = world_.properties[static_cast<std::size_t>(m.slot_a)],
                            &b = world_.properties[static_cast<std::size_t>(m.slot_b)];
-      const auto place =
-          static_cast<std::size_t>(a.material) * state_.collide_settings.material_count + static_cast<std::size_t>(b.material);
       // What is not round and is swept turns too far in the step for the places of its contacts: the solve has it.
       if (m.time > 0 && !is_round(a.shape) && !is_round(b.shape)) continue;
-      const double restitution = e.empty() ? 0 : e[place];
+      const double restitution = restitution_of(m);
       if (!(restitution > 0 || m.time > 0) || !is_free(m.slot_a) || !is_free(m.slot_b)) continue;
       pairs_.push_back({k, m.slot_a, m.slot_b, restitution, m.time > 0});
     }
+  }
+
+  // Where one impact leads to another and none bounces, all go on together, which the solve's rows say at once: what does not
+  // bounce off a body that has other such bodies near it, or may be struck, is left to them.
+  void leave_chains_to_the_solve() {
+    std::vector<std::int32_t> in_chain(world_.size() + 1, 0);
+    const auto dynamic = [&](Slot s) { return world_.properties[static_cast<std::size_t>(s)].is_dynamic(); };
+    for (const Manifold& m : contacts_.manifolds) {
+      if (m.time > 0 || restitution_of(m) > 0 || !dynamic(m.slot_a) || !dynamic(m.slot_b)) continue;
+      in_chain[static_cast<std::size_t>(m.slot_a)] = in_chain[static_cast<std::size_t>(m.slot_b)] = 1;
+    }
+    state_.exchange.refresh(std::span(in_chain));
+    std::erase_if(pairs_, [&](const Pair& pair) {
+      const auto leads_on = [&](Slot s) { return in_chain[static_cast<std::size_t>(s)] > 0 || may_be_struck(s); };
+      return pair.restitution == 0 && (leads_on(pair.a) || leads_on(pair.b));
+    });
+  }
+
+  double restitution_of(const Manifold& m) const {
+    const auto& e = state_.collide_settings.restitution;
+    const auto material = [&](Slot s) {
+      return static_cast<std::size_t>(world_.properties[static_cast<std::size_t>(s)].material);
+    };
+    return e.empty() ? 0 : e[material(m.slot_a) * state_.collide_settings.material_count + material(m.slot_b)];
+  }
+
+  bool may_be_struck(Slot slot) const {
+    const auto& struck = state_.collide_settings.struck;
+    const auto i = static_cast<std::size_t>(slot);
+    return !struck.empty() && moves(slot) && struck.speed_at(world_.position[i], bounding_radius(world_.properties[i].shape)) > 0;
   }
 
   void keep_gaps() {
@@ -349,7 +344,8 @@ class Impacts {
     }
   }
 
-  // The solve sees the gaps from where bodies seem to have started. A row would stop bodies that pass by each other.
+  // The solve sees the gaps from where bodies seem to have started. A row would stop bodies that pass by each other; what
+  // overlaps and what still has impacts before it is left to its row.
   void correct_contacts() {
     keep_gaps();
     for (Manifold& m : contacts_.manifolds) {
@@ -370,7 +366,8 @@ class Impacts {
         const bool slow = contacts_.bounce.empty() || !(contacts_.bounce[p] > 0);
         if (!contacts_.bounce.empty()) contacts_.bounce[p] = 0;
         const double closing = -m.normal.dot(u);
-        if (both_round(pair) && (pair.fast || !slow || closing > 2 * step_ * state_.traits.gravity))
+        const bool is_settled = pair.time == never && !(state_.gaps_found[p] < 0);
+        if (is_settled && both_round(pair) && (pair.fast || !slow || closing > 2 * step_ * state_.traits.gravity))
           contacts_.points[p].gap = std::max(contacts_.points[p].gap, step_ * closing);
       }
     }

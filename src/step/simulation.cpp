@@ -11,6 +11,7 @@
 #include "step/newton_step.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
+#include "step/struck.hpp"
 
 namespace unibody {
 
@@ -68,14 +69,21 @@ void Simulation::set_length(double length) {
 }
 
 StepReport Simulation::take_part(const StepRequest& request) {
-  detect();
-  const PhaseClock::Scope scope(clock, Phase::solve);
-  const Scratch::Frame frame(scratch);
-  if (traits.has_joints) turning = turning_of_joints(*this);
-  const StepReport report = take_in_form(request);
-  finalise(*this, system_);
-  system_.clear(&scratch);
-  detected_ = false;
+  StepReport report;
+  for (int tries = 0;; ++tries) {
+    detect();
+    const PhaseClock::Scope scope(clock, Phase::solve);
+    const Scratch::Frame frame(scratch);
+    if (traits.has_joints) turning = turning_of_joints(*this);
+    StepRequest asked = request;
+    asked.may_be_outrun = tries < most_searches;
+    report = take_in_form(asked);
+    if (!report.outrun) finalise(*this, system_);
+    system_.clear(&scratch);
+    detected_ = false;
+    if (!report.outrun) break;
+  }
+  collide_settings.struck.clear();
   return report;
 }
 
@@ -101,7 +109,7 @@ StepReport Simulation::take_in_form(const StepRequest& request) {
   set_form(*this, system_, Form::total);
   const StepOrigin origin = origin_of(*this);
   take();
-  if (leaves_total_form(*this, system_)) {
+  if (!report.outrun && leaves_total_form(*this, system_)) {
     set_form(*this, system_, Form::incremental);
     go_back(*this, system_, origin);
     take();

@@ -8,6 +8,7 @@
 #include "solve/surface_guard.hpp"
 #include "step/contact_problem.hpp"
 #include "step/error_estimate.hpp"
+#include "step/struck.hpp"
 
 namespace unibody {
 
@@ -127,6 +128,10 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   }
   report.iterations += run(Stage::Kind::position, settings.iterations - report.iterations).iterations;
   measure_solution(state, system, plan, report, left_by_velocities);
+  if (request.may_be_outrun && find_struck(state, system)) {
+    report.outrun = true;
+    return report;
+  }
   if (wanted) solved = solved_step(system, std::move(solved));
   if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
   // While the guests are as the homes: the guard changes homes alone.

@@ -18,6 +18,7 @@ struct ContactProblem;
 struct StepRequest {
   bool error = false;                 // StepReport::error; iterative solvers only
   ContactProblem* problem = nullptr;  // filled in, on rank 0, with the frictional contact problem of the rigid bodies
+  bool may_be_outrun = false;         // the step may end with StepReport::outrun, nothing but the velocities having changed
 };
 
 struct StepReport {
@@ -25,10 +26,11 @@ struct StepReport {
   double residual = 0;                                     // m, natural residual, of two stages the larger; max over ranks
   bool converged = false;                                  // the residual is within the tolerance
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
-  SurfaceGuard::Held guard;        // pairs that would have passed through each other, had they not been held
-  bool form_left = false;          // taken in the incremental form, not the total one that the scene asks for
-  std::int64_t impacts = 0;        // that were resolved by themselves (impacts.hpp), over all ranks
-  std::int64_t sliding = 0;        // contact points at the limit of friction, over all ranks
+  SurfaceGuard::Held guard;  // pairs that would have passed through each other, had they not been held
+  bool outrun = false;       // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
+  bool form_left = false;    // taken in the incremental form, not the total one that the scene asks for
+  std::int64_t impacts = 0;  // that were resolved by themselves (impacts.hpp), over all ranks
+  std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
   std::optional<StepError> error;  // where it was asked for
 
   // Adds what a further part of the step came to: sums, the worst of the errors, and the last part's state.

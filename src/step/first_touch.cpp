@@ -1,0 +1,40 @@
+#include "step/first_touch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace unibody {
+
+// By Newton's steps from the left, which never go beyond the root of a function that is convex.
+double first_touch_of_spheres(const Vec3& apart, const Vec3& velocity, const Vec3& acceleration, double step, double reach,
+                              double from, double to) {
+  const auto place = [&](double t) -> Vec3 { return apart + t * velocity + 0.5 * t * (t - step) * acceleration; };
+  const auto speed = [&](double t) -> Vec3 { return velocity + (t - 0.5 * step) * acceleration; };
+  double t = from;
+  for (int i = 0; i < 64; ++i) {
+    const Vec3 x = place(t);
+    const double distance = x.norm(), gap = distance - reach;
+    const double closing = distance > 0 ? -x.dot(speed(t)) / distance : 0;
+    if (gap <= 1e-12 * reach) return closing > 0 ? t : never;
+    if (!(closing > 0)) return never;
+    t += gap / closing;
+    if (!(t <= to)) return never;
+  }
+  return t;
+}
+
+double first_touch_of_plane(double gap, double velocity, double acceleration, double step, double from, double to) {
+  const auto height = [&](double t) { return gap + t * velocity + 0.5 * t * (t - step) * acceleration; };
+  const auto speed = [&](double t) { return velocity + (t - 0.5 * step) * acceleration; };
+  if (height(from) <= 0) return speed(from) < 0 ? from : never;
+  const double a = 0.5 * acceleration, b = velocity - 0.5 * step * acceleration, discriminant = b * b - 4 * a * gap;
+  if (!(discriminant >= 0)) return never;
+  // the roots without cancellation
+  const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));
+  double first = never;
+  for (const double t : {a != 0 ? q / a : never, q != 0 ? gap / q : never})
+    if (t >= from && t <= to && speed(t) < 0) first = std::min(first, t);
+  return first;
+}
+
+}  // namespace unibody
