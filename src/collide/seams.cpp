@@ -99,13 +99,15 @@ double flush_of(const Proxy& a, const Proxy& b) {
 bool on_border(const MeshSurface::Triangle& t) { return *std::min_element(t.across.begin(), t.across.end()) < 0; }
 
 // Whether the nearest point lies at the edge of a face of one solid that the other solid is wholly above: then the contact may be
-// with the side next to that face. A face almost along the normal is the contact's own.
+// with the side next to that face. A face along the normal is the contact's own, of two faces that lie on each other also one
+// that is tilted a little.
 bool may_be_hidden(const PairManifold& m, bool second, double slack) {
   const Side side = side_of(m, second);
+  const double own = m.count > 2 ? flush_direction : same_direction;
   if (side.part->kind == ShapeKind::mesh && (!side.triangle || !on_border(*side.triangle))) return false;
   std::optional<Side> other;
   return any_face(side, [&](const Vec3& up, double height) {
-    if (up.dot(side.normal) > flush_direction) return false;
+    if (up.dot(side.normal) > own) return false;
     if (up.dot(side.points[nearest_of(m)]) < height - slack) return false;
     if (!other) other = side_of(m, !second);
     return reach_of(*other, -up) <= slack - height;

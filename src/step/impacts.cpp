@@ -366,7 +366,8 @@ class Impacts {
         const bool slow = contacts_.bounce.empty() || !(contacts_.bounce[p] > 0);
         if (!contacts_.bounce.empty()) contacts_.bounce[p] = 0;
         const double closing = -m.normal.dot(u);
-        const bool is_settled = pair.time == never && !(state_.gaps_found[p] < 0);
+        const bool overlaps = both_round(pair) && state_.gaps_found[p] < -1e-6 * (radius(pair.a) + radius(pair.b));
+        const bool is_settled = pair.time == never && !overlaps;
         if (is_settled && both_round(pair) && (pair.fast || !slow || closing > 2 * step_ * state_.traits.gravity))
           contacts_.points[p].gap = std::max(contacts_.points[p].gap, step_ * closing);
       }

@@ -13,7 +13,7 @@ namespace unibody {
 namespace {
 
 constexpr double most_gain = 4;  // times the fastest body's speed: more is no motion, but a solve that has not converged
-constexpr double share = 0.1;   // of half the smallest size: what a body may go further than its contacts were sought for
+constexpr double share = 0.1;    // of half the smallest size: what a body may go further than its contacts were sought for
 
 double speed_of_surface(const SolverBody& body, const Proxy& proxy, bool turns) {
   const double linear = Eigen::Map<const Vec3>(body.v).norm();

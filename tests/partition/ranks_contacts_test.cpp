@@ -49,8 +49,23 @@ bodies:
   - {shape: {plane: {normal: [0, 0, 1]}}}
   - {shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 0.2, lattice: {count: 27, columns: [3, 3], spacing: [0.1, 0.1, 0.1], height: 0.05}}
   - {shape: {sphere: {radius: 0.03}}, mass: 0.3, velocity: [-30, 0, 0], lattice: {count: 8, columns: [4, 1], spacing: [0.2, 0.1, 0.07], height: 0.05}, position: [1.2, 0.01, 0.02]}
+)"},
+                      {"crossing_streams", R"(
+gravity: [0, 0, 0]
+materials: {m: {friction: 0.2}}
+bodies:
+  - {shape: {sphere: {radius: 0.03}}, mass: 0.3, velocity: [-20, 0.4, 0], lattice: {count: 24, columns: [8, 3], spacing: [0.7, 0.2, 0.2]}, position: [3, 0, 0]}
+  - {shape: {sphere: {radius: 0.03}}, mass: 0.2, velocity: [20, 0, 0.3], lattice: {count: 24, columns: [8, 3], spacing: [0.6, 0.2, 0.2]}, position: [-3, 0.01, 0]}
 )",
                        true},
+                      {"a_heavy_ball_into_small_ones", R"(
+materials: {m: {friction: 0.2}}
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {shape: {sphere: {radius: 0.2}}, mass: 40, velocity: [-4, 0.3, 0], position: [1.1, 0, 0.2]}
+  - {shape: {sphere: {radius: 0.02}}, mass: 0.04, lattice: {count: 120, columns: [8, 5], spacing: [0.06, 0.06, 0.06], height: 0.02}}
+  - {shape: {box: {size: [0.05, 0.04, 0.03]}}, mass: 0.1, lattice: {count: 40, columns: [4, 5], spacing: [0.07, 0.07, 0.05], height: 0.02}, position: [-0.6, 0, 0]}
+)"},
                       {"on_a_carousel", R"(
 materials: {m: {friction: 0.6, rolling_friction: 0.01}}
 bodies:
