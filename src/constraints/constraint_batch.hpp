@@ -154,8 +154,15 @@ class ConstraintBatch : public BatchDefaults {
   inline void bound_stiffness(std::size_t b, const Rows<stencil, rows>& at, double most, double step);
   void add_lines(const StepStart& start, std::span<const SolverBody> bodies, std::span<DirectionSum> sums) const;
   void take_inverses(const StepStart& start);  // at the first pass of a step
+  // (h + rho) |r| / h of a row's |r|, m/s: rows are divided by h + rho, and their residual is not.
+  template <Law law>
+  [[gnu::always_inline]] inline Vec4d with_damping(std::size_t b, Vec4d r, Vec4d over_step) const {
+    if constexpr (law == Law::stiff) return r;
+    return r * (broadcast(1) + softness_of(b).damping * over_step);
+  }
+  template <Law law>
   [[gnu::always_inline]] inline Solution extrapolate(std::size_t b, const Solution& r, Solution step, const Update<Vec4d>& update,
-                                                     SweepTotals& totals);
+                                                     Vec4d over_step, SweepTotals& totals);
   Softness softness_of(std::size_t b) const { return softness_.empty() ? Softness{} : softness_[b]; }
   template <Law law, bool total>
   void sweep_as(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,

@@ -97,7 +97,7 @@ void ConstraintBatch<C>::sweep_as(const StepStart& start, std::span<const Solver
       keep_gradients<total>(now, at[i]);
     }
     for (std::size_t i = 0; i < count; ++i) {
-      const Solution moved = extrapolate(first + i, r[i], step[i], update, totals);
+      const Solution moved = extrapolate<law>(first + i, r[i], step[i], update, over_step, totals);
       add(blocks_[first + i], take_impulses<total>(first + i, at[i], moved, y_[first + i]), impulses);
     }
   }
@@ -106,8 +106,10 @@ void ConstraintBatch<C>::sweep_as(const StepStart& start, std::span<const Solver
 
 // Returns the change of y.
 template <ConstraintType C>
+template <typename ConstraintBatch<C>::Law law>
 inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std::size_t b, const Solution& r, Solution step,
-                                                                             const Update<Vec4d>& update, SweepTotals& totals) {
+                                                                             const Update<Vec4d>& update, Vec4d over_step,
+                                                                             SweepTotals& totals) {
   Solution moved;
   const Vec4d part = part_taken(y_[b], step);  // of |r|, what the step takes away
   SweepTerms<Vec4d> terms = totals.start();
@@ -117,8 +119,8 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::extrapolate(std
       resisted *= part;
     else
       resisted = select(step[k] != broadcast(0), r[k], broadcast(0));
-    moved[k] =
-        update.advance(lambda_[b][k], y_[b][k], y_[b][k] + step[k], step[k], r[k], -(resisted * step[k]), abs(resisted), terms);
+    moved[k] = update.advance(lambda_[b][k], y_[b][k], y_[b][k] + step[k], step[k], r[k], -(resisted * step[k]),
+                              with_damping<law>(b, abs(resisted), over_step), terms);
   }
   if (counted_[b] == all_lanes)
     totals.close(terms);
@@ -171,7 +173,7 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
       for (std::size_t k = 0; k < rows; ++k) {
         lambda_[b][k] += step[i][k];
         const Vec4d taken = is_unilateral<C> ? r[k] * part : select(step[i][k] != broadcast(0), r[k], broadcast(0));
-        change = max(change, abs(taken));
+        change = max(change, with_damping<law>(b, abs(taken), over_step));
       }
     }
     for (std::size_t i = 0; i < count; ++i) {
@@ -228,7 +230,8 @@ double ConstraintBatch<C>::residual_by(const StepStart& start, std::span<const S
       moves = inverses_[b];
     else
       for (const Vec4d m : ends.weight) moves += m;
-    for (const Vec4d rk : r) worst = max(worst, select(moves > broadcast(0), abs(rk * part), broadcast(0)));
+    for (const Vec4d rk : r)
+      worst = max(worst, select(moves > broadcast(0), with_damping<law>(b, abs(rk * part), over_step), broadcast(0)));
   }
   return start.step * horizontal_max(worst);
 }

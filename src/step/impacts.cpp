@@ -108,11 +108,6 @@ class Impacts {
     return !struck.empty() && moves(slot) && struck.speed_at(world_.position[i], bounding_radius(world_.properties[i].shape)) > 0;
   }
 
-  void keep_gaps() {
-    if (!state_.gaps_found.empty()) return;
-    for (const ContactPoint& p : contacts_.points) state_.gaps_found.push_back(p.gap);
-  }
-
   void index_bodies() {
     first_pair_.assign(world_.size() + 1, 0);
     for (const Pair& pair : pairs_)
@@ -347,7 +342,8 @@ class Impacts {
   // The solve sees the gaps from where bodies seem to have started. A row would stop bodies that pass by each other; what
   // overlaps and what still has impacts before it is left to its row.
   void correct_contacts() {
-    keep_gaps();
+    if (state_.gaps_found.empty())
+      for (const ContactPoint& p : contacts_.points) state_.gaps_found.push_back(p.gap);
     for (Manifold& m : contacts_.manifolds) {
       const auto i = static_cast<std::size_t>(m.slot_a), j = static_cast<std::size_t>(m.slot_b);
       if (state_.displaced[i].isZero(0) && state_.displaced[j].isZero(0)) continue;

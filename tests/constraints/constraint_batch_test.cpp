@@ -51,6 +51,41 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   EXPECT_GT(batch.residual(start(), bodies), 0);
 }
 
+// |c + rho dc/dt| in metres, however much damping there is: for the verdict, and for what either solver stops by.
+TEST(ConstraintBatch, DampingDoesNotHideTheResidual) {
+  constexpr double step = 0.01, speed = 0.3;
+  const std::vector<Vec4d> places{Vec4d{0, 0, 0, 1}, Vec4d{2.1, 0, 0, 1}, Vec4d{0, 0, 0, 0}};
+  const auto start = [&](std::span<const Vec4d> moved = {}) { return StepStart{places, step, moved}; };
+  for (const double damping : {0.0, 0.01, 1.0, 100.0}) {
+    Constraint<Distance> link;
+    link.ids = {0, 1}, link.parameters = {2}, link.compliance = {1e-3}, link.damping = damping;
+    std::vector<SolverBody> bodies(3, SolverBody{});
+    bodies[0].inverse_mass = bodies[1].inverse_mass = 1, bodies[1].v[0] = speed;
+    const std::vector<std::uint32_t> order{0}, groups{1};
+    ConstraintBatch<Distance> batch;
+    batch.lay_out(
+        std::span(&link, 1), order, groups, 2, Form::incremental,
+        [](std::uint32_t) {
+          return std::array<Slot, 2>{0, 1};
+        },
+        [](std::uint32_t) { return true; });
+    const double expected = 0.1 + step * speed + damping * speed;
+    std::vector<Vec4d> impulses(3, Vec4d{});
+    SweepSums sums;
+    const std::vector<Vec4d> now = moved(places, bodies, step);
+    batch.sweep(start(now), bodies, impulses, {}, sums);
+    EXPECT_NEAR(sums.change, expected, 1e-12 * expected) << damping;
+    batch.lay_out(
+        std::span(&link, 1), order, groups, 2, Form::incremental,
+        [](std::uint32_t) {
+          return std::array<Slot, 2>{0, 1};
+        },
+        [](std::uint32_t) { return true; });
+    EXPECT_NEAR(batch.residual(start(), bodies), expected, 1e-12 * expected) << damping;
+    EXPECT_NEAR(batch.relax(0, start(), bodies), expected, 1e-12 * expected) << damping;
+  }
+}
+
 // A warm start takes of an old multiplier no more than has a geometric stiffness of h lambda (w_0 + w_1) / l, in tension and in
 // compression, and all of one that has less.
 TEST(ConstraintBatch, AWarmStartBoundsTheGeometricStiffnessOfLinks) {
