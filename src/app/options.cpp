@@ -63,6 +63,10 @@ Options parse_options(int argc, char** argv) {
       options.help = true;
     } else if (word == "-version" || word == "--version") {
       options.version = true;
+    } else if (word == "-schema") {
+      options.schema = true;
+    } else if (word == "-settings") {
+      options.settings = true;
     } else if (word == "-output") {
       options.output = value();
     } else if (word == "-overwrite") {
@@ -109,8 +113,8 @@ Options parse_options(int argc, char** argv) {
       throw InputError("two scenes are given: '" + options.scene + "' and '" + word + "'");
     }
   }
-  if (options.scene.empty() && !options.help && !options.version)
-    throw InputError("no scene is given: unibody SCENE [options], -help explains");
+  const bool tells = options.help || options.version || options.schema || options.settings;
+  if (options.scene.empty() && !tells) throw InputError("no scene is given: unibody SCENE [options], -help explains");
   if (options.dump_step >= 0 && options.dump_fclib.empty())
     throw InputError("option -dump_step: expected -dump_fclib FILE with it");
   return options;
@@ -147,6 +151,8 @@ Simulates the scene file SCENE and writes its results into a folder.
                          rigid bodies alone, in space
   -dump_step N           of that frame (default: the last)
   -version               version and commit of the program, its compiler, and the versions of PETSc, MPI, HDF5 and METIS
+  -settings              the settings of a scene's sections time, output and solver, with units, defaults and what they may be
+  -schema                the scene file as a JSON schema, by which editors complete and check it
   -help                  this text
 
 PETSc options that begin with -log_, -options_, -malloc, -memory_, -vec_, -info or -on_error are passed on to PETSc,

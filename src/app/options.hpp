@@ -14,8 +14,8 @@ struct Options {
   std::string scene;
   std::string output = "results";
   bool overwrite = false;
-  bool help = false, version = false;             // told instead of a run
-  std::string restart;                            // checkpoint to go on from; empty: start anew
+  bool help = false, version = false, schema = false, settings = false;  // told instead of a run
+  std::string restart;                                                   // checkpoint to go on from; empty: start anew
   bool other_settings = false;                    // than those of the checkpoint's run may be set: -start_from
   std::vector<Override> overrides;                // -set
   std::optional<std::uint64_t> random_partition;  // seed; none: METIS

@@ -9,6 +9,7 @@
 #include "core/agreement.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "scene/settings.hpp"
 #include "step/build.hpp"
 
 namespace unibody {
@@ -17,19 +18,9 @@ namespace {
 
 // How the bodies are moved: steps and solver. With -start_from it may differ from that of the checkpoint's run.
 std::string settings_of(const Scene& scene) {
-  std::ostringstream text;
-  text.precision(17);
-  const SolverSettings& s = scene.solver;
-  text << scene.time.frame << ' ' << scene.time.substeps << ' ' << s.name << ' ' << s.iterations << ' '
-       << s.tolerance.value_or(-1) << ' ' << static_cast<int>(s.stages) << ' ' << s.warm_start.value_or(-1) << ' '
-       << s.velocity_share.value_or(-1) << ' ' << s.leak.value_or(-1) << ' ' << static_cast<int>(s.friction) << ' '
-       << static_cast<int>(s.gap) << ' ' << static_cast<int>(s.form) << ' ' << static_cast<int>(s.order) << ' ' << s.scaling
-       << ' ' << s.recovery_time.value_or(-1) << ' ' << s.recovery_speed.value_or(-1) << ' ' << s.margin.value_or(-1) << '\n';
-  if (s.acceleration != Acceleration::automatic) text << "acceleration " << static_cast<int>(s.acceleration) << '\n';
-  if (s.mass_sharing != MassSharing::directions) text << "mass sharing " << static_cast<int>(s.mass_sharing) << '\n';
-  if (s.joints == JointSolve::direct) text << "trees\n";
-  if (s.level == Level::velocity) text << "velocity level " << s.stabilisation << '\n';
-  return text.str();
+  TimeSettings time = scene.time;
+  time.frames = 0;  // a run may go on for longer
+  return text_of(time_settings(), time) + text_of(solver_settings(), scene.solver);
 }
 
 // A body at the start: a checkpoint holds all of it, so that another one in the scene would be of no effect.

@@ -29,6 +29,8 @@
 #include "report/summary.hpp"
 #include "report/surface_report.hpp"
 #include "report/version.hpp"
+#include "scene/schema.hpp"
+#include "scene/settings.hpp"
 #include "step/build.hpp"
 #include "step/mesh_sides.hpp"
 #include "step/simulation.hpp"
@@ -359,6 +361,10 @@ int run(MPI_Comm comm, const Options& options) {
   check_mpi(MPI_Comm_rank(comm, &rank));
   if (options.help) {
     if (rank == 0) std::fputs(help_text().c_str(), stdout);
+    return 0;
+  }
+  if (options.schema || options.settings) {
+    if (rank == 0) std::fputs((options.schema ? scene_schema() : settings_table()).c_str(), stdout);
     return 0;
   }
   if (options.version) {

@@ -12,4 +12,8 @@ std::string one_line(std::string message);
 // "a, b or c".
 std::string one_of(const std::vector<std::string>& names);
 
+// " (did you mean NAME?)" for the name that is next to what was written, at most a third of its letters left out, added, replaced
+// or exchanged with their neighbours; empty where none is that near.
+std::string did_you_mean(const std::string& written, const std::vector<std::string>& names);
+
 }  // namespace unibody

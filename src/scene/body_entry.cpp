@@ -91,7 +91,7 @@ const GeneratorType* find_generator(const Value& entry) {
   return result;
 }
 
-void check_keys(const Value& entry, const GeneratorType* type) {
+std::vector<std::string> keys_with(const GeneratorType* type) {
   std::vector<std::string> keys{"name", "material", "position", "orientation"};
   const Takes takes = type ? type->takes : Takes::shape;
   if (takes != Takes::nothing)
@@ -104,7 +104,7 @@ void check_keys(const Value& entry, const GeneratorType* type) {
   if (type) keys.emplace_back(type->key);
   if (!type)
     for (const GeneratorType& other : generator_types()) keys.emplace_back(other.key);
-  entry.map(keys);
+  return keys;
 }
 
 Generated read_single(const Value& entry, const BodyTemplate& body, const Scene& scene) {
@@ -156,7 +156,7 @@ const Value& count_of(const Value& entry, const GeneratorType* type) {
 void read_entry(const Value& entry, Scene& scene) {
   if (entry.kind != Value::Kind::map) entry.fail_expected("a map with a shape or a generator");
   const GeneratorType* type = find_generator(entry);
-  check_keys(entry, type);
+  entry.map(keys_with(type));
   BodyTemplate body;
   Vec3 position = Vec3::Zero();
   Quat orientation = Quat::Identity();
@@ -313,6 +313,8 @@ void check_room(const Value& value, const Scene& scene, Id count, bool is_static
            << " has room for no more";
   value.fail(own == bodies ? own : own + ", " + bodies + " bodies", expected.str());
 }
+
+std::vector<std::string> body_keys() { return keys_with(nullptr); }
 
 void read_bodies(const Value& list, Scene& scene) {
   for (const Value& entry : list.list("bodies and generators")) read_entry(entry, scene);

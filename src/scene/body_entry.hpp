@@ -39,6 +39,9 @@ void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape
 // Fails on `value` where the scene has no room for `count` bodies more.
 void check_room(const Value& value, const Scene& scene, Id count, bool is_static = false);
 
+// All keys that an entry may have, of whatever kind it is.
+std::vector<std::string> body_keys();
+
 // Reads the list `bodies` into scene.groups. Sections that it leans on (materials, planar) are read before.
 void read_bodies(const Value& list, Scene& scene);
 

@@ -84,11 +84,7 @@ void check_node_mass(const Value& entry, const MeshShape& shape) {
 }
 
 void read_cloth(const Value& entry, Scene& scene) {
-  std::vector<std::string> keys = node_keys;
-  for (const char* key : {"grid", "mesh", "scale", "weld", "mass", "mass_per_area", "thickness", "links", "membrane", "area",
-                          "bending", "self_collision", "drag"})
-    keys.emplace_back(key);
-  entry.map(keys);
+  entry.map(cloth_keys());
   const double thickness = entry.need("thickness", "a number > 0 (m)").number(positive, "m");
   const MeshShape shape = read_shape_of(entry, read_law(entry, thickness), scene);
   const Value* grid = entry.find("grid");
@@ -129,6 +125,14 @@ Constraint<Dihedral> angle_at_rest(const Spring& spring, double angle, double le
   result.parameters = {angle, length};
   result.compliance = {length * length * spring.compliance()}, result.damping = spring.damping;
   return result;
+}
+
+std::vector<std::string> cloth_keys() {
+  std::vector<std::string> keys = node_keys;
+  for (const char* key : {"grid", "mesh", "scale", "weld", "mass", "mass_per_area", "thickness", "links", "membrane", "area",
+                          "bending", "self_collision", "drag"})
+    keys.emplace_back(key);
+  return keys;
 }
 
 void read_cloths(const Value& list, Scene& scene) {

@@ -10,6 +10,11 @@ void read_cloths(const Value& list, Scene& scene);
 void read_threads(const Value& list, Scene& scene);
 void read_solids(const Value& list, Scene& scene);
 
+// All keys that an entry of these may have.
+std::vector<std::string> cloth_keys();
+std::vector<std::string> thread_keys();
+std::vector<std::string> solid_keys();
+
 // What they have in common: the particles, where they are and how they start.
 struct Nodes {
   BodyTemplate particle;  // of the contact radius; its mass is set by node

@@ -187,12 +187,7 @@ Joint read_joint(const Value& entry, const Scene& scene) {
   Joint joint;
   joint.kind = read_kind(entry, kinds);
   const bool rope = joint.kind == JointKind::rope;
-  std::vector<std::string> keys = joint_keys(joint.kind);
-  keys.insert(keys.end(), {"type", "bodies", "anchors", rope ? "points" : "anchor"});
-  if (rope) keys.emplace_back("length");
-  if (takes_axis(joint.kind)) keys.insert(keys.end(), {"axis", "axes"});
-  if (joint.kind == JointKind::universal) keys.emplace_back("second_axis");
-  entry.map(keys);
+  entry.map(joint_entry_keys(joint.kind));
   const Value& bodies = entry.need("bodies", "a list of 2 bodies, the second of which may be world");
   if (bodies.kind != Value::Kind::list || bodies.entries.size() != 2)
     bodies.fail_expected("a list of 2 bodies, the second of which may be world");
@@ -256,6 +251,16 @@ std::vector<std::string> joint_keys(JointKind kind) {
   if (kind != JointKind::rope && kind != JointKind::ball) keys.emplace_back("turning_compliance");
   if (kind == JointKind::hinge || kind == JointKind::slider) keys.insert(keys.end(), {"limits", "motor", "friction"});
   if (kind == JointKind::ball) keys.insert(keys.end(), {"swing_limit", "twist_limits"});
+  return keys;
+}
+
+std::vector<std::string> joint_entry_keys(JointKind kind) {
+  const bool rope = kind == JointKind::rope;
+  std::vector<std::string> keys = joint_keys(kind);
+  keys.insert(keys.end(), {"type", "bodies", "anchors", rope ? "points" : "anchor"});
+  if (rope) keys.emplace_back("length");
+  if (takes_axis(kind)) keys.insert(keys.end(), {"axis", "axes"});
+  if (kind == JointKind::universal) keys.emplace_back("second_axis");
   return keys;
 }
 

@@ -18,6 +18,9 @@ void check_turns(const Value& value, JointKind kind, const Shape& shape);
 // The keys that say how a joint of known type behaves: compliance, turning_compliance, damping, collide, of hinges and sliders
 // limits, motor and friction, of balls swing_limit and twist_limits.
 std::vector<std::string> joint_keys(JointKind kind);
+// The keys of an entry of `joints` of this type.
+std::vector<std::string> joint_entry_keys(JointKind kind);
+
 void read_joint_behaviour(const Value& map, Joint& joint);
 
 // {type: ball, ...} of a generator whose joints are all alike; the axis (hinge, universal) in the entry's axes.

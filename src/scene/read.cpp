@@ -11,103 +11,16 @@
 #include "scene/flexible.hpp"
 #include "scene/joints.hpp"
 #include "scene/resolution.hpp"
+#include "scene/settings.hpp"
 #include "scene/stiffness.hpp"
 
 namespace unibody {
 
 namespace {
 
-template <std::size_t n>
-std::vector<std::string> names_of(const std::array<std::string_view, n>& names) {
-  return {names.begin(), names.end()};
-}
-
-// A number, or `auto`, which leaves it open.
-std::optional<double> number_or_auto(const Value& value, const Range& range, const std::string& unit) {
-  if (value.kind == Value::Kind::scalar && !value.quoted && value.text == "auto") return std::nullopt;
-  double x = 0;
-  try {
-    x = value.number(range, unit);
-  } catch (const std::runtime_error&) {
-    value.fail_expected("auto or a number" + range.text() + (unit.empty() ? "" : " (" + unit + ")"));
-  }
-  return x;
-}
-
-const Field<TimeSettings> time_fields[] = {
-    {"frame", [](const Value& v, TimeSettings& t) { t.frame = v.number(positive, "s"); }},
-    {"frames", [](const Value& v, TimeSettings& t) { t.frames = v.integer(0); }},
-    {"substeps", [](const Value& v, TimeSettings& t) { t.substeps = static_cast<int>(v.integer(1, 1'000'000)); }},
-};
-
 constexpr RenamedKey renamed_time_keys[] = {{"step", "frame"}};  // which was the length of a frame all along
 
-const Field<OutputSettings> output_fields[] = {
-    {"every", [](const Value& v, OutputSettings& o) { o.every = static_cast<int>(v.integer(0, 1'000'000'000)); }},
-    {"crossings", [](const Value& v, OutputSettings& o) { o.crossings = v.boolean(); }},
-    {"joints", [](const Value& v, OutputSettings& o) { o.joints = v.boolean(); }},
-    {"checkpoint_every",
-     [](const Value& v, OutputSettings& o) { o.checkpoint_every = static_cast<int>(v.integer(-1, 1'000'000'000)); }},
-    {"precision",
-     [](const Value& v, OutputSettings& o) {
-       o.single_precision = v.choice({"single", "double"}) == 0;
-     }},
-};
-
 constexpr const char* position_shares = "auto or a number in [0, 0.5]: a full warm start at position level is unstable";
-
-std::optional<double> read_warm_start(const Value& v) {
-  const std::optional<double> share = number_or_auto(v, any_number, "");
-  if (share && !(*share >= 0)) v.fail_expected(position_shares);  // from above: check_level
-  return share;
-}
-
-const Field<SolverSettings> solver_fields[] = {
-    {"name",
-     [](const Value& v, SolverSettings& s) {
-       v.choice(solver_names());
-       s.name = v.text;
-     }},
-    {"iterations", [](const Value& v, SolverSettings& s) { s.iterations = static_cast<int>(v.integer(1, 1'000'000'000)); }},
-    {"tolerance", [](const Value& v, SolverSettings& s) { s.tolerance = number_or_auto(v, not_negative, "m"); }},
-    {"acceleration",
-     [](const Value& v, SolverSettings& s) {
-       s.acceleration = static_cast<Acceleration>(v.choice(names_of(acceleration_names)));
-     }},
-    {"mass_sharing",
-     [](const Value& v, SolverSettings& s) {
-       s.mass_sharing = static_cast<MassSharing>(v.choice(names_of(mass_sharing_names)));
-     }},
-    {"level", [](const Value& v, SolverSettings& s) { s.level = static_cast<Level>(v.choice(names_of(level_names))); }},
-    {"stabilisation",
-     [](const Value& v, SolverSettings& s) {
-       s.stabilisation = v.number({0, 1}, "");
-     }},
-    {"stages", [](const Value& v, SolverSettings& s) { s.stages = static_cast<Stages>(v.choice(names_of(stages_names))); }},
-    {"form", [](const Value& v, SolverSettings& s) { s.form = static_cast<Form>(v.choice(names_of(form_names))); }},
-    {"warm_start", [](const Value& v, SolverSettings& s) { s.warm_start = read_warm_start(v); }},
-    {"velocity_share",
-     [](const Value& v, SolverSettings& s) {
-       s.velocity_share = number_or_auto(v, {0, 1, true, true}, "");
-     }},
-    {"leak",
-     [](const Value& v, SolverSettings& s) {
-       s.leak = number_or_auto(v, {0, 1}, "");
-     }},
-    {"friction", [](const Value& v,
-                    SolverSettings& s) { s.friction = static_cast<FrictionModel>(v.choice(names_of(friction_model_names))); }},
-    {"joints",
-     [](const Value& v, SolverSettings& s) { s.joints = static_cast<JointSolve>(v.choice(names_of(joint_solve_names))); }},
-    {"gap", [](const Value& v, SolverSettings& s) { s.gap = static_cast<Gap>(v.choice(names_of(gap_names))); }},
-    {"order", [](const Value& v, SolverSettings& s) { s.order = static_cast<Order>(v.choice(names_of(order_names))); }},
-    {"scaling",
-     [](const Value& v, SolverSettings& s) {
-       s.scaling = v.number({0, 1, true}, "");
-     }},
-    {"recovery_time", [](const Value& v, SolverSettings& s) { s.recovery_time = number_or_auto(v, not_negative, "s"); }},
-    {"recovery_speed", [](const Value& v, SolverSettings& s) { s.recovery_speed = number_or_auto(v, not_negative, "m/s"); }},
-    {"margin", [](const Value& v, SolverSettings& s) { s.margin = number_or_auto(v, not_negative, "m"); }},
-};
 
 // What one of the two levels has no use for is refused there. (recovery_time and recovery_speed are of the position level alone,
 // but any scene may have them.)
@@ -131,7 +44,7 @@ void check_level(const Value& value, const SolverSettings& solver) {
 
 void read_solver(const Value& value, Scene& scene) {
   SolverSettings& solver = scene.solver;
-  read_fields(value, solver_fields, solver);
+  read_settings(value, solver_settings(), solver);
   check_level(value, solver);
   if (solver.name == "newton") solver.form = Form::incremental;  // its own steps have neither
   const Value* iterations = value.find("iterations");
@@ -227,14 +140,14 @@ const Field<Scene> sections[] = {
     {"time",
      [](const Value& v, Scene& s) {
        refuse_renamed(v, renamed_time_keys);
-       read_fields(v, time_fields, s.time);
+       read_settings(v, time_settings(), s.time);
      }},
     {"planar", [](const Value& v, Scene& s) { s.planar = v.boolean(); }},
     {"gravity", read_gravity},
     {"wind", [](const Value& v, Scene& s) { s.wind = read_vector(v, s, "m/s"); }},
     {"air_density", [](const Value& v, Scene& s) { s.air_density = v.number(not_negative, "kg/m^3"); }},
     {"solver", read_solver},
-    {"output", [](const Value& v, Scene& s) { read_fields(v, output_fields, s.output); }},
+    {"output", [](const Value& v, Scene& s) { read_settings(v, output_settings(), s.output); }},
     {"materials", read_materials},
     {"bodies", read_bodies},
     {"cloths", read_cloths},

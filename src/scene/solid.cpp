@@ -54,12 +54,7 @@ MeshShape read_shape_of(const Value& entry, const SolidLaw& law, const Scene& sc
 }
 
 void read_solid(const Value& entry, Scene& scene) {
-  std::vector<std::string> keys = node_keys;
-  keys.insert(keys.end(), elasticity_keys.begin(), elasticity_keys.end());
-  for (const char* key : {"block", "mesh", "scale", "weld", "density", "regions", "energy_volume", "least_volume", "thickness",
-                          "angular_velocity", "loads", "self_collision", "drag"})
-    keys.emplace_back(key);
-  entry.map(keys);
+  entry.map(solid_keys());
   const double thickness = entry.need("thickness", "a number > 0 (m)").number(positive, "m");
   MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
   const Value* block = entry.find("block");
@@ -119,6 +114,15 @@ void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const s
   guard.ids = ids, guard.colour = colour;
   guard.parameters = {6 * volume, *law.least_volume, length};
   std::get<ConstraintList<InversionGuard>>(out).push_back(guard);
+}
+
+std::vector<std::string> solid_keys() {
+  std::vector<std::string> keys = node_keys;
+  keys.insert(keys.end(), elasticity_keys.begin(), elasticity_keys.end());
+  for (const char* key : {"block", "mesh", "scale", "weld", "density", "regions", "energy_volume", "least_volume", "thickness",
+                          "angular_velocity", "loads", "self_collision", "drag"})
+    keys.emplace_back(key);
+  return keys;
 }
 
 void read_solids(const Value& list, Scene& scene) {

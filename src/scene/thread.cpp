@@ -57,9 +57,7 @@ void read_stretch(const Value& value, double radius, Thread& thread) {
 }
 
 void read_thread(const Value& entry, Scene& scene) {
-  std::vector<std::string> keys = node_keys;
-  for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending", "self_collision"}) keys.emplace_back(key);
-  entry.map(keys);
+  entry.map(thread_keys());
   Thread thread;
   read_line(entry.need("points", "a list of at least 2 points"), thread, scene);
   const Value& segments = entry.need("segments", "an integer >= 1");
@@ -97,6 +95,12 @@ void read_thread(const Value& entry, Scene& scene) {
 }
 
 }  // namespace
+
+std::vector<std::string> thread_keys() {
+  std::vector<std::string> keys = node_keys;
+  for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending", "self_collision"}) keys.emplace_back(key);
+  return keys;
+}
 
 void read_threads(const Value& list, Scene& scene) {
   for (const Value& entry : list.list("threads")) read_thread(entry, scene);

@@ -120,7 +120,8 @@ const std::string& Value::string(const std::string& what) const {
 
 std::size_t Value::choice(const std::vector<std::string>& names) const {
   const auto it = std::find(names.begin(), names.end(), text);
-  if (kind != Kind::scalar || it == names.end()) fail_expected(one_of(names));
+  if (kind != Kind::scalar) fail_expected(one_of(names));
+  if (it == names.end()) fail(found() + did_you_mean(text, names), one_of(names));
   return static_cast<std::size_t>(it - names.begin());
 }
 
@@ -151,7 +152,8 @@ const std::vector<Value>& Value::list(const std::string& what) const {
 const Value& Value::map(const std::vector<std::string>& keys) const {
   if (kind != Kind::map) fail_expected("a map with the keys " + one_of(keys));
   for (const auto& [name, child] : children)
-    if (std::find(keys.begin(), keys.end(), name) == keys.end()) child.fail("an unknown key", one_of(keys));
+    if (std::find(keys.begin(), keys.end(), name) == keys.end())
+      child.fail("an unknown key" + did_you_mean(name, keys), one_of(keys));
   return *this;
 }
 

@@ -24,7 +24,8 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
-     "FILE:2: key 'tmie': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
+     "FILE:2: key 'tmie': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, air_density, "
+     "solver, output, "
      "materials, bodies, cloths, threads, solids or joints"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected frame, frames or substeps"},
@@ -66,6 +67,14 @@ const std::vector<BadInput> bad_values{
      "FILE:1: key 'output.checkpoint_every': found -2, expected an integer >= -1"},
     {"solver_name", "solver: {name: sor}\n",
      "FILE:1: key 'solver.name': found sor, expected accelerated_jacobi, jacobi, gauss_seidel or newton"},
+    {"nearly_a_solver", "solver: {name: gauss_siedel}\n",
+     "FILE:1: key 'solver.name': found gauss_siedel (did you mean gauss_seidel?), expected accelerated_jacobi, jacobi, "
+     "gauss_seidel "
+     "or newton"},
+    {"nearly_a_setting", "solver: {itertions: 10}\n",
+     "FILE:1: key 'solver.itertions': found an unknown key (did you mean iterations?), expected name, iterations, tolerance, "
+     "acceleration, mass_sharing, level, stabilisation, stages, form, warm_start, velocity_share, leak, friction, joints, gap, "
+     "order, scaling, recovery_time, recovery_speed or margin"},
     {"full_warm_start", "solver: {warm_start: 1}\n",
      "FILE:1: key 'solver.warm_start': found 1, expected auto or a number in [0, 0.5]: a full warm start at position level is "
      "unstable"},
@@ -221,11 +230,12 @@ const std::vector<BadInput> bad_overrides{
     {"no_value", ball, "-set time.frames=: key 'time.frames': found nothing, expected an integer >= 0", {{"time.frames", ""}}},
     {"unknown_key",
      ball,
-     "-set time.frmes=3: key 'time.frmes': found an unknown key, expected frame, frames or substeps",
+     "-set time.frmes=3: key 'time.frmes': found an unknown key (did you mean frames?), expected frame, frames or substeps",
      {{"time.frmes", "3"}}},
     {"unknown_section",
      ball,
-     "-set tim.step=3: key 'tim': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, "
+     "-set tim.step=3: key 'tim': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, "
+     "air_density, solver, "
      "output, materials, bodies, cloths, threads, solids or joints",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",

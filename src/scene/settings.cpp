@@ -1,0 +1,154 @@
+#include "scene/settings.hpp"
+
+#include <charconv>
+#include <stdexcept>
+
+#include "core/text.hpp"
+
+namespace unibody {
+
+namespace settings {
+
+std::string text_of(double x) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
+}
+
+Json schema_of(const Range& range) {
+  Json schema = Json::object().set("type", "number");
+  if (range.low > -1e308) schema.set(range.low_open ? "exclusiveMinimum" : "minimum", range.low);
+  if (range.high < 1e308) schema.set(range.high_open ? "exclusiveMaximum" : "maximum", range.high);
+  return schema;
+}
+
+std::string words_of(const Range& range) {
+  const std::string text = range.text();
+  return text.empty() ? "number" : "number" + text;
+}
+
+std::optional<double> read_number_or_auto(const Value& value, const Range& range, const std::string& unit) {
+  if (value.kind == Value::Kind::scalar && !value.quoted && value.text == "auto") return std::nullopt;
+  try {
+    return value.number(range, unit);
+  } catch (const std::runtime_error&) {
+    value.fail_expected("auto or a number" + range.text() + (unit.empty() ? "" : " (" + unit + ")"));
+  }
+}
+
+Json schema_of(const std::vector<std::string>& names) {
+  Json list = Json::array();
+  for (const std::string& name : names) list.push(name);
+  return Json::object().set("enum", list);
+}
+
+std::string words_of(const std::vector<std::string>& names) { return one_of(names); }
+
+}  // namespace settings
+
+namespace {
+
+using namespace settings;
+
+constexpr const char* position_shares = "auto or a number in [0, 0.5]: a full warm start at position level is unstable";
+
+// What is allowed depends on the level, which is known when all is read: only what no level bears is refused here.
+Setting<SolverSettings> warm_start() {
+  return {"warm_start",
+          "",
+          "auto, or number in [0, 0.5] (level: velocity [0, 1])",
+          "share of the old multipliers from which the position stage starts",
+          [](const Value& v, SolverSettings& s) {
+            s.warm_start = read_number_or_auto(v, any_number, "");
+            if (s.warm_start && !(*s.warm_start >= 0)) v.fail_expected(position_shares);
+          },
+          [](const SolverSettings& s) { return s.warm_start ? settings::text_of(*s.warm_start) : "auto"; },
+          [] {
+            return or_auto(settings::schema_of(Range{0, 1}));
+          }};
+}
+
+Setting<SolverSettings> solver_name() {
+  return {"name",
+          "",
+          words_of(solver_names()),
+          "solver; newton is a reference for one flexible body alone",
+          [](const Value& v, SolverSettings& s) { s.name = solver_names()[v.choice(solver_names())]; },
+          [](const SolverSettings& s) { return s.name; },
+          [] { return settings::schema_of(solver_names()); }};
+}
+
+Setting<OutputSettings> precision() {
+  const std::vector<std::string> names{"single", "double"};
+  return {"precision",
+          "",
+          words_of(names),
+          "of the written frames; checkpoints are always double",
+          [=](const Value& v, OutputSettings& o) { o.single_precision = v.choice(names) == 0; },
+          [](const OutputSettings& o) { return o.single_precision ? "single" : "double"; },
+          [=] { return settings::schema_of(names); }};
+}
+
+}  // namespace
+
+const SettingList<TimeSettings>& time_settings() {
+  using T = TimeSettings;
+  static const SettingList<T> list{
+      number("frame", "s", positive, &T::frame, "length of a frame"),
+      integer("frames", "", 0, std::int64_t{1} << 53, &T::frames, "frames to run"),
+      integer("substeps", "", 1, 1'000'000, &T::substeps, "steps of equal length in a frame"),
+  };
+  return list;
+}
+
+const SettingList<OutputSettings>& output_settings() {
+  using T = OutputSettings;
+  static const SettingList<T> list{
+      integer("every", "frames", 0, 1'000'000'000, &T::every, "frames from one written frame to the next; 0: none is written"),
+      flag("crossings", &T::crossings, "count in every frame the edges of cloths and threads that go through faces of cloths"),
+      flag("joints", &T::joints, "write what each joint does, in the frames that are written"),
+      integer("checkpoint_every", "frames", -1, 1'000'000'000, &T::checkpoint_every,
+              "frames from one checkpoint to the next; 0: one at the end; -1: none"),
+      precision(),
+  };
+  return list;
+}
+
+const SettingList<SolverSettings>& solver_settings() {
+  using T = SolverSettings;
+  static const SettingList<T> list{
+      solver_name(),
+      integer("iterations", "", 1, 1'000'000'000, &T::iterations, "iterations of a step, over both stages (two stages: >= 2)"),
+      number_or_auto("tolerance", "m", not_negative, &T::tolerance, "natural residual at which a stage stops; 0: never"),
+      choice("acceleration", acceleration_names, &T::acceleration, "how accelerated_jacobi extrapolates"),
+      choice("mass_sharing", mass_sharing_names, &T::mass_sharing,
+             "how the Jacobi solvers share a body's mass among constraints"),
+      choice("level", level_names, &T::level, "velocity: the classic time stepping, for comparison"),
+      number("stabilisation", "", {0, 1}, &T::stabilisation,
+             "at velocity level alone: share of an error of position that a step takes out"),
+      choice("stages", stages_names, &T::stages, "the stages of a step"),
+      choice("form", form_names, &T::form, "of constraints beside contacts: what their multipliers are measured from"),
+      warm_start(),
+      number_or_auto("velocity_share", "", {0, 1, true, true}, &T::velocity_share,
+                     "share of the iterations that the velocity stage does, of two"),
+      number_or_auto("leak", "", {0, 1}, &T::leak,
+                     "share of the position stage's multipliers that the next step's velocity stage is given"),
+      choice("friction", friction_model_names, &T::friction, "model of friction"),
+      choice("joints", joint_solve_names, &T::joints, "direct: the rows of a tree of joints are solved together"),
+      choice("gap", gap_names, &T::gap, "gaps of contacts: linear in the step, or found anew in every iteration"),
+      choice("order", order_names, &T::order, "of gauss_seidel; sequential: on one rank only"),
+      number("scaling", "", {0, 1, true}, &T::scaling, "factor on the constraint count of the Jacobi solvers"),
+      number_or_auto("recovery_time", "s", not_negative, &T::recovery_time, "time constant at which penetration is taken out"),
+      number_or_auto("recovery_speed", "m/s", not_negative, &T::recovery_speed,
+                     "bound on the speed at which penetration is taken out; 0: none"),
+      number_or_auto("margin", "m", not_negative, &T::margin,
+                     "contacts are made at gaps below this plus what the bodies can travel in the step"),
+  };
+  return list;
+}
+
+std::string settings_table() {
+  return "| key | unit | default | values | what it does |\n|---|---|---|---|---|\n" + rows_of(time_settings(), "time.") +
+         rows_of(output_settings(), "output.") + rows_of(solver_settings(), "solver.");
+}
+
+}  // namespace unibody

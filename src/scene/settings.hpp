@@ -1,0 +1,15 @@
+// The settings of the scene file's sections time, output and solver.
+#pragma once
+
+#include "scene/setting.hpp"
+
+namespace unibody {
+
+const SettingList<TimeSettings>& time_settings();
+const SettingList<OutputSettings>& output_settings();
+const SettingList<SolverSettings>& solver_settings();
+
+// All of them as a table in Markdown, for -settings.
+std::string settings_table();
+
+}  // namespace unibody
