@@ -16,6 +16,7 @@
 #include "core/hdf5.hpp"
 #include "core/json.hpp"
 #include "report/version.hpp"
+#include "scene/settings.hpp"
 
 namespace unibody {
 
@@ -42,32 +43,11 @@ Json scene_json(const Scene& scene, const Summary& summary) {
       .set("gravity", vector(scene.gravity));
 }
 
-Json settings_json(const Scene& scene, const SolverSettings& s) {
-  const auto name = [](const auto& names, auto value) { return Json(names[static_cast<std::size_t>(value)]); };
-  Json solver = Json::object();
-  solver.set("name", s.name).set("iterations", s.iterations).set("tolerance (m)", s.tolerance.value_or(-1));
-  if (s.name == "accelerated_jacobi") solver.set("acceleration", name(acceleration_names, s.acceleration));
-  if (s.name == "accelerated_jacobi" || s.name == "jacobi") solver.set("mass_sharing", name(mass_sharing_names, s.mass_sharing));
-  solver.set("level", name(level_names, s.level));
-  if (s.level == Level::velocity) solver.set("stabilisation", s.stabilisation);
-  solver.set("stages", name(stages_names, s.stages))
-      .set("warm_start", s.warm_start.value_or(-1))
-      .set("velocity_share", s.velocity_share.value_or(-1))
-      .set("leak", s.leak.value_or(-1));
-  solver.set("friction", name(friction_model_names, s.friction)).set("gap", name(gap_names, s.gap));
-  solver.set("form", name(form_names, s.form))
-      .set("order", name(order_names, s.order))
-      .set("joints", name(joint_solve_names, s.joints))
-      .set("scaling", s.scaling);
-  if (s.level == Level::position)
-    solver.set("recovery_time (s)", s.recovery_time.value_or(-1)).set("recovery_speed (m/s)", s.recovery_speed.value_or(-1));
-  solver.set("margin (m)", s.margin.value_or(-1));
-  Json time = Json::object();
-  time.set("frame (s)", scene.time.frame).set("frames", scene.time.frames).set("substeps", scene.time.substeps);
-  Json output = Json::object();
-  output.set("every", scene.output.every).set("checkpoint_every", scene.output.checkpoint_every);
-  output.set("single_precision", scene.output.single_precision);
-  return Json::object().set("time", time).set("solver", solver).set("output", output);
+Json settings_json(const Scene& scene, const SolverSettings& used) {
+  return Json::object()
+      .set("time", json_of(time_settings(), scene.time))
+      .set("solver", json_of(solver_settings(), used))
+      .set("output", json_of(output_settings(), scene.output));
 }
 
 // Of the whole process, libraries and all, at its largest so far: what the arrays' count (bytes_per_body) leaves out is in it.

@@ -31,6 +31,7 @@ using SettingList = std::vector<Setting<Target>>;
 namespace settings {
 
 std::string text_of(double x);             // with 17 digits where they are needed
+Json json_of(const std::string& text);     // a number, true or false, or a text
 Json schema_of(const Range& range);        // of a number
 std::string words_of(const Range& range);  // "> 0", "0 to 1, without 0", "any"
 std::optional<double> read_number_or_auto(const Value& value, const Range& range, const std::string& unit);
@@ -121,6 +122,14 @@ std::string text_of(const SettingList<Target>& list, const Target& target) {
   std::string text;
   for (const auto& setting : list) text += setting.key + ": " + setting.write(target) + "\n";
   return text;
+}
+
+// Of all: "key (unit)" and the value.
+template <class Target>
+Json json_of(const SettingList<Target>& list, const Target& target) {
+  Json values = Json::object();
+  for (const auto& s : list) values.set(s.unit.empty() ? s.key : s.key + " (" + s.unit + ")", settings::json_of(s.write(target)));
+  return values;
 }
 
 // A map that holds no other keys.

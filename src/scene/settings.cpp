@@ -14,6 +14,14 @@ std::string text_of(double x) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
+Json json_of(const std::string& text) {
+  double x = 0;
+  const char* end = text.data() + text.size();
+  if (const auto [last, error] = std::from_chars(text.data(), end, x); error == std::errc() && last == end) return x;
+  if (text == "true" || text == "false") return text == "true";
+  return text;
+}
+
 Json schema_of(const Range& range) {
   Json schema = Json::object().set("type", "number");
   if (range.low > -1e308) schema.set(range.low_open ? "exclusiveMinimum" : "minimum", range.low);

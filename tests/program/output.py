@@ -194,11 +194,11 @@ class Results(ProgramTest):
         self.assertEqual(summary["settings"], {
             "time": {"frame (s)": STEP, "frames": FRAMES, "substeps": 1},
             "solver": {"name": "accelerated_jacobi", "iterations": 50, "tolerance (m)": 1e-4 * 0.11, "acceleration": "auto",
-                       "mass_sharing": "directions", "level": "position", "stages": "two",
+                       "mass_sharing": "directions", "level": "position", "stabilisation": 0.4, "stages": "two",
                        "warm_start": 1 / 3, "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
                        "order": "coloured", "joints": "iterative", "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25,
                        "margin (m)": 0.002},
-            "output": {"every": EVERY, "checkpoint_every": 10, "single_precision": False}})
+            "output": {"every (frames)": EVERY, "crossings": True, "joints": False, "checkpoint_every (frames)": 10, "precision": "double"}})
         self.assertEqual(set(summary["files"]), set(os.listdir(self.results)))
         header, rows = report(self.results / "report.csv")
         for name in ("kinetic_energy (J)", "penetration_max (m)", "natural_residual (m)"):
