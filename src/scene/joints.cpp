@@ -1,11 +1,11 @@
 #include "scene/joints.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <optional>
 
 #include "core/text.hpp"
+#include "scene/body_name.hpp"
 #include "scene/flexible.hpp"
 
 namespace unibody {
@@ -60,44 +60,9 @@ struct Named {
 
 constexpr const char* named = "the name of a body, as door or pile[3], its entry's place in the list, or world";
 
-const BodyGroup& entry_named(const Value& value, const std::string& name, const Scene& scene) {
-  const auto begin = scene.groups.begin();
-  const auto end = begin + static_cast<std::ptrdiff_t>(scene.groups.size() - scene.constraint_groups.size());
-  if (!value.quoted && !name.empty() && name.find_first_not_of("0123456789") == std::string::npos) {
-    std::ptrdiff_t place = -1;
-    std::from_chars(name.data(), name.data() + name.size(), place);
-    if (place < 0 || place >= end - begin) value.fail_expected(named);
-    return begin[place];
-  }
-  const auto is_named = [&](const BodyGroup& group) { return group.name == name; };
-  const auto count = std::count_if(begin, end, is_named);
-  if (count == 0) value.fail(value.found() + ", a name that no entry of bodies has", named);
-  if (count > 1) value.fail(value.found() + ", the name of " + std::to_string(count) + " entries", named);
-  return *std::find_if(begin, end, is_named);
-}
-
 Named read_named(const Value& value, const Scene& scene) {
-  if (value.kind != Value::Kind::scalar || value.text.empty()) value.fail_expected(named);
   if (value.text == "world") return {};
-  std::string name = value.text;
-  Id number = 0;
-  const auto bracket = name.find('[');
-  const bool counted = bracket != std::string::npos && name.back() == ']';
-  if (counted) {
-    const char *first = name.data() + bracket + 1, *last = name.data() + name.size() - 1;
-    const auto result = std::from_chars(first, last, number);
-    if (result.ec != std::errc() || result.ptr != last) value.fail_expected(named);
-    name.resize(bracket);
-  }
-  const BodyGroup& group = entry_named(value, name, scene);
-  if (!counted && group.count > 1)
-    value.fail(value.found() + ", an entry of " + std::to_string(group.count) + " bodies", "one of them, as " + name + "[0]");
-  if (number < 0 || number >= group.count)
-    value.fail(value.found() + " of " + std::to_string(group.count), "a number below " + std::to_string(group.count));
-  Body body = group.make(number);
-  body.id = group.first + number;
-  if (body.properties.shape.kind == ShapeKind::plane) value.fail(value.found() + ", a plane", "a body that is no plane");
-  return {body};
+  return {read_body_name(value, scene, named)};
 }
 
 // Where a body is at the start and the axes in which the scene gives its shape: not the principal ones of a hull or a compound,

@@ -1,9 +1,9 @@
 // Pins of cloths and threads: which node is held, by what, and until when.
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <sstream>
 
+#include "scene/body_name.hpp"
 #include "scene/flexible.hpp"
 
 namespace unibody {
@@ -43,51 +43,6 @@ Id nearest_node(const Value& value, const Scene& scene, Id first, Id count) {
 }
 
 const std::string bodies_expected = "a body, as mast or pile[3], or its entry's place in the list";
-
-// The entry of `bodies` of this name, or whose place in the list it is. Entries of cloths and threads stand behind them.
-const BodyGroup& named_entry(const Value& to, const std::string& name, const Scene& scene) {
-  const auto begin = scene.groups.begin();
-  const auto end = begin + static_cast<std::ptrdiff_t>(scene.groups.size() - scene.constraint_groups.size());
-  const bool number =
-      to.kind == Value::Kind::scalar && !to.quoted && !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
-  if (begin == end) to.fail(to.found() + " in a scene without bodies", bodies_expected);
-  if (number && name == to.text) return begin[to.integer(0, end - begin - 1)];
-  if (number) {
-    std::ptrdiff_t place = -1;
-    std::from_chars(name.data(), name.data() + name.size(), place);
-    if (place < 0 || place >= end - begin) to.fail_expected(bodies_expected);
-    return begin[place];
-  }
-  if (to.kind != Value::Kind::scalar || name.empty()) to.fail_expected(bodies_expected);
-  const auto is_named = [&](const BodyGroup& group) { return group.name == name; };
-  const auto count = std::count_if(begin, end, is_named);
-  if (count == 0) to.fail(to.found() + ", a name that no entry of bodies has", bodies_expected);
-  if (count > 1) to.fail(to.found() + ", the name of " + std::to_string(count) + " entries", bodies_expected);
-  return *std::find_if(begin, end, is_named);
-}
-
-// The body that `to` says: an entry's only one, or that of a number in brackets.
-Body read_target(const Value& to, const Scene& scene) {
-  std::string name = to.text;
-  Id number = 0;
-  const auto bracket = name.find('[');
-  const bool counted = bracket != std::string::npos && name.back() == ']';
-  if (counted) {
-    const char *first = name.data() + bracket + 1, *last = name.data() + name.size() - 1;
-    const auto result = std::from_chars(first, last, number);
-    if (result.ec != std::errc() || result.ptr != last) to.fail_expected(bodies_expected);
-    name.resize(bracket);
-  }
-  const BodyGroup& group = named_entry(to, name, scene);
-  if (!counted && group.count > 1)
-    to.fail(to.found() + ", an entry of " + std::to_string(group.count) + " bodies", "one of them, as " + name + "[0]");
-  if (number < 0 || number >= group.count)
-    to.fail(to.found() + " of " + std::to_string(group.count), "a number below " + std::to_string(group.count));
-  Body body = group.make(number);
-  body.id = group.first + number;
-  if (body.properties.shape.kind == ShapeKind::plane) to.fail(to.found() + ", a plane", "a body that is no plane");
-  return body;
-}
 
 bool is_pinned(const Scene& scene, Id node) {
   return std::ranges::binary_search(scene.pins, node, {}, &Pin::id) ||
@@ -137,7 +92,7 @@ void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::f
     if (is_pinned(scene, id)) named->fail(named->found() + ", a node pinned before", "each node pinned once");
   Pin pin;
   if (release) pin.release = release->number(not_negative, "s");
-  const Body body = to ? read_target(*to, scene) : Body{};
+  const Body body = to ? read_body_name(*to, scene, bodies_expected) : Body{};
   for (const Id id : ids) {
     pin.id = id;
     add_pin(pin, to ? &body : nullptr, scene, first);

@@ -1,0 +1,62 @@
+#include "scene/body_name.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include "core/text.hpp"
+
+namespace unibody {
+
+namespace {
+
+// The entry of `bodies` of this name, or whose place in the list it is. Entries of cloths and threads stand behind them.
+const BodyGroup& named_entry(const Value& to, const std::string& name, const Scene& scene, const std::string& expected) {
+  const auto begin = scene.groups.begin();
+  const auto end = begin + static_cast<std::ptrdiff_t>(scene.groups.size() - scene.constraint_groups.size());
+  const bool number =
+      to.kind == Value::Kind::scalar && !to.quoted && !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
+  if (begin == end) to.fail(to.found() + " in a scene without bodies", expected);
+  if (number && name == to.text) return begin[to.integer(0, end - begin - 1)];
+  if (number) {
+    std::ptrdiff_t place = -1;
+    std::from_chars(name.data(), name.data() + name.size(), place);
+    if (place < 0 || place >= end - begin) to.fail_expected(expected);
+    return begin[place];
+  }
+  if (to.kind != Value::Kind::scalar || name.empty()) to.fail_expected(expected);
+  const auto is_named = [&](const BodyGroup& group) { return group.name == name; };
+  const auto count = std::count_if(begin, end, is_named);
+  if (count == 0) {
+    std::vector<std::string> names;
+    for (auto group = begin; group != end; ++group) names.push_back(group->name);
+    to.fail(to.found() + ", a name that no entry of bodies has" + did_you_mean(name, names), expected);
+  }
+  if (count > 1) to.fail(to.found() + ", the name of " + std::to_string(count) + " entries", expected);
+  return *std::find_if(begin, end, is_named);
+}
+
+}  // namespace
+
+Body read_body_name(const Value& to, const Scene& scene, const std::string& expected) {
+  std::string name = to.text;
+  Id number = 0;
+  const auto bracket = name.find('[');
+  const bool counted = bracket != std::string::npos && name.back() == ']';
+  if (counted) {
+    const char *first = name.data() + bracket + 1, *last = name.data() + name.size() - 1;
+    const auto result = std::from_chars(first, last, number);
+    if (result.ec != std::errc() || result.ptr != last) to.fail_expected(expected);
+    name.resize(bracket);
+  }
+  const BodyGroup& group = named_entry(to, name, scene, expected);
+  if (!counted && group.count > 1)
+    to.fail(to.found() + ", an entry of " + std::to_string(group.count) + " bodies", "one of them, as " + name + "[0]");
+  if (number < 0 || number >= group.count)
+    to.fail(to.found() + " of " + std::to_string(group.count), "a number below " + std::to_string(group.count));
+  Body body = group.make(number);
+  body.id = group.first + number;
+  if (body.properties.shape.kind == ShapeKind::plane) to.fail(to.found() + ", a plane", "a body that is no plane");
+  return body;
+}
+
+}  // namespace unibody
