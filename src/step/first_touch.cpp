@@ -5,20 +5,32 @@
 
 namespace unibody {
 
-// By Newton's steps from the left, which never go beyond the root of a function that is convex.
+// By Newton's steps from the left. They never go beyond the root of a function that is convex; where one does, the root is
+// bracketed, and the step halved.
 double first_touch_of_spheres(const Vec3& apart, const Vec3& velocity, const Vec3& acceleration, double step, double reach,
                               double from, double to) {
   const auto place = [&](double t) -> Vec3 { return apart + t * velocity + 0.5 * t * (t - step) * acceleration; };
   const auto speed = [&](double t) -> Vec3 { return velocity + (t - 0.5 * step) * acceleration; };
-  double t = from;
-  for (int i = 0; i < 64; ++i) {
+  const double close = 1e-12 * reach;
+  double t = from, apart_at = from, within = never;  // times at which they are apart, and at which they are in each other
+  for (int i = 0; i < 100; ++i) {
     const Vec3 x = place(t);
     const double distance = x.norm(), gap = distance - reach;
     const double closing = distance > 0 ? -x.dot(speed(t)) / distance : 0;
-    if (gap <= 1e-12 * reach) return closing > 0 ? t : never;
-    if (!(closing > 0)) return never;
-    t += gap / closing;
-    if (!(t <= to)) return never;
+    if (std::abs(gap) <= close || (gap < 0 && t == from)) return closing > 0 ? t : never;
+    double next = never;
+    if (gap < 0) {
+      within = t;
+    } else {
+      apart_at = t;
+      if (closing > 0) next = t + gap / closing;
+      if (within == never && !(closing > 0)) return never;
+    }
+    if (within == never && !(next <= to)) {
+      if (!(place(to).norm() < reach)) return never;
+      within = to;
+    }
+    t = next < within ? next : 0.5 * (apart_at + within);
   }
   return t;
 }

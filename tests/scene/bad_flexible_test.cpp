@@ -62,7 +62,7 @@ const std::vector<BadInput> bad_flexibles{
     {"self_collision_of_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    self_collision: yes"),
      "FILE:6: key 'threads[0].self_collision': found yes, expected true or false"},
     {"pin_to_nobody", with_pin_to("to: pol"),
-     pin_to + "found pol, a name that no entry of bodies has (did you mean pole?), expected " + single_body},
+     pin_to + "found pol, a name that no entry of bodies has (did you mean X?), expected " + single_body},
     {"pin_to_a_cloth", with_pin_to("to: sheet"),
      pin_to + "found sheet, a name that no entry of bodies has, expected " + single_body},
     {"pin_to_one_of_two", with_pin_to("to: twin"), pin_to + "found twin, the name of 2 entries, expected " + single_body},
