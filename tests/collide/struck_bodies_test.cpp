@@ -14,6 +14,7 @@ TEST(StruckBodies, FindsTheFastestThatReachesABall) {
   std::vector<Struck> all;
   for (int k = 0; k < 300; ++k) {
     Struck s{};
+    s.way.setZero();
     s.centre = Vec3(place(random), place(random), place(random)), s.reach = reach(random), s.speed = speed(random), s.id = k;
     all.push_back(s);
   }
