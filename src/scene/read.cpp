@@ -20,8 +20,6 @@ namespace {
 
 constexpr RenamedKey renamed_time_keys[] = {{"step", "frame"}};  // which was the length of a frame all along
 
-constexpr const char* position_shares = "auto or a number in [0, 0.5]: a full warm start at position level is unstable";
-
 // What one of the two levels has no use for is refused there. (recovery_time and recovery_speed are of the position level alone,
 // but any scene may have them.)
 void check_level(const Value& value, const SolverSettings& solver) {

@@ -57,8 +57,6 @@ namespace {
 
 using namespace settings;
 
-constexpr const char* position_shares = "auto or a number in [0, 0.5]: a full warm start at position level is unstable";
-
 // What is allowed depends on the level, which is known when all is read: only what no level bears is refused here.
 Setting<SolverSettings> warm_start() {
   return {"warm_start",

@@ -5,8 +5,8 @@
 
 namespace unibody {
 
-// By Newton's steps from the left. They never go beyond the root of a function that is convex; where one does, the root is
-// bracketed, and the step halved.
+// Newton's method, from the left. Of a convex gap its steps never pass the root; where a gap is not convex and a step does pass
+// it, the root lies between two known times, and the interval is halved instead.
 double first_touch_of_spheres(const Vec3& apart, const Vec3& velocity, const Vec3& acceleration, double step, double reach,
                               double from, double to) {
   const auto place = [&](double t) -> Vec3 { return apart + t * velocity + 0.5 * t * (t - step) * acceleration; };

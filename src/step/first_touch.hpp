@@ -15,7 +15,8 @@ inline constexpr double never = std::numeric_limits<double>::infinity();
 double first_touch_of_spheres(const Vec3& apart, const Vec3& velocity, const Vec3& acceleration, double step, double reach,
                               double from, double to);
 
-// The same of a point and a plane, of which `gap` (m) is the distance and the others are along the plane's normal.
+// The first time at which a point reaches a plane that it approaches. `gap` is their distance (m) at the start; velocity and
+// acceleration are the point's relative to the plane, along its normal, which points to the point.
 double first_touch_of_plane(double gap, double velocity, double acceleration, double step, double from, double to);
 
 }  // namespace unibody

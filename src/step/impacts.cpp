@@ -339,8 +339,8 @@ class Impacts {
     }
   }
 
-  // The solve sees the gaps from where bodies seem to have started. A row would stop bodies that pass by each other; what
-  // overlaps and what still has impacts before it is left to its row.
+  // The solve sees each gap as it is from where the bodies seem to have started the step. The row of two bodies that pass by each
+  // other would stop them, so its gap is opened. Two bodies that overlap, or that have an impact left, keep their row.
   void correct_contacts() {
     if (state_.gaps_found.empty())
       for (const ContactPoint& p : contacts_.points) state_.gaps_found.push_back(p.gap);
