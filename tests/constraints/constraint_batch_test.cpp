@@ -51,7 +51,8 @@ TEST(ConstraintBatch, EmptyLanesShowInNoSum) {
   EXPECT_GT(batch.residual(start(), bodies), 0);
 }
 
-// |c + rho dc/dt| in metres, however much damping there is: for the verdict, and for what either solver stops by.
+// The residual of a damped constraint is |c + rho dc/dt| in metres, however large the damping rho is. The verdict on a step and
+// the stop tests of both kinds of solver see the same number.
 TEST(ConstraintBatch, DampingDoesNotHideTheResidual) {
   constexpr double step = 0.01, speed = 0.3;
   const std::vector<Vec4d> places{Vec4d{0, 0, 0, 1}, Vec4d{2.1, 0, 0, 1}, Vec4d{0, 0, 0, 0}};

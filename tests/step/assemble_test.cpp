@@ -1,4 +1,5 @@
-// Assembling a step: what is predicted, how many constraints share a body, and where bodies end.
+// Tests of what assembling a step gives: the predicted velocities, the number of constraints that share each body, and the places
+// to which bodies are moved at the end.
 #include "step/assemble.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ struct Assembled {
 
 }  // namespace
 
-// v + h (g + F / m) of what is free, nothing of what is fixed.
+// A free body is predicted to move at v + h (g + F / m), and a fixed body not at all.
 TEST(Assemble, PredictsFreeMotion) {
   const Assembled found(stack);
   const double h = 0.016;
@@ -58,7 +59,7 @@ TEST(Assemble, FactsAreThoseOfTheStep) {
   EXPECT_FALSE(facts_of(*apart.run.simulation, apart.system).any_contact);
 }
 
-// Without a solve all go on as predicted: also through each other.
+// Where no solve has changed the velocities, every body moves on as it was predicted to, even into another body.
 TEST(Assemble, FinaliseMovesByTheVelocities) {
   Assembled found(stack);
   const double h = 0.016;
