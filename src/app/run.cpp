@@ -257,6 +257,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     stop_if_not_held(step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     report.natural_residual = std::max(report.natural_residual, step.residual);
+    report.residual_rate += step.residual / scene_.time.frame;
     report.converged &= step.converged, report.form_left += step.form_left;
   }
   simulation_.detect();

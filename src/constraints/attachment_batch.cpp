@@ -16,6 +16,13 @@ Mat3 cross_matrix(const Vec3& a) {
 
 void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
 
+// An impulse at the node's place (N s), which the body takes and the node gives.
+void push(std::span<Wrench> wrenches, Slot body, Slot node, const Vec3& arm, const Vec3& impulse) {
+  Wrench& of_body = wrenches[static_cast<std::size_t>(body)];
+  add(of_body.force, impulse), add(of_body.torque, arm.cross(impulse));
+  add(wrenches[static_cast<std::size_t>(node)].force, -impulse);
+}
+
 }  // namespace
 
 void AttachmentBatch::build(const BuildContext& context) {
@@ -38,7 +45,10 @@ void AttachmentBatch::build(const BuildContext& context) {
     const Mat3 arm = cross_matrix(a.arm), W = inverse_inertia_of(state.bodies, state.inertia, state.isotropic, body);
     const double linear = of_body * state.bodies[body].inverse_mass + of_node * state.bodies[node].inverse_mass;
     const Mat3 block = linear * Mat3::Identity() + of_body * (arm * W * arm.transpose());
-    rows_.push_back({a.body, a.node, body < state.homes, a.arm, a.gap / step_, block.inverse(), Vec3::Zero(), Vec3::Zero()});
+    const auto all = context.elements.attachments;
+    const auto number = static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), a.ids) - all.begin());
+    rows_.push_back(
+        {number, a.body, a.node, body < state.homes, a.arm, a.gap / step_, block.inverse(), Vec3::Zero(), Vec3::Zero()});
   }
 }
 
@@ -60,10 +70,25 @@ void AttachmentBatch::sweep(SolveState& state, const Extrapolation& extrapolatio
       moved[k] = update.advance(row.lambda[k], row.y[k], row.y[k] + step[k], step[k], r[k], -(r[k] * step[k]),
                                 step_ * std::abs(r[k]), terms);
     add_terms(sums, terms, row.counted);
-    Wrench& of_body = wrenches[static_cast<std::size_t>(row.body)];
-    add(of_body.force, moved), add(of_body.torque, row.arm.cross(moved));
-    add(wrenches[static_cast<std::size_t>(row.node)].force, -moved);
+    push(wrenches, row.body, row.node, row.arm, moved);
   }
+}
+
+void AttachmentBatch::start_from(const History& history, const WarmStart& warm) {
+  for (Row& row : rows_)
+    for (std::size_t k = 0; k < 3 && row.number < history.size(); ++k)
+      row.lambda[static_cast<Eigen::Index>(k)] = row.y[static_cast<Eigen::Index>(k)] = warm.share * history[row.number][k];
+}
+
+void AttachmentBatch::add_impulses(SolveState& state, const WarmStart& warm, double) const {
+  if (!(warm.share > 0)) return;
+  for (const Row& row : rows_) push(state.wrenches, row.body, row.node, row.arm, row.lambda);
+}
+
+void AttachmentBatch::remember(History& history, double) const {
+  std::ranges::fill(history, std::array{0.0, 0.0, 0.0});
+  for (const Row& row : rows_)
+    if (row.number < history.size()) history[row.number] = {row.lambda.x(), row.lambda.y(), row.lambda.z()};
 }
 
 // All at once, by masses split among them.

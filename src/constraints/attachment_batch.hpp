@@ -3,7 +3,9 @@
 // r = gap / h + u, u the velocity at which the body's point leaves the node; linear in the step, so that at the end of a solve
 // the gap that is left is of second order in the body's turn. A row's scale is the whole block of its attachment, masses split by
 // the bodies' counts: a bound from above, as the other constraints have it. Both ends are pushed at the node's place, so that
-// momentum and angular momentum are kept. All rows of a step move at once, for every solver; they start from zero.
+// momentum and angular momentum are kept. All rows of a step move at once, for every solver. They start from the same share of
+// their old multipliers as the links and elements that they balance: from less, the old tension of a thread would pull its first
+// node away from a heavy body at the start of each step, and throw the body up.
 #pragma once
 
 #include <array>
@@ -19,6 +21,7 @@ namespace unibody {
 
 // An attachment as one step sees it, in the world's axes.
 struct AttachedNode {
+  std::array<Id, 2> ids;  // of the node and the body
   Slot body, node;
   Vec3 arm;  // m, from the body's centre to the node
   Vec3 gap;  // m, from the node to the point of the body where it belongs
@@ -26,10 +29,17 @@ struct AttachedNode {
 
 class AttachmentBatch : public BatchDefaults {
  public:
+  using History = std::vector<std::array<double, 3>>;  // N s, on the body; of each attachment that is here, 0 of released ones
+  using Key = std::array<Id, 2>;                       // ids of the node and the body
   static constexpr std::string_view name = "attachments";
   static constexpr bool pushes_wrenches = true;
 
   explicit AttachmentBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : rows_(memory) {}
+
+  template <class F>
+  static void for_each_element(const Elements& elements, F&& f) {
+    for (const Key& key : elements.attachments) f(key, std::span<const Id>(key));
+  }
 
   template <class F>
   static void for_each_stencil(const BuildContext& context, F&& f) {
@@ -49,8 +59,13 @@ class AttachmentBatch : public BatchDefaults {
   double residual(const SolveState& state) const;  // the largest component of h r
   std::size_t bytes() const { return 0; }          // in the solve's scratch memory, which is counted as a whole
 
+  void start_from(const History& history, const WarmStart& warm);
+  void add_impulses(SolveState& state, const WarmStart& warm, double) const;
+  void remember(History& history, double) const;
+
  private:
   struct Row {
+    std::size_t number;  // in the history
     Slot body, node;
     bool counted;
     Vec3 arm, bias;  // m, m/s

@@ -6,6 +6,7 @@
 // themselves.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstdint>
 #include <functional>
@@ -33,8 +34,9 @@ struct World;
 // The constraints of each kind that touch this rank's home bodies, as ids name them.
 struct Elements {
   const World& world;
-  const ConstraintSet* constraints = nullptr;  // null: none
-  const JointInput* joints = nullptr;          // null: the scene has none
+  const ConstraintSet* constraints = nullptr;           // null: none
+  const JointInput* joints = nullptr;                   // null: the scene has none
+  std::span<const std::array<Id, 2>> attachments = {};  // of nodes to dynamic bodies: ids of node and body, ascending
 };
 
 // What a step has found, for batches to be built from. Of batches that last (see BatchDefaults) only what does not change from
@@ -67,7 +69,7 @@ struct BuildContext {
 struct WarmStart {
   double contacts_share = 0;              // of contacts
   double share = 0;                       // of all others; 0 too where the scene has none
-  double setting = -1;                    // the scene's own share; negative: a third, or nothing of types that start cold
+  double setting = -1;                    // the scene's own share; negative: left open, nothing of types that start cold
   const Surfaces* cold_solids = nullptr;  // contacts of these solids start from nothing; null: none do
 };
 

@@ -65,10 +65,10 @@ void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) con
         multipliers[static_cast<std::size_t>(order_[i])][k] = lambda_[i / lanes][k][i % lanes];
 }
 
-// Of a warm start whose share is left open: a third, or nothing of types that start cold.
+// Of a warm start whose share is left open, types that start cold take nothing.
 template <ConstraintType C>
 void ConstraintBatch<C>::start_from(const History& history, const WarmStart& warm) {
-  const double own = warm.setting >= 0 ? warm.setting : starts_cold<C> ? 0 : automatic_share;
+  const double own = warm.setting >= 0 ? warm.setting : starts_cold<C> ? 0 : warm.share;
   set_multipliers(own == 0 ? std::span<const Multipliers>() : history, own);
 }
 

@@ -169,6 +169,12 @@ class ContactBatch : public BatchDefaults {
   // What was kept and leak times what the position stage added to it; after a single stage all of its multipliers.
   void remember(Multipliers& history, double leak) const;
 
+  // Bounds the leak of each point: none where the point opens at these velocities, and less, as the cube, where its manifold
+  // bears more than so many weights of the lighter of its bodies. (A leak is integral feedback; what it makes of a pile that
+  // sinks or rises slower than it answers is a swing that grows.) weight: N s a kg, what a body weighs in a step. Guests must be
+  // as their homes: the bounds are then the same on any number of ranks.
+  void limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight);
+
   std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
 
   bool is_counted(std::size_t manifold) const { return counted_[manifold] != 0; }  // by this rank in sums over all ranks
@@ -231,6 +237,7 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<Lane> bouncing_;          // whose manifolds have points that bounce
   std::pmr::vector<std::uint8_t> counted_;   // of each manifold: this rank counts it in sums over all manifolds
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
+  std::pmr::vector<double> leak_shares_;     // of all points, what limit_leak() leaves of the leak; empty: all of it
   const Contacts* contacts_ = nullptr;
   const World* world_ = nullptr;
   std::span<const Vec3> displaced_;  // only while it is built

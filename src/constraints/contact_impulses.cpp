@@ -107,7 +107,8 @@ void ContactBatch::remember(Multipliers& history, double leak) const {
       Impulse& impulse = of_manifold[p] = row(places_[i] % lanes, rows.first_point + p, tangent);
       if (kept_ == Kept::nothing) continue;
       const Impulse old = kept_impulses_[m.first + p], now = impulse;
-      const auto mix = [&](double x, double y) { return x + leak * (kept_ == Kept::apart ? y : y - x); };
+      const double share = leak_shares_.empty() ? leak : leak * leak_shares_[m.first + p];
+      const auto mix = [&](double x, double y) { return x + share * (kept_ == Kept::apart ? y : y - x); };
       impulse = {mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
     }
     remember_manifold(history, *world_, *contacts_, m, std::span(of_manifold).first(m.count), step_);

@@ -1,5 +1,7 @@
 // The inner loops over contacts: everything that is hot in a rigid scene is in this file and contact_rows.hpp.
 
+#include <algorithm>
+
 #include "constraints/contact_rows.hpp"
 
 namespace unibody {
@@ -164,6 +166,24 @@ double ContactBatch::residual(std::span<const SolverBody> bodies) const {
     }
     return step_ * horizontal_max(worst);
   });
+}
+
+void ContactBatch::limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight) {
+  leak_shares_.assign(contacts_->points.size(), 0);
+  for (const Block& block : blocks) {
+    const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
+    const Vec4d of_a_weight = broadcast(1 / weight) * max(a.mass, b.mass);  // 1/(N s)
+    for (std::size_t l = 0; l < lanes; ++l) {
+      if (block.manifold[l] < 0) continue;
+      const Manifold& m = manifold(block, l);
+      double borne = 0;  // N s
+      for (std::uint32_t k = 0; k < m.count; ++k) borne += kept_impulses_[m.first + k].n;
+      const double part = most_weights / std::max(most_weights, borne * of_a_weight[l]);
+      for (std::uint32_t k = 0; k < m.count; ++k)
+        if (!(relative_velocity<false>(block, block.s, points[block.first_point + k], a, b).n[l] > 0))
+          leak_shares_[m.first + k] = part * part * part;
+    }
+  }
 }
 
 ContactBatch::Opening ContactBatch::opening(std::span<const SolverBody> bodies) const {

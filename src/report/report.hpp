@@ -17,7 +17,8 @@ struct FrameReport {
   std::int64_t step = 0;
   double time = 0;              // s
   std::int64_t iterations = 0;  // of the solver
-  double natural_residual = 0;  // m
+  double natural_residual = 0;  // m, of the frame's worst step
+  double residual_rate = 0;     // m/s, the residuals of all of its steps, over its length: by which what rests may creep
   Measures measures;
   std::int64_t sliding_contacts = 0;
   bool converged = false;
@@ -30,9 +31,9 @@ struct FrameReport {
 };
 
 // The first `report_comparable_columns` columns are equal, digit by digit, for equal runs on any number of ranks:
-// diff <(cut -d, -f1-20 a/report.csv) <(cut -d, -f1-20 b/report.csv). The rest depends on the machine, all but the columns of
+// diff <(cut -d, -f1-21 a/report.csv) <(cut -d, -f1-21 b/report.csv). The rest depends on the machine, all but the columns of
 // constraints, which come last.
-inline constexpr int report_comparable_columns = 20;
+inline constexpr int report_comparable_columns = 21;
 std::string report_header(std::span<const NamedValue> constraint_columns = {});
 std::string report_row(const FrameReport& report);
 

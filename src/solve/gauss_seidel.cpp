@@ -11,6 +11,7 @@
 
 #include "core/checked.hpp"
 #include "solve/solver.hpp"
+#include "solve/stop_test.hpp"
 
 namespace unibody {
 
@@ -55,6 +56,7 @@ double relax(System& system, const Pass& pass, bool backwards) {
 SolveReport gauss_seidel(System& system, const Exchange& exchange, int iterations, double tolerance) {
   SolveReport report;
   const Schedule schedule = make_schedule(system);
+  StopTest stop(system, exchange, tolerance);
   while (report.iterations < iterations && !report.converged) {
     if (system.observer) system.observer();
     if (system.renews) {
@@ -73,9 +75,12 @@ SolveReport gauss_seidel(System& system, const Exchange& exchange, int iteration
     }
     ++report.iterations;
     if (tolerance <= 0) continue;
-    check_mpi(MPI_Allreduce(&change, &report.residual, 1, MPI_DOUBLE, MPI_MAX, exchange.comm()));
-    report.converged = report.residual <= tolerance;
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_DOUBLE, MPI_MAX, exchange.comm()));
+    if (!stop.is_worth_measuring(change)) continue;
+    exchange.refresh(system.bodies);
+    report.converged = stop.passes(change);
   }
+  report.residual = stop.residual();
   for_each_acting(system, [&](auto, auto& batch) { batch.end_stage(system); });
   exchange.refresh(system.bodies);
   return report;

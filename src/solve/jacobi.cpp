@@ -11,6 +11,7 @@
 #include "core/checked.hpp"
 #include "solve/momentum.hpp"
 #include "solve/solver.hpp"
+#include "solve/stop_test.hpp"
 
 namespace unibody {
 
@@ -107,22 +108,23 @@ SolveReport iterate(System& system, const Exchange& exchange, int iterations, do
   SolveReport report;
   Reduction reduction(exchange);
   Momentum momentum(system.acceleration);
+  StopTest stop(system, exchange, tolerance);
   double unit = 1;
-  bool last = iterations < 1;
   if (system.keeps_places) system.move_places();
-  for (int k = 0; !last; ++k) {
+  for (int k = 0; k < iterations && !report.converged; ++k) {
     Extrapolation extrapolation;
+    bool measures = false;
+    double change = 0;
     if (k > 0) {
       const SweepSums& sums = reduction.wait();
-      report.residual = sums.change;
-      report.converged = sums.change <= tolerance;
+      change = sums.change, measures = stop.is_worth_measuring(change);
       if (accelerated) extrapolation = momentum.next(sums, k > 1);
       if (k == 1) unit = unit_for(sums.largest);
     } else if (accelerated) {
       extrapolation = momentum.next({}, false);
     }
-    last = k == iterations - 1 || report.converged;
-    if (last) extrapolation = {};  // what is applied in the end must lie in the cone
+    const bool last = k == iterations - 1;
+    if (last || measures) extrapolation = {};  // what is applied in the end must lie in the cone
 
     if (system.observer) system.observer();
     if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
@@ -135,7 +137,13 @@ SolveReport iterate(System& system, const Exchange& exchange, int iterations, do
     exchange.refresh(system.bodies);
     if (system.keeps_places) system.move_places(system.homes);
     ++report.iterations;
+    if (last || !measures) continue;
+    report.converged = stop.passes(change);
+    if (!report.converged) continue;
+    for_each_acting(system, [&](auto, auto& batch) { batch.end_stage(system); });
+    exchange.refresh(system.bodies);
   }
+  report.residual = stop.residual();
   report.restarts = momentum.restarts();
   return report;
 }

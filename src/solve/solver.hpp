@@ -57,11 +57,11 @@ void for_each_acting(AnySystem& system, F&& f) {
 struct SolveReport {
   int iterations = 0;
   int restarts = 0;     // of the momentum
-  double residual = 0;  // m, the solver's own running residual in its last iteration; 0 where it was not asked to stop by it
+  double residual = 0;  // m, natural residual over all ranks where it was measured last; 0: it was not (stop_test.hpp)
   bool converged = false;
 };
 
-// Runs at most `iterations` iterations, fewer if every row changes by less than `tolerance` (m; 0: never stop early).
+// Runs at most `iterations` iterations, fewer if the natural residual falls below `tolerance` (m; 0: never stop early).
 // Starts from the multipliers in the batch, whose impulses must have been applied. On return guests are up to date.
 using SolveFunction = SolveReport (*)(System&, const Exchange&, int iterations, double tolerance);
 
@@ -74,6 +74,8 @@ struct Split {
   double velocity_share;  // of the iterations, the velocity stage's
   double leak;            // of the position stage's multipliers, kept by the velocity stage
   double swelling = 0;    // of g h: the coherent speed at which a pile may swell before nothing leaks; 0: any
+  // Of the velocity stage, for each weight of a body that a contact may bear before it leaks less; 0: it may bear any.
+  double iterations_a_weight = 0;
 };
 
 struct Solver {

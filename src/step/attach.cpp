@@ -35,8 +35,16 @@ std::vector<AttachedNode> attached_nodes(const Scene& scene, const World& world,
     if (body < 0 || node < 0 || !(world.is_home(body) || world.is_home(node))) continue;
     const auto b = static_cast<std::size_t>(body), n = static_cast<std::size_t>(node);
     const Vec3 arm = world.position[n] - world.position[b];
-    found.push_back({body, node, arm, world.orientation_of(b) * a.place - arm});
+    found.push_back({{a.node, a.body}, body, node, arm, world.orientation_of(b) * a.place - arm});
   }
+  return found;
+}
+
+std::vector<std::array<Id, 2>> attachments_here(const World& world, const std::vector<Attachment>& attachments) {
+  std::vector<std::array<Id, 2>> found;
+  for (const Attachment& a : attachments)
+    if (is_home(world, a.node) || is_home(world, a.body)) found.push_back({a.node, a.body});
+  std::sort(found.begin(), found.end());
   return found;
 }
 

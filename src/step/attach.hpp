@@ -1,6 +1,7 @@
 // Attachments: nodes of cloths and threads that are tied to other bodies, as one step of this rank sees them.
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "collide/contacts.hpp"
@@ -13,6 +14,9 @@ namespace unibody {
 // Those to dynamic bodies that hold at this time (s) and of which one end is home here, in the order of the scene. The other end
 // must be a guest.
 std::vector<AttachedNode> attached_nodes(const Scene& scene, const World& world, double time);
+
+// The node and the body of each attachment of which one end is home here, now or later, ascending. `world` needs no guests.
+std::vector<std::array<Id, 2>> attachments_here(const World& world, const std::vector<Attachment>& attachments);
 
 // The bodies of other ranks to which attachments tie this rank's, ascending. Mutual between ranks. `world` needs no guests.
 std::vector<Id> partners(const World& world, const std::vector<Attachment>& attachments);

@@ -15,6 +15,7 @@ namespace unibody {
 void make_constraints(RankState& state) {
   state.constraints = build_constraints(state.scene, state.world);
   state.joints = joints_here(state.scene.joints, state.world);
+  state.attachments = attachments_here(state.world, state.scene.attachments);
   for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
     if constexpr (KeyedBatch<B>) {
       std::size_t count = 0;

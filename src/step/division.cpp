@@ -49,7 +49,7 @@ void set_step_length(RankState& state, double step) {
   const double ratio = step / state.step();
   state.traits.step = state.collide_settings.step = step;
   for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
-    if constexpr (is_constraint_batch<B>)
+    if constexpr (KeyedBatch<B> && !std::is_same_v<B, JointBatch>)
       for (auto& multipliers : state.history.of<B>())
         for (double& x : multipliers) x *= ratio;
   });

@@ -21,7 +21,8 @@ Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, cons
 Split split_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
   Split split = solver.split(settings.iterations);
   if (traits.has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
-  return {settings.velocity_share.value_or(split.velocity_share), settings.leak.value_or(split.leak), split.swelling};
+  return {settings.velocity_share.value_or(split.velocity_share), settings.leak.value_or(split.leak), split.swelling,
+          split.iterations_a_weight};
 }
 
 // How accelerated_jacobi extrapolates in a stage.
@@ -38,7 +39,10 @@ Acceleration acceleration_of(const SolverSettings& settings, const SceneTraits& 
 
 void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, StepPlan& plan) {
   const double size = traits.smallest_size;
-  plan.tolerance = settings.tolerance.value_or(std::isfinite(size) ? automatic_tolerance * size : 0);
+  // What forces do in a step is as the square of its length: so the stage leaves the same share of them whatever the step is, and
+  // what rests creeps by as much less per second as there are more steps in it.
+  const double part = std::min(1.0, traits.step / step_of_tolerance);
+  plan.tolerance = settings.tolerance.value_or(std::isfinite(size) ? automatic_tolerance * size * part * part : 0);
   plan.margin = settings.margin.value_or(std::min(most_automatic_margin, automatic_margin * size));
   const double toss = traits.gravity > 0 ? std::sqrt(2 * traits.gravity * (automatic_toss * size)) : HUGE_VAL;
   plan.recovery_speed = settings.recovery_speed.value_or(std::min(most_automatic_recovery_speed, toss));
@@ -63,8 +67,10 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   if (plan.two_stages)
     plan.velocity_iterations =
         std::clamp(static_cast<int>(split.velocity_share * settings.iterations), 1, settings.iterations - 1);
+  if (plan.two_stages && plan.stages == Stages::two && split.iterations_a_weight > 0)
+    plan.most_weights = plan.velocity_iterations / split.iterations_a_weight;
 
-  const double share = settings.warm_start.value_or(automatic_share);
+  const double share = old_share(settings);
   const bool one_stage_of_velocities = at_velocity_level(settings) && !settings.warm_start;
   const double in_one_stage = one_stage_of_velocities ? automatic_velocity_share : share;
   plan.contacts_share = plan.stages != Stages::position ? 1 : in_one_stage;
@@ -82,8 +88,15 @@ Stage StepPlan::stage(Stage::Kind kind, const SolverSettings& settings, double s
   // At velocity level the only stage is one of positions whose rows are linear about the start of the step.
   Stage stage = at_velocity_level(settings) ? Stage::stabilised(step, settings.stabilisation)
                                             : Stage{kind, step, recovery_time, recovery_speed, surface_recovery_time};
+  // What rests opens and closes by as much as the solve leaves undone; a force that came and went with that would never settle.
+  stage.closed_within = tolerance;
   stage.reevaluates = kind == Stage::Kind::position && settings.gap == Gap::reevaluated;
   return stage;
+}
+
+double old_share(const SolverSettings& settings) {
+  const double part = std::min(1.0, static_cast<double>(iterations_of_share) / settings.iterations);
+  return settings.warm_start.value_or(automatic_share * part);
 }
 
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits) {

@@ -38,9 +38,12 @@ struct StepPlan {
   bool two_stages = false;                            // this step has a velocity stage
   int velocity_iterations = 0;                        // most of them; what they leave of all iterations is the position stage's
   double velocity_share = 0, leak = 0, swelling = 0;  // see Split
+  double most_weights = 0;  // of a body, which a contact may bear before it leaks less (ContactBatch::limit_leak); 0: any
 
-  double contacts_share = 0, share = 0;  // of the old multipliers of contacts, and of all others, that a step starts from
-  bool solids_start_cold = false;        // contacts of solids start from nothing
+  // Of the old multipliers, what a step starts from: of contacts, and of all others; of types that start cold only where the
+  // scene says so.
+  double contacts_share = 0, share = 0;
+  bool solids_start_cold = false;  // contacts of solids start from nothing
   Acceleration velocity_acceleration = Acceleration::nesterov, position_acceleration = Acceleration::nesterov;
   double most_stiffness = std::numeric_limits<double>::infinity();  // geometric stiffness with which a link may start
 
@@ -55,6 +58,9 @@ struct StepPlan {
 //   accelerated_jacobi is Nesterov's for all;
 // - one contact anywhere makes a step with constraints have a velocity stage, where the stages are two.
 StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts = {});
+
+// The share of the old multipliers that the scene asks for, or that its iterations make best.
+double old_share(const SolverSettings& settings);
 
 // Whether it matters to the plan if links are tight: finding out takes a pass over all of them.
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits);

@@ -42,9 +42,10 @@ struct RankState {
   JointList joints;           // the same
   std::vector<JointSlots> joint_slots;
   const JointInput joint_input;
-  std::vector<Id> tied;                // bodies of joints and attachments, ascending
-  std::vector<AttachedNode> attached;  // of this step, to dynamic bodies
-  Surfaces surfaces;                   // where they may touch anything, or feel the air; else empty
+  std::vector<Id> tied;                        // bodies of joints and attachments, ascending
+  std::vector<std::array<Id, 2>> attachments;  // that touch this rank's home bodies: the node and the dynamic body, ascending
+  std::vector<AttachedNode> attached;          // of these, the ones that hold in this step
+  Surfaces surfaces;                           // where they may touch anything, or feel the air; else empty
   Drag drag;
   CollideSettings collide_settings;
   std::vector<std::int32_t> crowd_ranks;     // by slot (crowds.hpp); empty where nothing is crowded
@@ -69,7 +70,7 @@ struct RankState {
   bool has_surfaces() const { return !is_alone() && !scene.surfaces.empty(); }  // that may touch something
   bool needs_surfaces() const { return has_surfaces() || drag.any(); }
   bool is_alone() const;  // a single cloth or thread, whose nodes touch nothing
-  Elements elements() const { return {world, &constraints, traits.has_joints ? &joint_input : nullptr}; }
+  Elements elements() const { return {world, &constraints, traits.has_joints ? &joint_input : nullptr, attachments}; }
   std::size_t bytes() const;  // of the arrays that last, and of the phases' scratch memory; the batches come on top
 };
 

@@ -29,7 +29,8 @@ void warm_start(RankState& state, System& system, const StepPlan& plan) {
   if (traits.has_centre_constraints && (jacobi || warm.share > 0)) system.impulses.assign(n, Vec4d{});
   if (warm.contacts_share <= 0 && warm.share <= 0) return;
   const Scratch::Frame frame(state.scratch);
-  const bool borrowed = !jacobi && (warm.contacts_share > 0 || traits.has_joints) && system.wrenches.empty();
+  const bool borrowed =
+      !jacobi && (warm.contacts_share > 0 || traits.has_joints || traits.has_attachments) && system.wrenches.empty();
   if (borrowed) system.wrenches.assign(n, Wrench{});
   for_each_batch(system.batches, [&](auto, auto& batch) { batch.add_impulses(system, warm, plan.most_stiffness); });
   system.apply_wrenches();
@@ -135,6 +136,8 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   if (wanted) solved = solved_step(system, std::move(solved));
   if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
   // While the guests are as the homes: the guard changes homes alone.
+  const double weight = state.traits.gravity * state.step();
+  if (leaks && plan.most_weights > 0 && weight > 0) system.contacts().limit_leak(system.bodies, plan.most_weights, weight);
   follow_up(state, system, leaks ? leak_of(state, system, plan) : 0, report);
   if (request.error) report.error = estimate_error(state, system, plan, facts, solved);
   return report;

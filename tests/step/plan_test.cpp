@@ -40,7 +40,7 @@ SolverSettings at_velocity_level() {
 
 TEST(StepPlan, SizesGoByTheSmallestBody) {
   const StepPlan plan = unibody::plan({}, grains());
-  EXPECT_DOUBLE_EQ(plan.tolerance, 1e-4 * 0.06);
+  EXPECT_DOUBLE_EQ(plan.tolerance, 1e-4 * 0.06 * (0.005 / 0.016) * (0.005 / 0.016));
   EXPECT_DOUBLE_EQ(plan.margin, 0.002);  // a fifth of the size is more
   EXPECT_DOUBLE_EQ(plan.recovery_speed, 0.25);
   EXPECT_DOUBLE_EQ(plan.recovery_time, 0.02);  // a frame, not a step
@@ -49,7 +49,7 @@ TEST(StepPlan, SizesGoByTheSmallestBody) {
   SceneTraits dust = grains();
   dust.smallest_size = 0.0006;
   const StepPlan small = unibody::plan({}, dust);
-  EXPECT_DOUBLE_EQ(small.tolerance, 6e-8);
+  EXPECT_DOUBLE_EQ(small.tolerance, 0.01 * plan.tolerance);
   EXPECT_DOUBLE_EQ(small.margin, 0.00012);
   EXPECT_DOUBLE_EQ(small.recovery_speed, std::sqrt(2 * 10 * 0.0006 / 3));
   dust.gravity = 0;
@@ -59,6 +59,30 @@ TEST(StepPlan, SizesGoByTheSmallestBody) {
   nothing_moves.smallest_size = infinite;
   EXPECT_EQ(unibody::plan({}, nothing_moves).tolerance, 0);
   EXPECT_EQ(unibody::plan({}, nothing_moves).margin, 0.002);
+}
+
+// What a step leaves undone, per second and of its length: as the length of the step, up to that of the default frame.
+TEST(StepPlan, TheToleranceFallsWithTheStep) {
+  const auto tolerance = [](double step) {
+    SceneTraits traits = grains();
+    traits.step = step;
+    return unibody::plan({}, traits).tolerance;
+  };
+  EXPECT_DOUBLE_EQ(tolerance(0.016), 6e-6);
+  EXPECT_DOUBLE_EQ(tolerance(0.1), 6e-6);
+  for (const int parts : {4, 16}) EXPECT_DOUBLE_EQ(parts * tolerance(0.016 / parts) / 0.016, 6e-6 / 0.016 / parts);
+}
+
+// Up to 50 iterations a third of the old multipliers, then as much less as there are more iterations.
+TEST(StepPlan, TheOldMultipliersCountLessOfMoreIterations) {
+  const auto share = [](int iterations) { return unibody::plan(solver("accelerated_jacobi", iterations), cloth()).share; };
+  EXPECT_EQ(share(10), 1.0 / 3);
+  EXPECT_EQ(share(50), 1.0 / 3);
+  EXPECT_DOUBLE_EQ(share(100), 1.0 / 6);
+  EXPECT_DOUBLE_EQ(share(1000), 1.0 / 60);
+  SolverSettings set = solver("accelerated_jacobi", 1000);
+  set.warm_start = 0.3;
+  EXPECT_EQ(unibody::plan(set, cloth()).share, 0.3);
 }
 
 TEST(StepPlan, WhatTheSceneSetsStands) {
@@ -125,6 +149,8 @@ TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   EXPECT_EQ(leak("gauss_seidel", 10), 0.3);
   EXPECT_EQ(leak("gauss_seidel", 5), 0.15);
   EXPECT_EQ(unibody::plan(solver("gauss_seidel"), grains()).swelling, 0.002);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel"), grains()).most_weights, 0);
+  EXPECT_DOUBLE_EQ(unibody::plan(solver("accelerated_jacobi"), grains()).most_weights, 40.0 / 3);
 }
 
 TEST(StepPlan, AccelerationOfTheTwoStages) {

@@ -1,0 +1,61 @@
+// What a solve of few iterations leaves undone in a deep pile may only take energy away.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+constexpr double diameter = 0.1;  // m
+
+// Columns of balls of 1 kg at rest, touching: 4 by 4 of so many, between smooth walls.
+std::string pile(int layers, const std::string& solver) {
+  const std::string d = std::to_string(diameter), width = std::to_string(4 * diameter);
+  return "solver: {" + solver +
+         "}\n"
+         "materials: {ball: {friction: 0.5}, wall: {friction: 0}}\n"
+         "bodies:\n"
+         "  - {shape: {plane: {normal: [0, 0, 1]}}, material: ball}\n"
+         "  - lattice: {count: " +
+         std::to_string(16 * layers) + ", columns: [4, 4], spacing: [" + d + ", " + d + ", " + d + "], height: 0.05}\n" +
+         "    shape: {sphere: {radius: 0.05}}\n    mass: 1\n    material: ball\n" + "  - {container: {size: [" + width + ", " +
+         width + "]}, material: wall}\n";
+}
+
+}  // namespace
+
+struct PileCase {
+  int layers, frames;
+  const char* solver;
+};
+
+class PileEnergy : public testing::TestWithParam<PileCase> {};
+
+// The energy never passes that of the start. A contact counts as closed within the tolerance, of 1e-4 of a diameter: so far apart
+// the layers of a pile may stand, and the upper ones as many times that higher.
+TEST_P(PileEnergy, NeverPassesThatOfTheStart) {
+  const PileCase c = GetParam();
+  Experiment run(scene_from_text(pile(c.layers, c.solver)));
+  const double start = run.energy(), balls = 16.0 * c.layers, lift = 1e-4 * diameter * 0.5 * (c.layers + 1);
+  double most = start;
+  for (int k = 0; k < c.frames; ++k) {
+    run.step();
+    most = std::max(most, run.energy());
+  }
+  EXPECT_LE(most, start + balls * 9.81 * lift) << c.layers << " layers, " << c.solver;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Piles, PileEnergy,
+    testing::Values(PileCase{10, 300, "iterations: 50"}, PileCase{20, 300, "iterations: 20"}, PileCase{20, 300, "iterations: 50"},
+                    PileCase{20, 300, "iterations: 50, velocity_share: 0.5"}, PileCase{50, 300, "iterations: 25"},
+                    PileCase{50, 300, "iterations: 50"}, PileCase{100, 300, "iterations: 10"},
+                    PileCase{100, 300, "iterations: 50"}, PileCase{100, 300, "iterations: 50, velocity_share: 0.5"},
+                    PileCase{100, 200, "iterations: 100"}, PileCase{20, 300, "iterations: 50, name: gauss_seidel, leak: 0"},
+                    PileCase{100, 300, "iterations: 50, name: gauss_seidel, leak: 0"}));
+
+}  // namespace unibody::small_worlds
