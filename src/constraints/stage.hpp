@@ -15,7 +15,6 @@ struct Stage {
   double recovery_speed = 0.25;       // m/s, 0: unbounded; position stage only
   double surface_recovery_time = -1;  // s, that of contacts of surfaces; negative: as that of others
   bool reevaluates = false;           // gaps are taken anew before each iteration
-  double closed_within = 0;           // m; velocity stage only: gaps up to this are closed
 
   // Of the velocity level: open gaps may close, and penetration falls by the share gamma a step, at any speed.
   static Stage stabilised(double step, double gamma) { return {Kind::position, step, step * (1 / gamma - 1), 0}; }
@@ -24,7 +23,7 @@ struct Stage {
   // a velocity stage leaves penetration alone; a position stage takes it out at a bounded speed.
   Vec4d bias(Vec4d gap) const {
     const Vec4d zero = broadcast(0), open = gap / broadcast(step);
-    if (kind == Kind::velocity) return max(zero, open - broadcast(closed_within / step));
+    if (kind == Kind::velocity) return max(zero, open);
     const Vec4d outward = gap / broadcast(step + recovery_time);
     return select(gap >= zero, open, recovery_speed > 0 ? max(outward, broadcast(-recovery_speed)) : outward);
   }

@@ -15,7 +15,7 @@ namespace {
 // pile, the pile sways as a whole, and the leak would pump it. Accelerated Jacobi's is bounded by the weights that each contact
 // bears, which takes all of that gain away (piles of 10 to 100 layers). Gauss-Seidel's is cut off while the pile swells, which
 // leaves some of it: the same bound would cost its few iterations ten times the penetration.
-Split of_accelerated_jacobi(int iterations) { return {0.8, iterations >= 30 ? 0.6 : iterations >= 20 ? 0.15 : 0, 0, 3}; }
+Split of_accelerated_jacobi(int iterations) { return {0.8, iterations >= 30 ? 0.6 : iterations >= 20 ? 0.15 : 0, 0, 4}; }
 Split of_jacobi(int) { return {0.5, 0}; }
 Split of_gauss_seidel(int iterations) { return {0.5, iterations >= 8 ? 0.3 : 0.15, 0.002}; }
 

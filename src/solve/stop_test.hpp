@@ -14,7 +14,7 @@ class StopTest {
  public:
   // tolerance: m; 0: the stage never stops early.
   StopTest(const System& system, const Exchange& exchange, double tolerance)
-      : system_(system), exchange_(exchange), tolerance_(tolerance), worth_measuring_(most_change * tolerance) {}
+      : system_(system), exchange_(exchange), tolerance_(tolerance), worth_measuring_(tolerance) {}
 
   // change: m, the largest of a sweep over all ranks.
   bool is_worth_measuring(double change) const { return tolerance_ > 0 && change <= worth_measuring_; }
@@ -26,7 +26,6 @@ class StopTest {
   double residual() const { return residual_; }  // m, as measured last, over all ranks
 
  private:
-  static constexpr double most_change = 4;  // of the tolerance
   const System& system_;
   const Exchange& exchange_;
   double tolerance_, worth_measuring_, residual_ = 0;

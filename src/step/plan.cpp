@@ -37,12 +37,17 @@ Acceleration acceleration_of(const SolverSettings& settings, const SceneTraits& 
   return bears_more ? Acceleration::optimized : Acceleration::nesterov;
 }
 
+// What forces do in a step is as the square of its length: so a stage leaves the same share of that however many steps a frame
+// has, and what rests creeps by as much less per second as there are more of them. Of short frames gravity's own fall tells.
+double tolerance_of(const SceneTraits& traits) {
+  const double part = traits.step / traits.frame, fall = traits.gravity * traits.step * traits.step;
+  const double by_size = automatic_tolerance * traits.smallest_size * part * part;
+  return fall > 0 ? std::min(by_size, automatic_share_of_fall * fall) : by_size;
+}
+
 void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, StepPlan& plan) {
   const double size = traits.smallest_size;
-  // What forces do in a step is as the square of its length: so the stage leaves the same share of them whatever the step is, and
-  // what rests creeps by as much less per second as there are more steps in it.
-  const double part = std::min(1.0, traits.step / step_of_tolerance);
-  plan.tolerance = settings.tolerance.value_or(std::isfinite(size) ? automatic_tolerance * size * part * part : 0);
+  plan.tolerance = settings.tolerance.value_or(std::isfinite(size) ? tolerance_of(traits) : 0);
   plan.margin = settings.margin.value_or(std::min(most_automatic_margin, automatic_margin * size));
   const double toss = traits.gravity > 0 ? std::sqrt(2 * traits.gravity * (automatic_toss * size)) : HUGE_VAL;
   plan.recovery_speed = settings.recovery_speed.value_or(std::min(most_automatic_recovery_speed, toss));
@@ -88,8 +93,6 @@ Stage StepPlan::stage(Stage::Kind kind, const SolverSettings& settings, double s
   // At velocity level the only stage is one of positions whose rows are linear about the start of the step.
   Stage stage = at_velocity_level(settings) ? Stage::stabilised(step, settings.stabilisation)
                                             : Stage{kind, step, recovery_time, recovery_speed, surface_recovery_time};
-  // What rests opens and closes by as much as the solve leaves undone; a force that came and went with that would never settle.
-  stage.closed_within = tolerance;
   stage.reevaluates = kind == Stage::Kind::position && settings.gap == Gap::reevaluated;
   return stage;
 }

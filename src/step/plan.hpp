@@ -30,7 +30,7 @@ struct StepFacts {
 };
 
 struct StepPlan {
-  // By the size of the smallest body, whatever the step: see "auto" in solver_settings.hpp.
+  // By the size of the smallest body and the step: see "auto" in solver_settings.hpp.
   double tolerance = 0, margin = 0, recovery_speed = 0;  // m, m, m/s
   double recovery_time = 0, surface_recovery_time = 0;   // s
 

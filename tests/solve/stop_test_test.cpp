@@ -36,7 +36,7 @@ threads:
 
 class StopAndVerdict : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
-// A step that used fewer iterations than it might have is converged, and its residual within the tolerance.
+// A step none of whose stages can have used all of its iterations is converged, and its residual within the tolerance.
 TEST_P(StopAndVerdict, WhatStopsEarlyIsConverged) {
   const auto [solver, scene] = GetParam();
   Experiment run(scene_from_text("solver: {name: " + std::string(solver) + ", iterations: 3000}\n" + scene));
@@ -46,7 +46,7 @@ TEST_P(StopAndVerdict, WhatStopsEarlyIsConverged) {
   for (int k = 0; k < 100; ++k) {
     const StepReport report = run.step();
     EXPECT_EQ(report.converged, report.residual <= tolerance) << k;
-    if (report.iterations == 3000) continue;
+    if (report.iterations >= 1500) continue;  // Gauss-Seidel's velocity stage may take half of them
     ++early;
     EXPECT_TRUE(report.converged) << "step " << k << ", " << report.iterations << " iterations, residual " << report.residual;
   }
