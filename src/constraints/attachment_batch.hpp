@@ -4,8 +4,8 @@
 // the gap that is left is of second order in the body's turn. A row's scale is the whole block of its attachment, masses split by
 // the bodies' counts: a bound from above, as the other constraints have it. Both ends are pushed at the node's place, so that
 // momentum and angular momentum are kept. All rows of a step move at once, for every solver. They start from the same share of
-// their old multipliers as the links and elements that they balance: from less, the old tension of a thread would pull its first
-// node away from a heavy body at the start of each step, and throw the body up.
+// their old multipliers as the links and elements that they balance. If they started from less, the old tension of a thread would
+// pull its node away from a heavy body at the start of each step, and the body would be thrown up.
 #pragma once
 
 #include <array>

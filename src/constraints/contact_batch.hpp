@@ -169,10 +169,11 @@ class ContactBatch : public BatchDefaults {
   // What was kept and leak times what the position stage added to it; after a single stage all of its multipliers.
   void remember(Multipliers& history, double leak) const;
 
-  // Bounds the leak of each point: none where the point opens at these velocities, and less, as the cube, where its manifold
-  // bears more than so many weights of the lighter of its bodies. (A leak is integral feedback; what it makes of a pile that
-  // sinks or rises slower than it answers is a swing that grows.) weight: N s a kg, what a body weighs in a step. Guests must be
-  // as their homes: the bounds are then the same on any number of ranks.
+  // Bounds the leak of each point. A point that opens at these velocities gets no leak. Where a manifold bears more than
+  // most_weights, in weights of the lighter of its bodies, its points get less, by the cube of the ratio. (The leak is an
+  // integral feedback on penetration. A deep pile answers it too slowly, and would swing up further each time.) weight: N s per
+  // kg, the impulse of gravity on a body in a step. Guests must be as their homes: the bounds are then the same on any number of
+  // ranks.
   void limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight);
 
   std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole

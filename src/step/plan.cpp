@@ -37,8 +37,9 @@ Acceleration acceleration_of(const SolverSettings& settings, const SceneTraits& 
   return bears_more ? Acceleration::optimized : Acceleration::nesterov;
 }
 
-// What forces do in a step is as the square of its length: so a stage leaves the same share of that however many steps a frame
-// has, and what rests creeps by as much less per second as there are more of them. Of short frames gravity's own fall tells.
+// A force moves a body in a step by the square of the step's length. The tolerance falls as that square where a frame has more
+// steps: a stage then leaves the same share of the motion undone, and a body at rest creeps less per second the finer the steps
+// are. A short frame has few steps, so the tolerance is also bounded by a share of what a body falls in the step.
 double tolerance_of(const SceneTraits& traits) {
   const double part = traits.step / traits.frame, fall = traits.gravity * traits.step * traits.step;
   const double by_size = automatic_tolerance * traits.smallest_size * part * part;

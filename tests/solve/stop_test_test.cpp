@@ -36,7 +36,8 @@ threads:
 
 class StopAndVerdict : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
-// A step none of whose stages can have used all of its iterations is converged, and its residual within the tolerance.
+// Where a step took so few iterations that each of its stages must have stopped early, it is converged, and its residual is
+// within the tolerance.
 TEST_P(StopAndVerdict, WhatStopsEarlyIsConverged) {
   const auto [solver, scene] = GetParam();
   Experiment run(scene_from_text("solver: {name: " + std::string(solver) + ", iterations: 3000}\n" + scene));

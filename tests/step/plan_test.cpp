@@ -61,7 +61,8 @@ TEST(StepPlan, SizesGoByTheSmallestBody) {
   EXPECT_EQ(unibody::plan({}, nothing_moves).margin, 0.002);
 }
 
-// What a step may leave undone, per second: less as there are more steps in a frame, and no more than a share of gravity's fall.
+// The automatic tolerance, per second, falls as the number of steps in a frame grows. It is no more than a share of what a body
+// falls in the step.
 TEST(StepPlan, TheToleranceFallsWithTheStep) {
   const auto tolerance = [](double frame, int parts) {
     SceneTraits traits = grains();
