@@ -45,7 +45,7 @@ const std::array columns{
     COLUMN("angular_momentum_z (kg m^2/s)", r.measures.angular_momentum[2]),
     COLUMN("total_energy (J)", r.measures.kinetic_energy + r.measures.potential_energy + r.measures.elastic_energy),
     COLUMN("converged (0|1)", r.converged),
-    COLUMN("residual_rate (m/s)", r.residual_rate),
+    COLUMN("natural_residual_rate (m/s)", r.residual_rate),
     COLUMN("bytes_per_body (B)", r.measures.bytes_per_body),
     COLUMN("wall_collide (s)", r.wall_collide),
     COLUMN("wall_solve (s)", r.wall_solve),

@@ -27,7 +27,7 @@ TEST(Report, HeaderNamesUnitsAndTimesComeLast) {
   EXPECT_EQ(names.size(), split(report_row({})).size());
   EXPECT_EQ(names[0], "step");
   for (const char* name :
-       {"time (s)", "penetration_max (m)", "residual_rate (m/s)", "kinetic_energy (J)", "angular_momentum_z (kg m^2/s)"})
+       {"time (s)", "penetration_max (m)", "natural_residual_rate (m/s)", "kinetic_energy (J)", "angular_momentum_z (kg m^2/s)"})
     EXPECT_EQ(std::count(names.begin(), names.begin() + report_comparable_columns, name), 1) << name;
   for (std::size_t k = 0; k < names.size(); ++k)
     EXPECT_EQ(names[k].starts_with("wall_") || names[k].starts_with("bytes_") || names[k].starts_with("imbalance"),
