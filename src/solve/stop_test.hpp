@@ -1,4 +1,4 @@
-// When a stage may stop: by the measure by which its step is judged.
+// A stage may stop when its natural residual allows it. The same residual decides whether its step counts as converged.
 //
 // A sweep tells by how much it changed its rows, which costs nothing and is about the residual, but not the residual: the steps
 // of the Jacobi solvers are along bounds of the rows' own blocks, and rows that a sweep has passed are disturbed by those after

@@ -1,4 +1,4 @@
-// A stage stops by the measure by which its step is judged.
+// A solver stage stops by the natural residual, and the same residual decides whether its step counts as converged.
 #include "solve/stop_test.hpp"
 
 #include <gtest/gtest.h>
