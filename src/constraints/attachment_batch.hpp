@@ -56,6 +56,10 @@ class AttachmentBatch : public BatchDefaults {
   std::size_t colours() const { return any_ ? 1 : 0; }
   void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
   double relax(std::size_t colour, bool backwards, SolveState& state);
+  template <class F>
+  void for_each_unknown(F&& f) {
+    for (Row& row : rows_) f(std::span(row.lambda.data(), 3));
+  }
   double residual(const SolveState& state) const;  // the largest component of h r
   std::size_t bytes() const { return 0; }          // in the solve's scratch memory, which is counted as a whole
 

@@ -68,6 +68,7 @@ struct BuildContext {
 // From which of the last step's multipliers a step starts.
 struct WarmStart {
   double contacts_share = 0;              // of contacts
+  double uneven_share = 1;                // of what the points of a manifold bear beyond their mean
   double share = 0;                       // of all others; 0 too where the scene has none
   double setting = -1;                    // the scene's own share; negative: left open, nothing of types that start cold
   const Surfaces* cold_solids = nullptr;  // contacts of these solids start from nothing; null: none do
@@ -107,6 +108,12 @@ struct BatchDefaults {
   void remember(NoHistory&, double) const {}
 };
 
+// The numbers of which the elements of an array consist: doubles, or vectors of them.
+template <class Array>
+std::span<double> numbers_of(Array& array) {
+  return {reinterpret_cast<double*>(array.data()), array.size() * (sizeof(*array.data()) / sizeof(double))};
+}
+
 template <class B>
 concept Batch = std::movable<B> &&
     requires(B& b, const B& c, const BuildContext& context, SolveState& state, const SolveState& seen, SweepSums& sums,
@@ -124,6 +131,9 @@ concept Batch = std::movable<B> &&
   // Gauss-Seidel: one pass over the constraints of a colour, which act on state.bodies at once. Returns the largest change (m).
   { c.colours() } -> std::same_as<std::size_t>;
   { b.relax(std::size_t{}, bool{}, state) } -> std::same_as<double>;
+  // Calls f(std::span<double>) for all numbers that relax() changes beside the bodies: the multipliers, and impulses kept with
+  // them. Gauss-Seidel extrapolates them from sweep to sweep, as it does the bodies' velocities.
+  b.for_each_unknown([](std::span<double>) {});
   // Natural residual (m), zero exactly at a solution.
   { c.residual(seen) } -> std::same_as<double>;
 

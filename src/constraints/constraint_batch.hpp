@@ -92,6 +92,10 @@ class ConstraintBatch : public BatchDefaults {
   // The constraints of a colour share no moving body.
   double relax(std::size_t colour, bool backwards, SolveState& state);
   double relax(std::size_t colour, const StepStart& start, std::span<SolverBody> bodies);
+  template <class F>
+  void for_each_unknown(F&& f) {
+    f(numbers_of(lambda_)), f(numbers_of(applied_));
+  }
 
   // max (h + rho) |r|
   double residual(const SolveState& state) const { return residual(state.start(), state.bodies); }

@@ -118,6 +118,11 @@ class ContactBatch : public BatchDefaults {
   double relax(std::size_t colour, bool backwards, SolveState& state) { return relax(colour, backwards, state.bodies); }
   double relax(std::size_t group, bool backwards, std::span<SolverBody> bodies);
 
+  template <class F>
+  void for_each_unknown(F&& f) {
+    f(numbers_of(normals)), f(numbers_of(tangent_impulses));
+  }
+
   // settle(), where the solver is Jacobi's, then hold_centres().
   void end_stage(SolveState& state);
 

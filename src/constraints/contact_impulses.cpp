@@ -37,7 +37,7 @@ void ContactBatch::forget_solids(const Surfaces& surfaces, std::span<Impulse> st
 void ContactBatch::start_from(const Multipliers& history, const WarmStart& warm) {
   if (warm.contacts_share <= 0) return set_impulses({});
   std::pmr::vector<Impulse> start(contacts_->points.size(), places_.get_allocator());
-  recall(history, *world_, *contacts_, step_, start, warm.contacts_share);
+  recall(history, *world_, *contacts_, step_, start, warm.contacts_share, warm.uneven_share);
   if (warm.cold_solids != nullptr) forget_solids(*warm.cold_solids, start);
   set_impulses(start);
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "collide/cores.hpp"
 #include "constraints/carried.hpp"
 #include "core/capacity.hpp"
 
@@ -21,6 +22,12 @@ Slot carrier(const World& world, const Manifold& m) { return world.is_static(m.s
 bool has_one_point(const World& world, const Manifold& m) {
   const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;
   return (is_round(a) || is_round(b)) && !is_composite(a.kind) && !is_composite(b.kind);
+}
+
+// Whether the manifold is a core's (collide/cores.hpp). Beside the one point of a round body a core is met in the step of an
+// impact only, and is not remembered.
+bool is_core(const Contacts& contacts, const Manifold& m) {
+  return m.count > 0 && contacts.points[m.first].feature == core_feature;
 }
 
 // In the frame of the body that carries a manifold's points.
@@ -57,10 +64,19 @@ void match(const World& world, const Contacts& contacts, const Manifold& m, std:
   }
 }
 
+// The mean normal force (N) of the old points that match points of the manifold; their multipliers begin at `first`.
+double mean_force(const Multipliers& multipliers, std::size_t first, std::span<const int> matches) {
+  double sum = 0;
+  int count = 0;
+  for (const int match : matches)
+    if (match >= 0) sum += multipliers.points[first + static_cast<std::size_t>(match)].normal, ++count;
+  return count > 0 ? sum / count : 0;
+}
+
 }  // namespace
 
 void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
-            std::span<ContactBatch::Impulse> impulses, double share) {
+            std::span<ContactBatch::Impulse> impulses, double share, double uneven_share) {
   const double scale = share * step;
   std::fill(impulses.begin(), impulses.end(), ContactBatch::Impulse{0, 0, 0});
   const auto& old = multipliers.manifolds;
@@ -77,17 +93,19 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
     if (first) used.assign(multipliers.places_of(k).size(), false), last = key;
     if (!has_one_point(world, m))
       match(world, contacts, m, multipliers.places_of(k), used, matches);
-    else if (!first)
-      matches.fill(-1);  // a core's, beside the one point
+    else if (is_core(contacts, m))
+      matches.fill(-1);
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
     const Vec3 turn = step * common_turn(world, m.slot_a, m.slot_b).turn;
     const bool carried = turn.norm() >= least_turn && turn.norm() < most_turn;
     const Mat3 turned = carried ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Mat3::Identity();
+    const double mean = mean_force(multipliers, old[k].first_point, std::span(matches).first(m.count));
     for (std::uint32_t p = 0; p < m.count; ++p) {
       if (matches[p] < 0) continue;
       const RememberedPoint& from = multipliers.points[old[k].first_point + static_cast<std::size_t>(matches[p])];
+      const double normal = uneven_share * from.normal + (1 - uneven_share) * mean;
       const Vec3 tangential = carried ? Vec3(turned * from.tangential) : from.tangential;
-      impulses[m.first + p] = {from.normal * scale, tangential.dot(s) * scale, tangential.dot(t) * scale};
+      impulses[m.first + p] = {normal * scale, tangential.dot(s) * scale, tangential.dot(t) * scale};
     }
   }
 }
@@ -103,6 +121,7 @@ void remember_manifold(Multipliers& multipliers, const World& world, const Conta
                        std::span<const ContactBatch::Impulse> of_manifold, double step) {
   const auto is_zero = [](const ContactBatch::Impulse& i) { return i.n == 0 && i.s == 0 && i.t == 0; };
   if (std::all_of(of_manifold.begin(), of_manifold.end(), is_zero)) return;
+  if (has_one_point(world, m) && is_core(contacts, m)) return;
   const auto& known = multipliers.manifolds;  // of two bodies of many parts all manifolds are remembered as one
   if (known.empty() || known.back().id_a != m.id_a || known.back().id_b != m.id_b) multipliers.begin_manifold(m.id_a, m.id_b);
   const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);

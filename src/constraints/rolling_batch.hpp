@@ -48,6 +48,10 @@ class RollingBatch : public BatchDefaults {
   // After a sweep, or a pass over the same colour, of the contacts.
   void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
   double relax(std::size_t colour, bool backwards, SolveState& state);
+  template <class F>
+  void for_each_unknown(F&& f) {
+    for (Row& row : rows_) f(std::span<double>(row.lambda));
+  }
 
   void keep_impulses(bool joint);
   void join_stages();

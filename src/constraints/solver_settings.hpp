@@ -26,8 +26,8 @@ inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "jo
 // How accelerated_jacobi extrapolates: optimized, the optimized gradient method of Kim and Fessler (2016), which takes the step
 // itself further as well; nesterov, the paper's; automatic: optimized in stages whose rows are all linear, or of links, at the
 // scaling that bounds them (momentum.hpp).
-enum class Acceleration { automatic, optimized, nesterov };
-inline constexpr std::array<std::string_view, 3> acceleration_names{"auto", "optimized", "nesterov"};
+enum class Acceleration { automatic, optimized, nesterov, none };
+inline constexpr std::array<std::string_view, 4> acceleration_names{"auto", "optimized", "nesterov", "none"};
 
 // What the Jacobi solvers divide the steps of cloths, threads and solids by at each body: directions, by how far its constraints
 // together may push it along one (direction_sum.hpp); count, the paper's, by their number.

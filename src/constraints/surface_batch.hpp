@@ -45,6 +45,11 @@ class SurfaceBatch : public BatchDefaults {
 
   void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
   double relax(std::size_t colour, bool backwards, SolveState& state);
+  template <class F>
+  void for_each_unknown(F&& f) {
+    for (Block& block : blocks_)
+      for (Vec4d* of : {&block.lambda.n, &block.lambda.s, &block.lambda.t}) f(std::span(reinterpret_cast<double*>(of), lanes));
+  }
   double residual(const SolveState& state) const;
 
   // Normal multipliers of all stages together: index = that of the contact in Contacts::surface.

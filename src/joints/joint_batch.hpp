@@ -83,6 +83,10 @@ class JointBatch : public BatchDefaults {
 
   void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
   double relax(std::size_t colour, bool backwards, SolveState& state);
+  template <class F>
+  void for_each_unknown(F&& f) {
+    for (Part& part : parts_) f(std::span<double>(part.lambda));
+  }
 
   // Index = that of the joint in the list.
   void set_impulses(std::span<const JointImpulses> impulses, double share);

@@ -5,13 +5,14 @@
 // split among them, and therefore some times over; attachments are another, and so are the trees of joints that are solved
 // directly.
 
-#include <mpi.h>
-
+#include <algorithm>
+#include <optional>
 #include <vector>
 
-#include "core/checked.hpp"
 #include "solve/solver.hpp"
 #include "solve/stop_test.hpp"
+#include "solve/sum_reduction.hpp"
+#include "solve/sweep_momentum.hpp"
 
 namespace unibody {
 
@@ -51,12 +52,29 @@ double relax(System& system, const Pass& pass, bool backwards) {
   return change;
 }
 
+// All passes of an iteration; returns the largest change (m) on this rank.
+double sweep(System& system, const Exchange& exchange, const Schedule& schedule, bool backwards) {
+  double change = 0;
+  for (std::size_t i = 0; i < schedule.passes.size(); ++i) {
+    const Pass& pass = schedule.at(i, backwards);
+    if (pass.needs_all)
+      exchange.refresh(system.bodies);
+    else
+      exchange.refresh(pass.batch, pass.colour, system.bodies);
+    change = std::max(change, relax(system, pass, backwards));
+  }
+  return change;
+}
+
 }  // namespace
 
 SolveReport gauss_seidel(System& system, const Exchange& exchange, int iterations, double tolerance) {
   SolveReport report;
   const Schedule schedule = make_schedule(system);
   StopTest stop(system, exchange, tolerance);
+  SumReduction reduction(exchange);
+  std::optional<SweepMomentum> momentum;
+  if (system.acceleration != Acceleration::none) momentum.emplace(system);
   while (report.iterations < iterations && !report.converged) {
     if (system.observer) system.observer();
     if (system.renews) {
@@ -64,23 +82,22 @@ SolveReport gauss_seidel(System& system, const Exchange& exchange, int iteration
       for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
     }
     const bool backwards = report.iterations % 2 == 1;
-    double change = 0;
-    for (std::size_t i = 0; i < schedule.passes.size(); ++i) {
-      const Pass& pass = schedule.at(i, backwards);
-      if (pass.needs_all)
-        exchange.refresh(system.bodies);
-      else
-        exchange.refresh(pass.batch, pass.colour, system.bodies);
-      change = std::max(change, relax(system, pass, backwards));
-    }
+    SweepSums sums;
+    sums.change = sweep(system, exchange, schedule, backwards);
     ++report.iterations;
-    if (tolerance <= 0) continue;
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_DOUBLE, MPI_MAX, exchange.comm()));
-    if (!stop.is_worth_measuring(change)) continue;
-    exchange.refresh(system.bodies);
-    report.converged = stop.passes(change);
+    // What is applied in the end must lie in the cone: two plain sweeps at least follow where it was left.
+    const bool extrapolates = momentum && backwards && report.iterations + 2 <= iterations;
+    if (extrapolates) momentum->measure(sums);
+    if (tolerance <= 0 && !extrapolates) continue;
+    reduction.start(sums);
+    sums = reduction.wait();
+    const bool measures = stop.is_worth_measuring(sums.change);
+    if (measures || extrapolates) exchange.refresh(system.bodies);
+    if (measures) report.converged = stop.passes(sums.change);
+    if (extrapolates && !report.converged) momentum->extrapolate(sums);
   }
   report.residual = stop.residual();
+  if (momentum) report.restarts = momentum->restarts();
   for_each_acting(system, [&](auto, auto& batch) { batch.end_stage(system); });
   exchange.refresh(system.bodies);
   return report;

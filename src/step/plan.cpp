@@ -21,8 +21,9 @@ Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, cons
 Split split_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
   Split split = solver.split(settings.iterations);
   if (traits.has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
-  return {settings.velocity_share.value_or(split.velocity_share), settings.leak.value_or(split.leak), split.swelling,
-          split.iterations_a_weight};
+  split.velocity_share = settings.velocity_share.value_or(split.velocity_share);
+  split.leak = settings.leak.value_or(split.leak);
+  return split;
 }
 
 // How accelerated_jacobi extrapolates in a stage.
@@ -80,6 +81,7 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   const bool one_stage_of_velocities = at_velocity_level(settings) && !settings.warm_start;
   const double in_one_stage = one_stage_of_velocities ? automatic_velocity_share : share;
   plan.contacts_share = plan.stages != Stages::position ? 1 : in_one_stage;
+  plan.uneven_share = plan.stages != Stages::position ? split.uneven_share : 1;
   plan.share = traits.has_constraints() ? share : 0;
   plan.solids_start_cold = !settings.warm_start && plan.stages == Stages::position && !at_velocity_level(settings);
 

@@ -43,6 +43,7 @@ struct StepPlan {
   // Of the old multipliers, what a step starts from: of contacts, and of all others; of types that start cold only where the
   // scene says so.
   double contacts_share = 0, share = 0;
+  double uneven_share = 1;         // see Split
   bool solids_start_cold = false;  // contacts of solids start from nothing
   Acceleration velocity_acceleration = Acceleration::nesterov, position_acceleration = Acceleration::nesterov;
   double most_stiffness = std::numeric_limits<double>::infinity();  // geometric stiffness with which a link may start

@@ -14,7 +14,7 @@ namespace unibody {
 
 void warm_start(RankState& state, System& system, const StepPlan& plan) {
   WarmStart warm;
-  warm.contacts_share = plan.contacts_share, warm.share = plan.share;
+  warm.contacts_share = plan.contacts_share, warm.uneven_share = plan.uneven_share, warm.share = plan.share;
   warm.setting = state.scene.solver.warm_start.value_or(-1);
   if (plan.solids_start_cold) warm.cold_solids = &state.surfaces;
   {

@@ -61,6 +61,10 @@ class SpringBatch : public BatchDefaults {
     lambda_ += step, body.v[0] += body.inverse_mass * step;
     return step_ * std::abs(r);
   }
+  template <class F>
+  void for_each_unknown(F&& f) {
+    f(std::span(&lambda_, 1));
+  }
   double residual(const SolveState& state) const {
     if (slot_ < 0) return 0;
     lambda_or_y_ = lambda_;

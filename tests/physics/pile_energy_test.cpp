@@ -55,7 +55,10 @@ INSTANTIATE_TEST_SUITE_P(
                     PileCase{20, 300, "iterations: 50, velocity_share: 0.5"}, PileCase{50, 300, "iterations: 25"},
                     PileCase{50, 300, "iterations: 50"}, PileCase{100, 300, "iterations: 10"},
                     PileCase{100, 300, "iterations: 50"}, PileCase{100, 300, "iterations: 50, velocity_share: 0.5"},
-                    PileCase{100, 200, "iterations: 100"}, PileCase{20, 300, "iterations: 50, name: gauss_seidel, leak: 0"},
-                    PileCase{100, 300, "iterations: 50, name: gauss_seidel, leak: 0"}));
+                    PileCase{100, 200, "iterations: 100"}, PileCase{20, 300, "iterations: 20, name: gauss_seidel, leak: 0"},
+                    PileCase{20, 300, "iterations: 50, name: gauss_seidel"},
+                    PileCase{50, 300, "iterations: 50, name: gauss_seidel"},
+                    PileCase{50, 300, "iterations: 200, name: gauss_seidel"},
+                    PileCase{100, 300, "iterations: 50, name: gauss_seidel"}));
 
 }  // namespace unibody::small_worlds

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "collide/bodies.hpp"
+#include "collide/cores.hpp"
 #include "small_worlds.hpp"
 
 namespace unibody::small_worlds {
@@ -125,6 +126,29 @@ TEST(Recall, ARollingBallKeepsItsContact) {
   world.orientation[0] = Quat(Eigen::AngleAxisd(2, Vec3::UnitY()));
   EXPECT_NEAR(recalled(multipliers, world, contacts, h)[0].n, 5, 1e-14);
   EXPECT_NEAR(recalled(multipliers, world, contacts, h / 2)[0].n, 2.5, 1e-14);  // forces are kept, impulses go with the step
+}
+
+// The core of a fast body makes a manifold of its own. It gives the ball's one point nothing and takes nothing from it, and the
+// pair is remembered with one point, which is what a checkpoint holds of a pair without places.
+TEST(Recall, ACoreBesideTheOnePointIsNotRemembered) {
+  Body b = ball(1, 0.5, Vec3(0, 0, 0.5)), slab = block(1, Vec3(1, 1, 0.1), Vec3(0, 0, -0.05));
+  b.id = 0, slab.id = 1;
+  const World world = unibody::testing::world_of({b, slab});
+  Contacts contacts;
+  contacts.manifolds.push_back({0, 1, 0, 1, Vec3::UnitZ(), 0.5, 0, 1});
+  contacts.manifolds.push_back({0, 1, 0, 1, Vec3::UnitZ(), 0.5, 1, 1});
+  contacts.points.push_back({Vec3::Zero(), 0, 0});
+  contacts.points.push_back({Vec3::Zero(), 0, core_feature});
+  Multipliers multipliers;
+  remember(multipliers, world, contacts, std::vector<ContactBatch::Impulse>{{5, 0, 0}, {7, 0, 0}}, h);
+  ASSERT_EQ(multipliers.manifolds.size(), 1U);
+  EXPECT_EQ(multipliers.points.size(), 1U);
+  EXPECT_TRUE(multipliers.places.empty());
+  const auto both = recalled(multipliers, world, contacts, h);
+  EXPECT_NEAR(both[0].n, 5, 1e-14);
+  EXPECT_EQ(both[1].n, 0);
+  contacts.manifolds.erase(contacts.manifolds.begin());
+  EXPECT_EQ(recalled(multipliers, world, contacts, h)[1].n, 0) << "the core alone";
 }
 
 }  // namespace unibody::small_worlds

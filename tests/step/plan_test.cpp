@@ -152,8 +152,10 @@ TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   EXPECT_EQ(leak("jacobi", 50), 0);
   EXPECT_EQ(leak("gauss_seidel", 10), 0.3);
   EXPECT_EQ(leak("gauss_seidel", 5), 0.15);
-  EXPECT_EQ(unibody::plan(solver("gauss_seidel"), grains()).swelling, 0.002);
-  EXPECT_EQ(unibody::plan(solver("gauss_seidel"), grains()).most_weights, 0);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel", 20), grains()).swelling, 0.002);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel", 20), grains()).most_weights, 0);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel", 50), grains()).swelling, 0);
+  EXPECT_DOUBLE_EQ(unibody::plan(solver("gauss_seidel", 50), grains()).most_weights, 16);
   EXPECT_DOUBLE_EQ(unibody::plan(solver("accelerated_jacobi"), grains()).most_weights, 10);
 }
 
