@@ -1,10 +1,11 @@
-"""Two ways of accelerated_jacobi side by side, its momentum or how it shares masses: what either leaves of the error, and its time a frame."""
+"""Two ways of one solver side by side, its momentum or how it shares masses: what either leaves of the error, and its time a frame."""
 import statistics
 
 from runs import column, folder, frame_ms, line, publish, say, table, unibody
 
 MOMENTUM = ('acceleration', ('nesterov', 'optimized'))
 SHARING = ('mass_sharing', ('count', 'directions'))
+PLAIN = ('acceleration', ('none', 'nesterov'))  # of gauss_seidel; the others are of accelerated_jacobi
 # title: scene, what differs, frames until it rests or hangs, iterations (--quick: the second alone), the error's column of report.csv
 # and its factor
 CASES = {
@@ -19,6 +20,12 @@ CASES = {
     '2,000 boxes between walls (RMS penetration, mm)': ('boxes_walled_2000', MOMENTUM, 600, (20, 50, 100), 'penetration_rms', 1e3),
     '5,000 spheres (RMS penetration, mm)': ('spheres_5000', MOMENTUM, 500, (20, 50, 100), 'penetration_rms', 1e3),
     'chain with a heavy ball (RMS drift, mm)': ('chain_heavy_ball', MOMENTUM, 200, (50, 100, 400), 'joint_drift_rms', 1e3),
+    'chain with a heavy ball, Gauss-Seidel (RMS drift, mm)': ('chain_heavy_ball', PLAIN, 200, (50, 100, 400), 'joint_drift_rms', 1e3),
+    'cloth, 50 x 50, Gauss-Seidel (RMS stretch, %)': ('cloth_50', PLAIN, 300, (20, 50, 100), 'stretch_rms', 100),
+    'cloth, 100 x 100, Gauss-Seidel (RMS stretch, %)': ('cloth_100', PLAIN, 300, (20, 50, 100), 'stretch_rms', 100),
+    'soft block on a floor, Gauss-Seidel (natural residual, mm)': ('soft_block_on_floor', PLAIN, 60, (20, 50), 'natural_residual', 1e3),
+    '500 boxes, Gauss-Seidel (RMS penetration, mm)': ('boxes_500', PLAIN, 150, (20, 50, 100), 'penetration_rms', 1e3),
+    '5,000 spheres, Gauss-Seidel (RMS penetration, mm)': ('spheres_5000', PLAIN, 300, (20, 50, 100), 'penetration_rms', 1e3),
 }
 LAST = 100  # frames judged, or half of them where there are fewer
 
@@ -33,11 +40,14 @@ def acceleration(arguments):
     """Errors as the program itself reports them; the two of a pair run one after the other."""
     lines = table(['scene (error)', 'iterations', 'two ways', 'error', 'ratio', 'ms a frame', 'ratio'])
     for title, (scene, (key, ways), frames, counts, name, factor) in CASES.items():
+        solver = 'gauss_seidel' if ways is PLAIN[1] else 'accelerated_jacobi'
+        if arguments.solvers and solver not in arguments.solvers:
+            continue
         for iterations in counts[1:2] if arguments.quick else counts:
             errors, times = [], []
             for way in ways:
                 say(f'acceleration: {scene}, {iterations} iterations, {way}')
-                settings = ['solver.name=accelerated_jacobi', f'solver.iterations={iterations}', f'solver.{key}={way}', 'output.every=0']
+                settings = [f'solver.name={solver}', f'solver.iterations={iterations}', f'solver.{key}={way}', 'output.every=0']
                 rows = unibody(scene, settings, folder('acceleration'), 1, arguments.core, arguments.frames or frames)
                 errors.append(error_of(rows, name, factor)), times.append(frame_ms(rows))
             shown = [f'{a:.3g}, {b:.3g}' for a, b in (errors, times)]

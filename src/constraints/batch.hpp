@@ -68,7 +68,6 @@ struct BuildContext {
 // From which of the last step's multipliers a step starts.
 struct WarmStart {
   double contacts_share = 0;              // of contacts
-  double uneven_share = 1;                // of what the points of a manifold bear beyond their mean
   double share = 0;                       // of all others; 0 too where the scene has none
   double setting = -1;                    // the scene's own share; negative: left open, nothing of types that start cold
   const Surfaces* cold_solids = nullptr;  // contacts of these solids start from nothing; null: none do

@@ -40,7 +40,8 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       bouncing_(memory),
       counted_(memory),
       kept_impulses_(memory),
-      leak_shares_(memory) {}
+      leak_shares_(memory),
+      unsolved_(memory) {}
 
 // Manifolds are read in key order, where each is next to the one before and so are its bodies: in the order of colours they are
 // strangers, which in large scenes costs more than all that is done with them. Each colour has a block that fills up.
@@ -51,7 +52,7 @@ void ContactBatch::build(const BuildContext& context) {
   contacts_ = context.contacts, world_ = &context.world, friction_ = context.settings.friction;
   scaling_ = context.settings.scaling, step_ = context.state.step;
   is_gauss_seidel_ = counts.empty(), bias_is_gap_ = true, kept_ = Kept::nothing;
-  bouncing_.clear(), leak_shares_.clear();
+  bouncing_.clear(), leak_shares_.clear(), unsolved_.clear();
   counted_.resize(contacts_->manifolds.size());
   for (std::size_t m = 0; m < counted_.size(); ++m) counted_[m] = counts_here(*world_, contacts_->manifolds[m]);
   const auto nobody = static_cast<Slot>(bodies.size() - 1);

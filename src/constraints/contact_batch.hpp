@@ -181,6 +181,10 @@ class ContactBatch : public BatchDefaults {
   // ranks.
   void limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight);
 
+  // Marks manifolds whose residual is more than the tolerance (m): remember() keeps but `share` of what the normal forces of
+  // their points differ from the manifold's mean by. Guests must be as their homes.
+  void even_out(std::span<const SolverBody> bodies, double tolerance, double share);
+
   std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
 
   bool is_counted(std::size_t manifold) const { return counted_[manifold] != 0; }  // by this rank in sums over all ranks
@@ -220,6 +224,9 @@ class ContactBatch : public BatchDefaults {
   // Calls f(number of the manifold, lane, point, tangent, number in Contacts::points) for every row in use, in key order.
   template <class F>
   void for_each_row(F&& f) const;
+  // Calls f(block, residual of each lane (m/s)).
+  template <class F>
+  void for_each_residual(std::span<const SolverBody> bodies, F&& f) const;
   void forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const;
   bool sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   struct Lane {
@@ -244,6 +251,8 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<std::uint8_t> counted_;   // of each manifold: this rank counts it in sums over all manifolds
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
   std::pmr::vector<double> leak_shares_;     // of all points, what limit_leak() leaves of the leak; empty: all of it
+  std::pmr::vector<std::uint8_t> unsolved_;  // of each manifold: even_out() marked it; empty: it marked none
+  double uneven_share_ = 1;
   const Contacts* contacts_ = nullptr;
   const World* world_ = nullptr;
   std::span<const Vec3> displaced_;  // only while it is built

@@ -37,7 +37,7 @@ void ContactBatch::forget_solids(const Surfaces& surfaces, std::span<Impulse> st
 void ContactBatch::start_from(const Multipliers& history, const WarmStart& warm) {
   if (warm.contacts_share <= 0) return set_impulses({});
   std::pmr::vector<Impulse> start(contacts_->points.size(), places_.get_allocator());
-  recall(history, *world_, *contacts_, step_, start, warm.contacts_share, warm.uneven_share);
+  recall(history, *world_, *contacts_, step_, start, warm.contacts_share);
   if (warm.cold_solids != nullptr) forget_solids(*warm.cold_solids, start);
   set_impulses(start);
 }
@@ -96,6 +96,17 @@ std::int64_t ContactBatch::sliding() const {
   return count;
 }
 
+namespace {
+
+// Keeps the share of what each normal impulse differs from their mean by.
+void take_towards_mean(std::span<ContactBatch::Impulse> impulses, double share) {
+  double mean = 0;
+  for (const ContactBatch::Impulse& impulse : impulses) mean += impulse.n / static_cast<double>(impulses.size());
+  for (ContactBatch::Impulse& impulse : impulses) impulse.n = mean + share * (impulse.n - mean);
+}
+
+}  // namespace
+
 void ContactBatch::remember(Multipliers& history, double leak) const {
   start_remembering(history, *contacts_);
   std::array<Impulse, most_points> of_manifold;
@@ -111,7 +122,9 @@ void ContactBatch::remember(Multipliers& history, double leak) const {
       const auto mix = [&](double x, double y) { return x + share * (kept_ == Kept::apart ? y : y - x); };
       impulse = {mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
     }
-    remember_manifold(history, *world_, *contacts_, m, std::span(of_manifold).first(m.count), step_);
+    const std::span<Impulse> all = std::span(of_manifold).first(m.count);
+    if (!unsolved_.empty() && unsolved_[i] != 0) take_towards_mean(all, uneven_share_);
+    remember_manifold(history, *world_, *contacts_, m, all, step_);
   }
 }
 

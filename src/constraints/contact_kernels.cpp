@@ -147,15 +147,16 @@ void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, 
   });
 }
 
-double ContactBatch::residual(std::span<const SolverBody> bodies) const {
-  return with_model(friction_, [&]<FrictionModel model>() {
-    Vec4d worst = broadcast(0);
+template <class F>
+void ContactBatch::for_each_residual(std::span<const SolverBody> bodies, F&& f) const {
+  with_model(friction_, [&]<FrictionModel model>() {
     for (std::size_t number = 0; number < blocks.size(); ++number) {
       const Block& block = blocks[number];
       ask_for<const SolverBody>(blocks, number, bodies);
       const Side a = less_drift(gather(block.slot_a, bodies), drift_at(block)), b = gather(block.slot_b, bodies);
       const Vec3x4 t = cross(block.n, block.s);
       const Inertia* inertia = block.inertia < 0 ? nullptr : &inertias[block.inertia];
+      Vec4d worst = broadcast(0);
       for (std::uint32_t k = 0; k < block.count; ++k) {
         const Point& p = points[block.first_point + k];
         const Normal& normal = normals[block.first_point + k];
@@ -163,8 +164,22 @@ double ContactBatch::residual(std::span<const SolverBody> bodies) const {
         worst = max(worst, sideways ? point_residual<model, true>(block, t, p, normal, sideways, a, b, inertia)
                                     : point_residual<model, false>(block, t, p, normal, nullptr, a, b, inertia));
       }
+      f(block, worst);
     }
-    return step_ * horizontal_max(worst);
+  });
+}
+
+double ContactBatch::residual(std::span<const SolverBody> bodies) const {
+  Vec4d worst = broadcast(0);
+  for_each_residual(bodies, [&](const Block&, Vec4d residual) { worst = max(worst, residual); });
+  return step_ * horizontal_max(worst);
+}
+
+void ContactBatch::even_out(std::span<const SolverBody> bodies, double tolerance, double share) {
+  unsolved_.assign(contacts_->manifolds.size(), 0), uneven_share_ = share;
+  for_each_residual(bodies, [&](const Block& block, Vec4d residual) {
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (block.manifold[l] >= 0) unsolved_[static_cast<std::size_t>(block.manifold[l])] = step_ * residual[l] > tolerance;
   });
 }
 

@@ -64,19 +64,10 @@ void match(const World& world, const Contacts& contacts, const Manifold& m, std:
   }
 }
 
-// The mean normal force (N) of the old points that match points of the manifold; their multipliers begin at `first`.
-double mean_force(const Multipliers& multipliers, std::size_t first, std::span<const int> matches) {
-  double sum = 0;
-  int count = 0;
-  for (const int match : matches)
-    if (match >= 0) sum += multipliers.points[first + static_cast<std::size_t>(match)].normal, ++count;
-  return count > 0 ? sum / count : 0;
-}
-
 }  // namespace
 
 void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
-            std::span<ContactBatch::Impulse> impulses, double share, double uneven_share) {
+            std::span<ContactBatch::Impulse> impulses, double share) {
   const double scale = share * step;
   std::fill(impulses.begin(), impulses.end(), ContactBatch::Impulse{0, 0, 0});
   const auto& old = multipliers.manifolds;
@@ -99,13 +90,11 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
     const Vec3 turn = step * common_turn(world, m.slot_a, m.slot_b).turn;
     const bool carried = turn.norm() >= least_turn && turn.norm() < most_turn;
     const Mat3 turned = carried ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Mat3::Identity();
-    const double mean = mean_force(multipliers, old[k].first_point, std::span(matches).first(m.count));
     for (std::uint32_t p = 0; p < m.count; ++p) {
       if (matches[p] < 0) continue;
       const RememberedPoint& from = multipliers.points[old[k].first_point + static_cast<std::size_t>(matches[p])];
-      const double normal = uneven_share * from.normal + (1 - uneven_share) * mean;
       const Vec3 tangential = carried ? Vec3(turned * from.tangential) : from.tangential;
-      impulses[m.first + p] = {normal * scale, tangential.dot(s) * scale, tangential.dot(t) * scale};
+      impulses[m.first + p] = {from.normal * scale, tangential.dot(s) * scale, tangential.dot(t) * scale};
     }
   }
 }

@@ -11,12 +11,11 @@
 namespace unibody {
 
 // Sets the impulses (N s, in each point's own frame) for a step of `step` s: `share` times those of the same pair's nearest
-// remembered point, in the frame of the body that carries it; each old point serves once. By how much the normal force of a
-// point differs from the mean of its manifold's is kept by `uneven_share`; their sum remains. The friction
+// remembered point, in the frame of the body that carries it; each old point serves once. The friction
 // force of two bodies that turn together is turned along with them (carried.hpp). The result depends on the pair's points alone,
 // not on the order of the pairs or on the rank.
 void recall(const Multipliers& multipliers, const World& world, const Contacts& contacts, double step,
-            std::span<ContactBatch::Impulse> impulses, double share = 1, double uneven_share = 1);
+            std::span<ContactBatch::Impulse> impulses, double share = 1);
 
 // The other way: what to remember of these impulses. Either of all points at once, or first of nothing, with room for the
 // contacts that there are, and then of each manifold in order.

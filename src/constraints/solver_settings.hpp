@@ -23,9 +23,9 @@ inline constexpr std::array<std::string_view, 2> gap_names{"frozen", "reevaluate
 enum class Stages { automatic, two, joint, position };
 inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "joint", "position"};
 
-// How accelerated_jacobi extrapolates: optimized, the optimized gradient method of Kim and Fessler (2016), which takes the step
-// itself further as well; nesterov, the paper's; automatic: optimized in stages whose rows are all linear, or of links, at the
-// scaling that bounds them (momentum.hpp).
+// How sweeps are extrapolated: optimized, the optimized gradient method of Kim and Fessler (2016), which takes the step itself
+// further as well; nesterov, the paper's, and Gauss-Seidel's; automatic: optimized in stages of accelerated_jacobi whose rows are
+// all linear, or of links, at the scaling that bounds them (momentum.hpp); none: the plain method.
 enum class Acceleration { automatic, optimized, nesterov, none };
 inline constexpr std::array<std::string_view, 4> acceleration_names{"auto", "optimized", "nesterov", "none"};
 

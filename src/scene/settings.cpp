@@ -125,7 +125,7 @@ const SettingList<SolverSettings>& solver_settings() {
       solver_name(),
       integer("iterations", "", 1, 1'000'000'000, &T::iterations, "iterations of a step, over both stages (two stages: >= 2)"),
       number_or_auto("tolerance", "m", not_negative, &T::tolerance, "natural residual at which a stage stops; 0: never"),
-      choice("acceleration", acceleration_names, &T::acceleration, "how accelerated_jacobi extrapolates"),
+      choice("acceleration", acceleration_names, &T::acceleration, "how accelerated_jacobi and gauss_seidel extrapolate from sweep to sweep"),
       choice("mass_sharing", mass_sharing_names, &T::mass_sharing,
              "how the Jacobi solvers share a body's mass among constraints"),
       choice("level", level_names, &T::level, "velocity: the classic time stepping, for comparison"),

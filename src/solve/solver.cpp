@@ -18,7 +18,7 @@ namespace {
 Split of_accelerated_jacobi(int iterations) { return {0.8, iterations >= 30 ? 0.6 : iterations >= 20 ? 0.15 : 0, 0, 4}; }
 Split of_jacobi(int) { return {0.5, 0}; }
 Split of_gauss_seidel(int iterations) {
-  if (iterations >= 30) return {0.65, 0.3, 0, 2, 0.9};
+  if (iterations >= 30) return {0.65, 0.3, 0.002, 2, 0.9};
   return {0.5, iterations >= 8 ? 0.3 : 0.15, 0.002};
 }
 

@@ -76,9 +76,9 @@ struct Split {
   double swelling = 0;    // of g h: the coherent speed at which a pile may swell before nothing leaks; 0: any
   // Of the velocity stage, for each weight of a body that a contact may bear before it leaks less; 0: it may bear any.
   double iterations_a_weight = 0;
-  // Of the old multipliers of a manifold's points, what is kept of their differences from their mean where the velocity stage
-  // starts. Old forces lag behind the motion. Those that hold a body's weight hardly change; differences between points of one
-  // face hold it upright, and the lag of what is left unconverged rocks it further each time.
+  // Of a manifold that the velocity stage left unsolved, what the next one starts from of the differences of its points' normal
+  // multipliers from their mean. Old forces lag behind the motion. Those that bear a body's weight hardly change; differences
+  // between the points of a face hold the body upright, and their lag rocks it further each time.
   double uneven_share = 1;
 };
 

@@ -61,10 +61,9 @@ double SweepMomentum::largest_share(double progress) {
 }
 
 void SweepMomentum::extrapolate(const SweepSums& sums) {
-  if (is_first_) unit_ = unit_for(sums.largest);
   const double nesterov = momentum_.next(is_first_ ? SweepSums{} : sums, !is_first_).momentum;
   const double share = std::min(nesterov, largest_share(is_first_ ? 0 : static_cast<double>(sums.progress) * sums.unit));
-  is_first_ = false;
+  is_first_ = false, unit_ = unit_for(sums.largest);  // anew each time: the error may fall by more than a unit's 2^-30
   for (std::size_t i = 0; i < before_.size(); ++i) {
     SolverBody& body = system_.bodies[i];
     const Motion now = motion_of(body);

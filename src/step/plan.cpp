@@ -70,12 +70,15 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   plan.stages = stages_of(settings, traits, solver);
   plan.two_stages = plan.stages != Stages::position && (!traits.has_constraints() || facts.any_contact);
   const Split split = split_of(settings, traits, solver);
-  plan.velocity_share = split.velocity_share, plan.leak = split.leak, plan.swelling = split.swelling;
+  plan.velocity_share = split.velocity_share, plan.leak = split.leak;
   if (plan.two_stages)
     plan.velocity_iterations =
         std::clamp(static_cast<int>(split.velocity_share * settings.iterations), 1, settings.iterations - 1);
-  if (plan.two_stages && plan.stages == Stages::two && split.iterations_a_weight > 0)
+  // A node of a cloth or solid is light, and one contact of it may bear a whole column of them: weights tell nothing there.
+  const bool by_weights = split.iterations_a_weight > 0 && (!traits.has_constraints() || split.swelling == 0);
+  if (plan.two_stages && plan.stages == Stages::two && by_weights)
     plan.most_weights = plan.velocity_iterations / split.iterations_a_weight;
+  plan.swelling = by_weights ? 0 : split.swelling;
 
   const double share = old_share(settings);
   const bool one_stage_of_velocities = at_velocity_level(settings) && !settings.warm_start;

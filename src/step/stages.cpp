@@ -14,7 +14,7 @@ namespace unibody {
 
 void warm_start(RankState& state, System& system, const StepPlan& plan) {
   WarmStart warm;
-  warm.contacts_share = plan.contacts_share, warm.uneven_share = plan.uneven_share, warm.share = plan.share;
+  warm.contacts_share = plan.contacts_share, warm.share = plan.share;
   warm.setting = state.scene.solver.warm_start.value_or(-1);
   if (plan.solids_start_cold) warm.cold_solids = &state.surfaces;
   {
@@ -124,6 +124,7 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   if (plan.two_stages) {
     const SolveReport velocity = run(Stage::Kind::velocity, plan.velocity_iterations);
     report.iterations = velocity.iterations, leaks = !velocity.converged;
+    if (leaks && plan.uneven_share < 1) system.contacts().even_out(system.bodies, plan.tolerance, plan.uneven_share);
     if (plan.stages == Stages::two) left_by_velocities = std::ranges::max(residuals(system));
     for_each_batch(system.batches, [&](auto, auto& batch) { batch.keep_impulses(plan.stages == Stages::joint); });
   }

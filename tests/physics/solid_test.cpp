@@ -70,14 +70,14 @@ TEST(Solid, ElasticEnergyWithTheVolumeAtRestAndTheCurrentOne) {
   }
 }
 
-// Hard rubber on a hard floor, edge first, by default settings: far from converged in every step, and yet no source of energy. In
-// steps of 2 ms its nodes move by a tenth of an edge.
+// Hard rubber on a hard floor, edge first: with the default 50 iterations, and Gauss-Seidel with half of them, far from
+// converged, and yet no source of energy. In steps of 2 ms its nodes move by a tenth of an edge.
 TEST(Solid, AnImpactOfHardRubberGainsNoEnergy) {
-  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
+  for (const auto& [solver, iterations] : {std::pair("accelerated_jacobi", 50), {"gauss_seidel", 50}, {"gauss_seidel", 25}}) {
     Scene scene = scene_from_text("time: {frame: 0.002}\n" + hard_rubber("size: [0.3, 0.2, 0.2], cells: [3, 2, 2]") +
                                   "    position: [0, 0, 0.22]\n    orientation: {axis: [0.6, 0.8, 0], angle: 30}\n"
                                   "    velocity: [3, 0, -5]\n");
-    scene.solver.name = solver;
+    scene.solver.name = solver, scene.solver.iterations = iterations;
     add(scene, ground());
     Experiment run(std::move(scene));
     const double energy = run.energy();
@@ -87,7 +87,7 @@ TEST(Solid, AnImpactOfHardRubberGainsNoEnergy) {
       ASSERT_LT(run.energy(), energy) << solver << ' ' << k;
       ASSERT_LT(strain_of(run).max, 0.5) << solver << ' ' << k;
     }
-    EXPECT_TRUE(far_from_solved) << solver;
+    EXPECT_TRUE(far_from_solved || (solver == std::string("gauss_seidel") && iterations == 50)) << solver << ' ' << iterations;
     EXPECT_LT(run.energy(), 0.9 * energy) << "it has met nothing";
   }
 }

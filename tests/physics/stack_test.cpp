@@ -119,11 +119,16 @@ TEST(Stack, SagOfGaussSeidelSweepingUpwards) {
   EXPECT_NEAR(sag_sweeping_upwards(50), 1.17, 0.05 * 1.17);
   EXPECT_NEAR(sag_sweeping_upwards(100), 0.263, 0.05 * 0.263);
 }
-// Alternating costs some of that, and stays well ahead of Jacobi.
+// Alternating costs some of that, and stays well ahead of Jacobi. With momentum it has less than a tenth of either after 50
+// iterations.
 TEST(Stack, SagOfAlternatingGaussSeidel) {
-  EXPECT_LT(sag("gauss_seidel", 10, 0), sag("jacobi", 20, 0));
-  EXPECT_LT(sag("gauss_seidel", 50, 0), sag("jacobi", 100, 0));
-  EXPECT_GT(sag("gauss_seidel", 50, 0), sag_sweeping_upwards(50));
+  const auto plain = [](int iterations) {
+    return sag("gauss_seidel", iterations, 0, Stages::position, disc(1, 0.5, Vec3(0, 0, 0.5)), 1, Acceleration::none);
+  };
+  EXPECT_LT(plain(10), sag("jacobi", 20, 0));
+  EXPECT_LT(plain(50), sag("jacobi", 100, 0));
+  EXPECT_GT(plain(50), sag_sweeping_upwards(50));
+  EXPECT_LT(sag("gauss_seidel", 50, 0), 0.1 * sag_sweeping_upwards(50));
 }
 // Half of the multipliers kept halves every sag: the factor 1 - alpha of the closed form.
 TEST(Stack, HalfAWarmStartHalvesTheSag) {

@@ -104,7 +104,7 @@ const std::vector<BadInput> bad_values{
      "FILE:1: key 'solver.velocity_share': found 1, expected auto or a number in (0, 1)"},
     {"leak", "solver: {leak: 2}\n", "FILE:1: key 'solver.leak': found 2, expected auto or a number in [0, 1]"},
     {"acceleration", "solver: {acceleration: fast}\n",
-     "FILE:1: key 'solver.acceleration': found fast, expected auto, optimized or nesterov"},
+     "FILE:1: key 'solver.acceleration': found fast, expected auto, optimized, nesterov or none"},
     {"mass_sharing", "solver: {mass_sharing: none}\n",
      "FILE:1: key 'solver.mass_sharing': found none, expected directions or count"},
     {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected auto, two, joint or position"},
