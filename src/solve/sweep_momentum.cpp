@@ -1,6 +1,7 @@
 #include "solve/sweep_momentum.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -26,7 +27,7 @@ SweepMomentum::SweepMomentum(System& system)
       start_(system.bodies.get_allocator()),
       unknowns_(system.bodies.get_allocator()) {
   before_.resize(system.first_static), start_.resize(system.first_static);
-  for (std::size_t i = 0; i < system.first_static; ++i) before_[i] = start_[i] = motion_of(system.bodies[i]);
+  for (std::size_t i = 0; i < system.first_static; ++i) before_[i] = start_[i] = std::bit_cast<Motion>(system.bodies[i]);
   std::size_t count = 0;
   for_each_acting(system, [&](auto, auto& batch) { batch.for_each_unknown([&](std::span<double> x) { count += x.size(); }); });
   unknowns_.reserve(count);
@@ -37,18 +38,21 @@ SweepMomentum::SweepMomentum(System& system)
 
 void SweepMomentum::measure(SweepSums& sums) const {
   sums.unit = unit_;
+  const auto product = [](Vec4d a, Vec4d b) {
+    const Vec4d c = a * b;
+    return c[0] + c[1] + c[2];
+  };
   for (std::size_t i = 0; i < system_.homes; ++i) {
     const double inverse_mass = system_.bodies[i].inverse_mass;
     if (inverse_mass == 0) continue;
-    const Motion now = motion_of(system_.bodies[i]);
-    double uphill[2] = {0, 0}, progress[2] = {0, 0};
-    for (std::size_t k = 0; k < 6; ++k) {
-      const double step = now[k] - start_[i][k];
-      uphill[k / 3] -= step * (now[k] - before_[i][k]), progress[k / 3] += step * step;
+    const auto now = std::bit_cast<Motion>(system_.bodies[i]);
+    const Vec4d step = now.linear - start_[i].linear, mass = broadcast(1 / inverse_mass);
+    SweepTerms<double> terms{-product(mass * step, now.linear - before_[i].linear), product(mass * step, step), sums.change};
+    if (system_.rotates) {
+      const Vec4d turn = now.angular - start_[i].angular, inertia = broadcast(inertia_of(system_, i));
+      terms.gradient -= product(inertia * turn, now.angular - before_[i].angular);
+      terms.progress += product(inertia * turn, turn);
     }
-    const double inertia = inertia_of(system_, i);
-    const SweepTerms<double> terms{uphill[0] / inverse_mass + uphill[1] * inertia,
-                                   progress[0] / inverse_mass + progress[1] * inertia, sums.change};
     add_terms(sums, terms, true);
   }
 }
@@ -56,28 +60,27 @@ void SweepMomentum::measure(SweepSums& sums) const {
 double SweepMomentum::largest_share(double progress) {
   const double before = std::exchange(progress_, progress);
   if (!(before > progress)) return 1;
-  const double contraction = std::sqrt(progress / before);
-  return contraction / (2 - contraction);
+  return progress / before;
 }
 
 void SweepMomentum::extrapolate(const SweepSums& sums) {
   const double nesterov = momentum_.next(is_first_ ? SweepSums{} : sums, !is_first_).momentum;
   const double share = std::min(nesterov, largest_share(is_first_ ? 0 : static_cast<double>(sums.progress) * sums.unit));
   is_first_ = false, unit_ = unit_for(sums.largest);  // anew each time: the error may fall by more than a unit's 2^-30
+  const Vec4d part = broadcast(share);
   for (std::size_t i = 0; i < before_.size(); ++i) {
-    SolverBody& body = system_.bodies[i];
-    const Motion now = motion_of(body);
-    for (std::size_t k = 0; k < 6; ++k) start_[i][k] = now[k] + share * (now[k] - before_[i][k]);
-    before_[i] = now;
-    std::copy_n(start_[i].begin(), 3, body.v), std::copy_n(start_[i].begin() + 3, 3, body.w);
+    const auto now = std::bit_cast<Motion>(system_.bodies[i]);
+    start_[i] = {now.linear + part * (now.linear - before_[i].linear), now.angular + part * (now.angular - before_[i].angular)};
+    before_[i] = now, system_.bodies[i] = std::bit_cast<SolverBody>(start_[i]);
   }
   double* before = unknowns_.data();
   for_each_acting(system_, [&](auto, auto& batch) {
     batch.for_each_unknown([&](std::span<double> x) {
-      for (double& value : x) {
-        const double now = value;
-        value = now + share * (now - *before), *before++ = now;
+      for (std::size_t k = 0; k < x.size(); ++k) {
+        const double now = x[k];
+        x[k] = now + share * (now - before[k]), before[k] = now;
       }
+      before += x.size();
     });
   });
 }

@@ -6,11 +6,11 @@
 // long as the rows are, and go along with them: nothing has to be summed anew.
 #pragma once
 
-#include <array>
 #include <memory_resource>
 #include <vector>
 
 #include "constraints/sweep.hpp"
+#include "core/simd.hpp"
 #include "solve/momentum.hpp"
 #include "solve/solver.hpp"
 
@@ -31,11 +31,17 @@ class SweepMomentum {
   int restarts() const { return momentum_.restarts(); }
 
  private:
-  using Motion = std::array<double, 6>;  // m/s, rad/s
-  static Motion motion_of(const SolverBody& body) { return {body.v[0], body.v[1], body.v[2], body.w[0], body.w[1], body.w[2]}; }
+  // A body's velocities (m/s, rad/s). The fourth components are its inverse mass and inertia, as in SolverBody: extrapolation
+  // leaves alone what does not change.
+  struct alignas(64) Motion {
+    Vec4d linear, angular;
+  };
+  static_assert(sizeof(Motion) == sizeof(SolverBody));
 
-  // Nesterov's share grows with the sweeps, however fast they converge by themselves. Where two sweeps leave the share r of the
-  // error, the fastest momentum is r / (2 - r): (1 - s) / (1 + s) with s = 1 - r the root of the smallest eigenvalue.
+  // Nesterov's share grows with the sweeps, however fast they converge by themselves, and momentum b lets no mode shrink faster
+  // than by the root of b times what two plain sweeps leave of it. Where the last two left the share r of the step before, r^2 is
+  // the bound: near 1 the fastest there is, (1 - s) / (1 + s) with s = 1 - r, and nothing where sweeps are fast. (progress: J,
+  // which goes by the square of the steps.)
   double largest_share(double progress);
 
   System& system_;

@@ -17,19 +17,28 @@ Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, cons
   return traits.has_constraints() && !solver.sweeps_by_colour ? Stages::position : Stages::two;
 }
 
+constexpr int most_without_momentum = 29;  // iterations, of gauss_seidel's in solver.cpp
+
 // Links and joints have the position stage alone: half of the iterations are for it, whatever contacts would do with fewer.
 Split split_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
-  Split split = solver.split(settings.iterations);
+  // Sweeps without momentum reach no further down a pile than the few that leave it no time.
+  const bool plain = solver.sweeps_by_colour && settings.acceleration == Acceleration::none;
+  Split split = solver.split(plain ? std::min(settings.iterations, most_without_momentum) : settings.iterations);
   if (traits.has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
   split.velocity_share = settings.velocity_share.value_or(split.velocity_share);
   split.leak = settings.leak.value_or(split.leak);
   return split;
 }
 
-// How accelerated_jacobi extrapolates in a stage.
+// How a solver extrapolates in a stage. Gauss-Seidel's sweeps over membranes, tetrahedra and angles, of many colours and all in
+// one direction, contract fast by themselves: momentum would cost them more than it brings, but where the material is very stiff.
 Acceleration acceleration_of(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts,
                              Stage::Kind kind) {
   if (settings.acceleration != Acceleration::automatic) return settings.acceleration;
+  if (find_solver(settings.name).sweeps_by_colour) {
+    const bool of_elements = kind == Stage::Kind::position && traits.has_centre_constraints && !traits.only_links;
+    return of_elements ? Acceleration::none : Acceleration::nesterov;
+  }
   bool bears_more = settings.scaling == 1 && !facts.bounces;
   if (kind == Stage::Kind::position)
     bears_more =

@@ -77,7 +77,7 @@ TEST(SurfaceCrossing, ABulletDoesNotPassAClothOfOneCell) {
                 // What is held last of all, on the diagonal by two faces at once, loses some.
                 held += run.last.guard.pairs;
                 if (!pinned) {
-                  EXPECT_LT((run.momentum() - p).norm(), (held > 0 ? 0.02 : 1e-12) * p.norm())
+                  EXPECT_LT((run.momentum() - p).norm(), (held > 0 ? 0.03 : 1e-12) * p.norm())
                       << solver << ", speed " << speed << ", mass " << mass << ", aim " << aim.x() << ", slant " << slant;
                 }
                 ASSERT_LE(run.kinetic_energy(), energy * (1 + 1e-9));

@@ -56,8 +56,8 @@ TEST(SweepMomentum, LeavesASmallerResidualInChainsAndCloths) {
                                 {{"solver.name", "gauss_seidel"}, {"solver.acceleration", acceleration}}));
       double sum = 0;
       for (int k = 0; k < 60; ++k) {
-        const double residual = run.step().residual;
-        if (k >= 20) sum += residual;  // once it is under way
+        const double left = run.step().residual;
+        if (k >= 20) sum += left;  // once it is under way
       }
       return sum;
     };
@@ -78,7 +78,7 @@ TEST(SweepMomentum, TakesNoMoreSweepsWhereTheyAreFast) {
     }
     return sum;
   };
-  EXPECT_LE(iterations("auto"), 1.1 * iterations("none"));
+  EXPECT_LE(iterations("nesterov"), 1.1 * iterations("none"));
 }
 
 }  // namespace unibody::small_worlds

@@ -159,6 +159,18 @@ TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   EXPECT_DOUBLE_EQ(unibody::plan(solver("accelerated_jacobi"), grains()).most_weights, 10);
 }
 
+TEST(StepPlan, GaussSeidelHasMomentumButForElements) {
+  SceneTraits links = grains(), solids = grains();
+  links.has_centre_constraints = links.only_links = solids.has_centre_constraints = true, solids.only_links = false;
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel"), links).position_acceleration, Acceleration::nesterov);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel"), solids).position_acceleration, Acceleration::none);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel"), solids).velocity_acceleration, Acceleration::nesterov);
+  SolverSettings plain = solver("gauss_seidel");
+  plain.acceleration = Acceleration::none;
+  EXPECT_EQ(unibody::plan(plain, links).position_acceleration, Acceleration::none);
+  EXPECT_EQ(unibody::plan(plain, grains()).velocity_share, 0.5) << "as with few iterations";
+}
+
 TEST(StepPlan, AccelerationOfTheTwoStages) {
   constexpr Acceleration optimized = Acceleration::optimized, nesterov = Acceleration::nesterov;
   struct Row {
