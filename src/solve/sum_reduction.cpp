@@ -69,6 +69,9 @@ const SweepSums& SumReduction::wait() {
   return sums_;
 }
 
-double unit_for(double largest) { return largest > 0 && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) - 30) : 1; }
+double unit_for(double largest) {
+  constexpr double least = 0x1p-900;  // terms so small are sums of nothing; their unit's inverse would be infinite
+  return largest > least && std::isfinite(largest) ? std::ldexp(1, std::ilogb(largest) - 30) : 1;
+}
 
 }  // namespace unibody
