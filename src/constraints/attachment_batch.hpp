@@ -4,8 +4,9 @@
 // the gap that is left is of second order in the body's turn. A row's scale is the whole block of its attachment, masses split by
 // the bodies' counts: a bound from above, as the other constraints have it. Both ends are pushed at the node's place, so that
 // momentum and angular momentum are kept. All rows of a step move at once, for every solver. They start from the same share of
-// their old multipliers as the links and elements that they balance. If they started from less, the old tension of a thread would
-// pull its node away from a heavy body at the start of each step, and the body would be thrown up.
+// their old multipliers as the links and elements that they balance. If attachments started from a smaller share, the old tension
+// of a thread would pull the attached node away from its body at the start of each step, and the thread would throw a heavy body
+// up.
 #pragma once
 
 #include <array>

@@ -77,8 +77,8 @@ struct Split {
   // Of the velocity stage, for each weight of a body that a contact may bear before it leaks less; 0: it may bear any.
   double iterations_a_weight = 0;
   // Of a manifold that the velocity stage left unsolved, what the next one starts from of the differences of its points' normal
-  // multipliers from their mean. Old forces lag behind the motion. Those that bear a body's weight hardly change; differences
-  // between the points of a face hold the body upright, and their lag rocks it further each time.
+  // multipliers from their mean. The old forces lag behind the motion. Their sum bears the body's weight and hardly changes.
+  // Their differences hold a rocking body upright; because they lag, they push it on, and it rocks further with each swing.
   double uneven_share = 1;
 };
 

@@ -20,7 +20,7 @@ class SumReduction {
   SumReduction(const SumReduction&) = delete;
   SumReduction& operator=(const SumReduction&) = delete;
 
-  // Collective, and so is wait(). The unit must be the same on all ranks.
+  // start() and wait() are collective: all ranks call them in the same order. SweepSums::unit must be the same on all ranks.
   void start(const SweepSums& sums);
   const SweepSums& wait();
 

@@ -17,7 +17,7 @@ namespace {
 constexpr int balls = 20;
 constexpr double gravity = 9.81;  // m/s^2
 
-// Balls of 1 kg, one on top of the other, at rest; all of a step is one cold stage.
+// Balls of 1 kg stand at rest, one on top of the other. Each step is one position stage, which starts from multipliers of zero.
 std::string column(const char* acceleration, int iterations) {
   return "gravity: [0, 0, -9.81]\nsolver: {name: gauss_seidel, stages: position, warm_start: 0, tolerance: 0, acceleration: " +
          std::string(acceleration) + ", iterations: " + std::to_string(iterations) +
