@@ -68,9 +68,12 @@ struct BuildContext {
 // From which of the last step's multipliers a step starts.
 struct WarmStart {
   double contacts_share = 0;              // of contacts
+  double free_contacts_share = 0;         // of those in free islands, where these are solved apart; else the same
   double share = 0;                       // of all others; 0 too where the scene has none
   double setting = -1;                    // the scene's own share; negative: left open, nothing of types that start cold
   const Surfaces* cold_solids = nullptr;  // contacts of these solids start from nothing; null: none do
+
+  bool has_contacts() const { return contacts_share > 0 || free_contacts_share > 0; }
 };
 
 // A batch without history.
@@ -83,6 +86,7 @@ struct BatchDefaults {
   static constexpr bool lasts = false;              // laid out when slots move, not in each step
   static constexpr bool stencils_last = false;      // which bodies it ties changes only when slots move
   static constexpr bool in_velocity_stage = false;  // acts in the velocity stage too
+  static constexpr bool in_free_islands = false;    // has rows in islands without constraints, and tells them from others
   static constexpr bool alternates = false;         // every second sweep of Gauss-Seidel takes its colours backwards
   static constexpr bool follows = false;            // each of its colours is relaxed right after that of the batch before it
   static constexpr bool pushes_wrenches = false;    // relax() acts by way of SolveState::wrenches

@@ -106,6 +106,7 @@ void ContactBatch::give_back_gains(SolveState& state) {
   const auto store = [](const Vec3& v) { return Vec4d{v.x(), v.y(), v.z(), 0}; };
   for (const Lane& at : bouncing_) {
     const Block& block = blocks[at.block];
+    if (!is_selected(static_cast<std::size_t>(block.manifold[at.lane]))) continue;
     const Slot slot_a = block.slot_a[at.lane], slot_b = block.slot_b[at.lane];
     Work work;
     Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;

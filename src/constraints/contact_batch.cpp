@@ -41,7 +41,9 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       counted_(memory),
       kept_impulses_(memory),
       leak_shares_(memory),
-      unsolved_(memory) {}
+      uneven_shares_(memory),
+      constrained_(memory),
+      hidden_(memory) {}
 
 // Manifolds are read in key order, where each is next to the one before and so are its bodies: in the order of colours they are
 // strangers, which in large scenes costs more than all that is done with them. Each colour has a block that fills up.
@@ -52,7 +54,8 @@ void ContactBatch::build(const BuildContext& context) {
   contacts_ = context.contacts, world_ = &context.world, friction_ = context.settings.friction;
   scaling_ = context.settings.scaling, step_ = context.state.step;
   is_gauss_seidel_ = counts.empty(), bias_is_gap_ = true, kept_ = Kept::nothing;
-  bouncing_.clear(), leak_shares_.clear(), unsolved_.clear();
+  bouncing_.clear(), leak_shares_.clear(), uneven_shares_.clear();
+  constrained_.clear(), hidden_.clear(), selected_ = Islands::all, any_selected_ = true;
   counted_.resize(contacts_->manifolds.size());
   for (std::size_t m = 0; m < counted_.size(); ++m) counted_[m] = counts_here(*world_, contacts_->manifolds[m]);
   const auto nobody = static_cast<Slot>(bodies.size() - 1);
@@ -180,6 +183,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
 
 void ContactBatch::start_stage(const Stage& stage) {
   stage_ = stage;
+  select_islands(stage.islands);
   if (!bias_is_gap_)
     for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
       points[p].bias[l] = contacts_->points[contact].gap;

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <memory_resource>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "constraints/batch.hpp"
@@ -38,7 +39,7 @@ class ContactBatch : public BatchDefaults {
  public:
   using History = Multipliers;
   static constexpr std::string_view name = "contacts";
-  static constexpr bool in_velocity_stage = true, alternates = true;
+  static constexpr bool in_velocity_stage = true, in_free_islands = true, alternates = true;
 
   struct Block {
     Slot slot_a[lanes], slot_b[lanes];
@@ -94,6 +95,26 @@ class ContactBatch : public BatchDefaults {
   std::size_t colours() const { return group_end_.size(); }
   bool needs_all(std::size_t) const { return false; }
 
+  // Tells free islands from those with constraints (constrained: by slot, not 0), until it is forgotten. After build(). Returns
+  // whether there are contacts of either kind here: free ones, others.
+  std::pair<bool, bool> set_islands(std::span<const std::int32_t> constrained);
+  void forget_islands() { constrained_.clear(); }
+
+  // Which manifolds what follows is about, until the next selection: rows of all others neither move nor leave a residual.
+  void select_islands(Islands islands);
+  bool is_selected(std::size_t manifold) const { return is_of(selected_, manifold); }
+  bool is_of(Islands islands, std::size_t manifold) const {
+    return islands == Islands::all || constrained_.empty() || (constrained_[manifold] != 0) == (islands == Islands::constrained);
+  }
+  double start_share(const WarmStart& warm, std::size_t manifold) const {
+    return constrained_.empty() || constrained_[manifold] != 0 ? warm.contacts_share : warm.free_contacts_share;
+  }
+  // The leak that remember() is given, or that of free islands, where these have their own.
+  double leak_of(double leak, std::size_t manifold) const {
+    return constrained_.empty() || constrained_[manifold] != 0 ? leak : free_leak_;
+  }
+  void set_free_leak(double leak) { free_leak_ = leak; }
+
   void start_stage(const Stage& stage);
   bool bounces() const { return !bouncing_.empty(); }
 
@@ -148,7 +169,7 @@ class ContactBatch : public BatchDefaults {
 
   void start_from(const Multipliers& history, const WarmStart& warm);
   void add_impulses(SolveState& state, const WarmStart& warm, double) const {
-    if (warm.contacts_share > 0) add_impulses(state.wrenches);
+    if (warm.has_contacts()) add_impulses(state.wrenches);
   }
   void add_impulses(std::span<Wrench> wrenches) const;  // in key order
 
@@ -166,7 +187,7 @@ class ContactBatch : public BatchDefaults {
   // (N s) and u the normal velocity that it left (m/s; positive: opening). A coherent opening is a pile that swells. Guests must
   // be as their homes: the sums then have the same bits on any number of ranks.
   using Opening = std::array<ExactSum, 3>;
-  Opening opening(std::span<const SolverBody> bodies) const;
+  Opening opening(std::span<const SolverBody> bodies) const;  // of the islands selected
 
   // Points whose multipliers of both stages together are at friction's limit.
   std::int64_t sliding() const;
@@ -178,11 +199,11 @@ class ContactBatch : public BatchDefaults {
   // most_weights, in weights of the lighter of its bodies, its points get less, by the cube of the ratio. (The leak is an
   // integral feedback on penetration. A deep pile answers it too slowly, and would swing up further each time.) weight: N s per
   // kg, the impulse of gravity on a body in a step. Guests must be as their homes: the bounds are then the same on any number of
-  // ranks.
+  // ranks. Of the islands selected.
   void limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight);
 
   // Marks manifolds whose residual is more than the tolerance (m): remember() keeps but `share` of what the normal forces of
-  // their points differ from the manifold's mean by. Guests must be as their homes.
+  // their points differ from the manifold's mean by. Guests must be as their homes. Of the islands selected.
   void even_out(std::span<const SolverBody> bodies, double tolerance, double share);
 
   std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
@@ -234,6 +255,11 @@ class ContactBatch : public BatchDefaults {
   };
   template <class F>
   void for_each_point(const Lane& at, F&& f) const;
+  struct HiddenScale {  // of a row: its scales and their inverses, in one lane
+    double inverse = 0, scale = 0, tangential_inverse = 0, tangential = 0;
+  };
+  template <class F>
+  void for_each_hidden(F&& f);
   void start_bounces();
   bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
@@ -251,8 +277,12 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<std::uint8_t> counted_;   // of each manifold: this rank counts it in sums over all manifolds
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
   std::pmr::vector<double> leak_shares_;     // of all points, what limit_leak() leaves of the leak; empty: all of it
-  std::pmr::vector<std::uint8_t> unsolved_;  // of each manifold: even_out() marked it; empty: it marked none
-  double uneven_share_ = 1;
+  std::pmr::vector<double> uneven_shares_;   // of each manifold, what even_out() leaves; empty: all of it everywhere
+  std::pmr::vector<std::uint8_t> constrained_;  // of each manifold: its island has constraints; empty: nobody asks
+  std::pmr::vector<HiddenScale> hidden_;        // of the rows that are not selected
+  Islands selected_ = Islands::all;
+  bool any_selected_ = true;
+  double free_leak_ = 0;
   const Contacts* contacts_ = nullptr;
   const World* world_ = nullptr;
   std::span<const Vec3> displaced_;  // only while it is built

@@ -35,9 +35,15 @@ void ContactBatch::forget_solids(const Surfaces& surfaces, std::span<Impulse> st
 }
 
 void ContactBatch::start_from(const Multipliers& history, const WarmStart& warm) {
-  if (warm.contacts_share <= 0) return set_impulses({});
+  if (!warm.has_contacts()) return set_impulses({});
   std::pmr::vector<Impulse> start(contacts_->points.size(), places_.get_allocator());
-  recall(history, *world_, *contacts_, step_, start, warm.contacts_share);
+  recall(history, *world_, *contacts_, step_, start, constrained_.empty() ? warm.contacts_share : 1);
+  for (std::size_t i = 0; i < constrained_.size(); ++i)
+    for (std::uint32_t p = 0; p < contacts_->manifolds[i].count; ++p) {
+      Impulse& impulse = start[contacts_->manifolds[i].first + p];
+      const double share = start_share(warm, i);
+      impulse = {share * impulse.n, share * impulse.s, share * impulse.t};
+    }
   if (warm.cold_solids != nullptr) forget_solids(*warm.cold_solids, start);
   set_impulses(start);
 }
@@ -53,12 +59,15 @@ void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
 }
 
 void ContactBatch::keep_impulses(bool joint) {
-  kept_impulses_.resize(contacts_->points.size());
-  get_impulses(kept_impulses_);
+  if (kept_ == Kept::nothing) kept_impulses_.assign(contacts_->points.size(), {0, 0, 0});
   kept_ = joint ? Kept::joint : Kept::apart;
-  if (joint) return start_momenta();
-  for (Normal& n : normals) n.lambda = broadcast(0);
-  for (TangentImpulse& t : tangent_impulses) t.lambda_s = t.lambda_t = broadcast(0);
+  for_each_row([&](std::size_t m, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    if (!is_selected(m)) return;
+    kept_impulses_[contact] = row(l, p, t);
+    if (joint) return;
+    normals[p].lambda[l] = 0;
+    if (t != no_tangent) tangent_impulses[t].lambda_s[l] = tangent_impulses[t].lambda_t[l] = 0;
+  });
   start_momenta();
 }
 
@@ -118,12 +127,12 @@ void ContactBatch::remember(Multipliers& history, double leak) const {
       Impulse& impulse = of_manifold[p] = row(places_[i] % lanes, rows.first_point + p, tangent);
       if (kept_ == Kept::nothing) continue;
       const Impulse old = kept_impulses_[m.first + p], now = impulse;
-      const double share = leak_shares_.empty() ? leak : leak * leak_shares_[m.first + p];
+      const double share = leak_of(leak, i) * (leak_shares_.empty() ? 1 : leak_shares_[m.first + p]);
       const auto mix = [&](double x, double y) { return x + share * (kept_ == Kept::apart ? y : y - x); };
       impulse = {mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
     }
     const std::span<Impulse> all = std::span(of_manifold).first(m.count);
-    if (!unsolved_.empty() && unsolved_[i] != 0) take_towards_mean(all, uneven_share_);
+    if (!uneven_shares_.empty() && uneven_shares_[i] < 1) take_towards_mean(all, uneven_shares_[i]);
     remember_manifold(history, *world_, *contacts_, m, all, step_);
   }
 }

@@ -102,6 +102,7 @@ Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal&
 }  // namespace
 
 double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBody> bodies) {
+  if (!any_selected_) return 0;
   const std::uint32_t begin = group == 0 ? 0 : group_end_[group - 1], end = group_end_[group];
   return with_model(friction_, [&]<FrictionModel model>() {
     Vec4d change = broadcast(0);
@@ -128,6 +129,7 @@ double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBo
 }
 
 void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
+  if (!any_selected_) return;
   const std::span<const SolverBody> bodies = state.bodies;
   const std::span<Wrench> wrenches = state.wrenches;
   const Update<Vec4d> update = update_of_four(extrapolation);
@@ -170,33 +172,35 @@ void ContactBatch::for_each_residual(std::span<const SolverBody> bodies, F&& f) 
 }
 
 double ContactBatch::residual(std::span<const SolverBody> bodies) const {
+  if (!any_selected_) return 0;
   Vec4d worst = broadcast(0);
   for_each_residual(bodies, [&](const Block&, Vec4d residual) { worst = max(worst, residual); });
   return step_ * horizontal_max(worst);
 }
 
 void ContactBatch::even_out(std::span<const SolverBody> bodies, double tolerance, double share) {
-  unsolved_.assign(contacts_->manifolds.size(), 0), uneven_share_ = share;
+  if (uneven_shares_.empty()) uneven_shares_.assign(contacts_->manifolds.size(), 1);
   for_each_residual(bodies, [&](const Block& block, Vec4d residual) {
     for (std::size_t l = 0; l < lanes; ++l)
-      if (block.manifold[l] >= 0) unsolved_[static_cast<std::size_t>(block.manifold[l])] = step_ * residual[l] > tolerance;
+      if (block.manifold[l] >= 0 && step_ * residual[l] > tolerance)
+        uneven_shares_[static_cast<std::size_t>(block.manifold[l])] = share;
   });
 }
 
 void ContactBatch::limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight) {
-  leak_shares_.assign(contacts_->points.size(), 0);
+  if (leak_shares_.empty()) leak_shares_.assign(contacts_->points.size(), 1);
   for (const Block& block : blocks) {
     const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
     const Vec4d of_a_weight = broadcast(1 / weight) * max(a.mass, b.mass);  // 1/(N s)
     for (std::size_t l = 0; l < lanes; ++l) {
-      if (block.manifold[l] < 0) continue;
+      if (block.manifold[l] < 0 || !is_selected(static_cast<std::size_t>(block.manifold[l]))) continue;
       const Manifold& m = manifold(block, l);
       double borne = 0;  // N s
       for (std::uint32_t k = 0; k < m.count; ++k) borne += kept_impulses_[m.first + k].n;
       const double part = most_weights / std::max(most_weights, borne * of_a_weight[l]);
       for (std::uint32_t k = 0; k < m.count; ++k)
-        if (!(relative_velocity<false>(block, block.s, points[block.first_point + k], a, b).n[l] > 0))
-          leak_shares_[m.first + k] = part * part * part;
+        leak_shares_[m.first + k] =
+            relative_velocity<false>(block, block.s, points[block.first_point + k], a, b).n[l] > 0 ? 0 : part * part * part;
     }
   }
 }
@@ -214,7 +218,8 @@ ContactBatch::Opening ContactBatch::opening(std::span<const SolverBody> bodies) 
     }
     // Sums of manifolds: which of them share a block depends on the number of ranks.
     for (std::size_t l = 0; l < lanes; ++l)
-      if (block.manifold[l] >= 0 && counted_[block.manifold[l]] != 0 && impulse[l] > 0)
+      if (block.manifold[l] >= 0 && counted_[block.manifold[l]] != 0 && impulse[l] > 0 &&
+          is_selected(static_cast<std::size_t>(block.manifold[l])))
         sums[0] += work[l], sums[1] += absolute[l], sums[2] += impulse[l];
   }
   return sums;

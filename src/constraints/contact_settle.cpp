@@ -83,7 +83,7 @@ void ContactBatch::settle(std::size_t homes, std::size_t first_static, std::span
     for (std::size_t l = 0; l < lanes; ++l) {
       const Slot a = blocks[i].slot_a[l], b = blocks[i].slot_b[l];
       if (is_home(a) == is_home(b) || static_cast<std::size_t>(is_home(a) ? b : a) < first_static) continue;
-      if (!sinks(blocks[i], l, is_home(a), bodies)) continue;
+      if (!is_selected(static_cast<std::size_t>(blocks[i].manifold[l])) || !sinks(blocks[i], l, is_home(a), bodies)) continue;
       const Inertia* inertia = blocks[i].inertia < 0 ? nullptr : &inertias[blocks[i].inertia];
       LoneManifold lone(*this, blocks[i], l, inertia, uses_cone_projection(friction_), bodies);
       with_model(friction_, [&]<FrictionModel model>() {
@@ -151,6 +151,7 @@ void ContactBatch::hold_centres(std::size_t homes, std::size_t first_static, std
         const Slot a = block.slot_a[l], b = block.slot_b[l];
         if (block.manifold[l] < 0 || is_home(a) == is_home(b)) continue;
         if (static_cast<std::size_t>(is_home(a) ? b : a) < first_static) continue;
+        if (!is_selected(static_cast<std::size_t>(block.manifold[l]))) continue;
         const Manifold& m = contacts_->manifolds[static_cast<std::size_t>(block.manifold[l])];
         held = hold_centre(m, is_home(a), round == most_rounds - 1, bodies) || held;
       }

@@ -51,6 +51,7 @@ void RollingBatch::build(const BuildContext& context) {
     const Manifold& m = context.contacts->manifolds[resistance.manifold];
     Row row{};
     row.block = static_cast<std::uint32_t>(block), row.lane = static_cast<std::uint32_t>(lane);
+    row.manifold = resistance.manifold;
     row.counted = contacts_->is_counted(resistance.manifold);
     row.id_a = m.id_a, row.id_b = m.id_b;
     const auto& all = context.contacts->manifolds;
@@ -119,6 +120,7 @@ Vec3 RollingBatch::torque_of(const Row& row, const Torque& lambda) {
 void RollingBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
   const Update<double> update = update_of(extrapolation);
   for (Row& row : rows_) {
+    if (!contacts_->is_selected(row.manifold)) continue;
     const Torque r = rates(row, state.bodies), next = project_step(row, row.scale, row.y, r);
     Torque moved;
     SweepTerms<double> terms;
@@ -140,6 +142,7 @@ double RollingBatch::relax(std::size_t colour, bool, SolveState& state) {
   double change = 0;
   for (std::size_t i = colour == 0 ? 0 : group_end_[colour - 1]; i < group_end_[colour]; ++i) {
     Row& row = rows_[i];
+    if (!contacts_->is_selected(row.manifold)) continue;
     const Torque next = project_step(row, row.scale, row.lambda, rates(row, state.bodies));
     Torque moved;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -156,6 +159,7 @@ double RollingBatch::relax(std::size_t colour, bool, SolveState& state) {
 void RollingBatch::keep_impulses(bool joint) {
   kept_ = joint ? Kept::joint : Kept::apart;
   for (Row& row : rows_) {
+    if (!contacts_->is_selected(row.manifold)) continue;
     row.kept = row.lambda;
     if (!joint) row.lambda = Torque{};
     row.y = row.lambda;
@@ -175,11 +179,11 @@ std::ptrdiff_t place_of(const Multipliers& history, Id a, Id b) {
 }  // namespace
 
 void RollingBatch::start_from(const NoHistory&, const WarmStart& warm) {
-  if (!(warm.contacts_share > 0) || history_ == nullptr || history_->torques.empty()) return;
+  if (!warm.has_contacts() || history_ == nullptr || history_->torques.empty()) return;
   for (Row& row : rows_) {
     const std::ptrdiff_t place = row.first ? place_of(*history_, row.id_a, row.id_b) : -1;
     if (place < 0) continue;
-    const Vec3 torque = warm.contacts_share * step_ * history_->torques[static_cast<std::size_t>(place)];
+    const Vec3 torque = contacts_->start_share(warm, row.manifold) * step_ * history_->torques[static_cast<std::size_t>(place)];
     for (std::size_t k = 0; k < 3; ++k) {
       const bool acts = k == 0 ? row.spinning > 0 && row.scale[0] > 0 : row.rolling > 0 && row.scale[1] > 0;
       row.lambda[k] = row.y[k] = acts ? row.axes[k].dot(torque) : 0;
@@ -188,7 +192,7 @@ void RollingBatch::start_from(const NoHistory&, const WarmStart& warm) {
 }
 
 void RollingBatch::add_impulses(SolveState& state, const WarmStart& warm, double) const {
-  if (!(warm.contacts_share > 0)) return;
+  if (!warm.has_contacts()) return;
   for (const Row& row : rows_) {
     const Vec3 torque = torque_of(row, row.lambda);
     const Vec4d four{torque.x(), torque.y(), torque.z(), 0};
@@ -206,7 +210,7 @@ void RollingBatch::remember(NoHistory&, double leak) const {
     Torque kept;
     for (std::size_t k = 0; k < 3; ++k) {
       const double x = row.kept[k], y = row.lambda[k];
-      kept[k] = kept_ == Kept::nothing ? y : x + leak * (kept_ == Kept::apart ? y : y - x);
+      kept[k] = kept_ == Kept::nothing ? y : x + contacts_->leak_of(leak, row.manifold) * (kept_ == Kept::apart ? y : y - x);
     }
     history_->torques[static_cast<std::size_t>(place)] += torque_of(row, kept) / step_;
   }
@@ -222,6 +226,7 @@ void RollingBatch::join_stages() {
 double RollingBatch::residual(const SolveState& state) const {
   double worst = 0;
   for (const Row& row : rows_) {
+    if (!contacts_->is_selected(row.manifold)) continue;
     const Torque next = project_step(row, row.own_scale, row.lambda, rates(row, state.bodies));
     for (std::size_t k = 0; k < 3; ++k)
       worst = std::max(worst, row.lever * row.own_scale[k == 0 ? 0 : 1] * std::abs(next[k] - row.lambda[k]));

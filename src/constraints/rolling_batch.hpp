@@ -24,7 +24,7 @@ namespace unibody {
 class RollingBatch : public BatchDefaults {
  public:
   static constexpr std::string_view name = "rolling friction";
-  static constexpr bool in_velocity_stage = true, follows = true;
+  static constexpr bool in_velocity_stage = true, in_free_islands = true, follows = true;
 
   explicit RollingBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : rows_(memory) {}
 
@@ -68,7 +68,7 @@ class RollingBatch : public BatchDefaults {
  private:
   using Torque = std::array<double, 3>;  // N m s, about n, s and t
   struct Row {
-    std::uint32_t block, lane;
+    std::uint32_t block, lane, manifold;
     bool counted;
     Slot a, b;
     Id id_a, id_b;

@@ -7,6 +7,9 @@
 
 namespace unibody {
 
+// Of which islands a stage is (step/islands.hpp): of all, or of those without constraints beside contacts, or of the others.
+enum class Islands { all, free, constrained };
+
 // The two stages' right-hand sides: what gap a contact may close within the step.
 struct Stage {
   enum class Kind { velocity, position } kind = Kind::position;
@@ -15,6 +18,7 @@ struct Stage {
   double recovery_speed = 0.25;       // m/s, 0: unbounded; position stage only
   double surface_recovery_time = -1;  // s, that of contacts of surfaces; negative: as that of others
   bool reevaluates = false;           // gaps are taken anew before each iteration
+  Islands islands = Islands::all;     // all others stay as they are
 
   // Of the velocity level: open gaps may close, and penetration falls by the share gamma a step, at any speed.
   static Stage stabilised(double step, double gamma) { return {Kind::position, step, step * (1 / gamma - 1), 0}; }

@@ -1,6 +1,7 @@
 #include "solve/solver.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -15,10 +16,17 @@ namespace {
 // pile, the pile sways as a whole, and the leak would pump it. It is therefore bounded by the weights that each contact bears,
 // which takes all of that gain away (piles of 10 to 100 layers). With the few iterations of a Gauss-Seidel without the time for
 // momentum the bound would cost ten times the penetration: its leak is cut off while the pile swells, which leaves some gain.
-Split of_accelerated_jacobi(int iterations) { return {0.8, iterations >= 30 ? 0.6 : iterations >= 20 ? 0.15 : 0, 0, 4}; }
+//
+// The more iterations a stage has, the less it needs the old differences of a face's forces, and the faster they may be forgotten
+// (Split::uneven_share): in e-folds of so many iterations beyond 30. Fewer than 30 hold a column upright only with all of them.
+double uneven_share(int iterations, double per_fold) { return std::exp(-std::max(0, iterations - 30) / per_fold); }
+
+Split of_accelerated_jacobi(int iterations) {
+  return {0.8, iterations >= 30 ? 0.6 : iterations >= 20 ? 0.15 : 0, 0, 4, uneven_share(iterations, 120)};
+}
 Split of_jacobi(int) { return {0.5, 0}; }
 Split of_gauss_seidel(int iterations) {
-  if (iterations >= 30) return {0.65, 0.3, 0.002, 2, 0.9};
+  if (iterations >= 30) return {0.65, 0.3, 0.002, 2, uneven_share(iterations, 60)};
   return {0.5, iterations >= 8 ? 0.3 : 0.15, 0.002};
 }
 
@@ -50,6 +58,11 @@ void System::clear(std::pmr::memory_resource* memory) {
 void start_stage(System& system, const Stage& stage) {
   system.stage = stage;
   for_each_batch(system.batches, [&](auto, auto& batch) { batch.start_stage(stage); });
+}
+
+void take_all_islands(System& system) {
+  system.stage.islands = Islands::all;
+  system.contacts().select_islands(Islands::all);
 }
 
 std::array<double, BatchTypes::size> residuals(const System& system) {

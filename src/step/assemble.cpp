@@ -10,6 +10,7 @@
 #include "solve/free_motion.hpp"
 #include "step/attach.hpp"
 #include "step/impacts.hpp"
+#include "step/islands.hpp"
 #include "step/steadying.hpp"
 
 namespace unibody {
@@ -186,9 +187,14 @@ StepFacts facts_of(const RankState& state, System& system) {
   const bool any_bounce = may_bounce && (std::ranges::any_of(contacts.bounce, [](double speed) { return speed > 0; }) ||
                                          std::ranges::any_of(contacts.surface, bounces));
   const bool any_contact = !contacts.manifolds.empty() || (state.has_surfaces() && !contacts.surface.empty());
-  std::array<int, 3> facts{any_contact, any_bounce, tight};
+  std::array<int, 5> facts{any_contact, any_bounce, tight, 0, !contacts.surface.empty()};
+  if (asks_for_islands(state.scene.solver, state.traits)) {
+    const auto [free, constrained] = system.contacts().set_islands(constrained_islands(state, system));
+    facts[3] = free, facts[4] = facts[4] != 0 || constrained;
+  }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(facts.size()), MPI_INT, MPI_MAX, state.comm()));
-  return {facts[0] != 0, facts[1] != 0, facts[2] != 0};
+  if (facts[3] == 0) system.contacts().forget_islands();
+  return {facts[0] != 0, facts[1] != 0, facts[2] != 0, facts[3] != 0, facts[4] != 0};
 }
 
 namespace {

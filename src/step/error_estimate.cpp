@@ -43,7 +43,8 @@ bool has_iterative_joints(const RankState& state) {
 // Solves the rows of the position stage, on the multipliers of both stages together (Stages::joint): what a step with any number
 // of iterations is after. What follows on a solve, the guard of surfaces and friction after the solve, the converged step has
 // too. Starts from the system as it is.
-ConvergedStep converge(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, SolveFunction solver) {
+ConvergedStep converge(RankState& state, System& system, StepPlan plan, const StepFacts& facts, SolveFunction solver) {
+  plan.islands = Islands::all;
   ConvergedStep converged;
   std::vector<SolverBody> best(system.bodies.begin(), system.bodies.end());
   std::vector<ContactBatch::Impulse> impulses(state.contacts.points.size());

@@ -77,7 +77,10 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   plan_sizes(settings, traits, plan);
 
   plan.stages = stages_of(settings, traits, solver);
-  plan.two_stages = plan.stages != Stages::position && (!traits.has_constraints() || facts.any_contact);
+  const bool apart = facts.free_contacts && traits.has_constraints();
+  plan.islands = apart ? Islands::constrained : Islands::all;
+  const bool any_contact = apart ? facts.constrained_contacts : facts.any_contact;
+  plan.two_stages = plan.stages != Stages::position && (!traits.has_constraints() || any_contact);
   const Split split = split_of(settings, traits, solver);
   plan.velocity_share = split.velocity_share, plan.leak = split.leak;
   if (plan.two_stages)
@@ -94,7 +97,7 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   const bool one_stage_of_velocities = at_velocity_level(settings) && !settings.warm_start;
   const double in_one_stage = one_stage_of_velocities ? automatic_velocity_share : share;
   plan.contacts_share = plan.stages != Stages::position ? 1 : in_one_stage;
-  plan.uneven_share = plan.stages != Stages::position ? split.uneven_share : 1;
+  plan.uneven_share = plan.stages != Stages::position ? std::pow(split.uneven_share, traits.step / traits.frame) : 1;
   plan.share = traits.has_constraints() ? share : 0;
   plan.solids_start_cold = !settings.warm_start && plan.stages == Stages::position && !at_velocity_level(settings);
 
@@ -109,6 +112,7 @@ Stage StepPlan::stage(Stage::Kind kind, const SolverSettings& settings, double s
   // At velocity level the only stage is one of positions whose rows are linear about the start of the step.
   Stage stage = at_velocity_level(settings) ? Stage::stabilised(step, settings.stabilisation)
                                             : Stage{kind, step, recovery_time, recovery_speed, surface_recovery_time};
+  stage.islands = islands;
   stage.reevaluates = kind == Stage::Kind::position && settings.gap == Gap::reevaluated;
   return stage;
 }
@@ -121,6 +125,23 @@ double old_share(const SolverSettings& settings) {
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits) {
   return settings.acceleration == Acceleration::automatic && find_solver(settings.name).solve == accelerated_jacobi &&
          traits.has_centre_constraints && traits.only_links;
+}
+
+bool asks_for_islands(const SolverSettings& settings, const SceneTraits& traits) {
+  return traits.has_constraints() && settings.stages == Stages::automatic && !at_velocity_level(settings) &&
+         find_solver(settings.name).solve != nullptr;
+}
+
+SceneTraits SceneTraits::of_free_islands() const {
+  SceneTraits other = *this;
+  other.has_centre_constraints = other.only_links = other.has_joints = other.has_attachments = false;
+  return other;
+}
+
+StepPlan plan_of_free_islands(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts) {
+  StepPlan free = plan(settings, traits.of_free_islands(), facts);
+  free.islands = Islands::free;
+  return free;
 }
 
 bool links_are_tight(double geometric_stiffness) { return !(automatic_share * geometric_stiffness <= tight_links); }

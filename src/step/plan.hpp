@@ -19,6 +19,7 @@ struct SceneTraits {
   bool has_joints = false;
   bool has_attachments = false;  // to dynamic bodies
 
+  SceneTraits of_free_islands() const;  // of what the bodies would be without those constraints
   bool has_constraints() const { return has_centre_constraints || has_joints; }  // beside contacts
 };
 
@@ -27,6 +28,8 @@ struct StepFacts {
   bool any_contact = false;
   bool bounces = false;          // some contact bounces
   bool links_are_tight = false;  // see links_are_tight() below
+  // Where the plan asks for islands (asks_for_islands()): some contact is of an island without constraints, or of one with them.
+  bool free_contacts = false, constrained_contacts = false;
 };
 
 struct StepPlan {
@@ -34,6 +37,7 @@ struct StepPlan {
   double tolerance = 0, margin = 0, recovery_speed = 0;  // m, m, m/s
   double recovery_time = 0, surface_recovery_time = 0;   // s
 
+  Islands islands = Islands::all;  // of which this is the plan
   Stages stages = Stages::two;
   bool two_stages = false;                            // this step has a velocity stage
   int velocity_iterations = 0;                        // most of them; what they leave of all iterations is the position stage's
@@ -43,7 +47,7 @@ struct StepPlan {
   // Of the old multipliers, what a step starts from: of contacts, and of all others; of types that start cold only where the
   // scene says so.
   double contacts_share = 0, share = 0;
-  double uneven_share = 1;         // see Split
+  double uneven_share = 1;         // in this step; see Split
   bool solids_start_cold = false;  // contacts of solids start from nothing
   Acceleration velocity_acceleration = Acceleration::nesterov, position_acceleration = Acceleration::nesterov;
   double most_stiffness = std::numeric_limits<double>::infinity();  // geometric stiffness with which a link may start
@@ -53,11 +57,13 @@ struct StepPlan {
 
 // What is decided for the whole scene from a property of a part of it:
 // - the smallest body sets the tolerance, the margin and the speed of recovery of all;
-// - one constraint beside contacts makes the Jacobi solvers take all bodies in one position stage, from a share of the old
-//   multipliers, and gives the velocity stage of Gauss-Seidel half of the iterations at most;
-// - one joint, attachment or contact that bounces, one constraint that is no link, one tight link: the momentum of
-//   accelerated_jacobi is Nesterov's for all;
-// - one contact anywhere makes a step with constraints have a velocity stage, where the stages are two.
+// - one contact that bounces makes the momentum of accelerated_jacobi Nesterov's for all.
+// Islands without constraints beside contacts are solved apart from the others, where there are both, each kind by its own plan.
+// What is decided for all islands with constraints from a property of one:
+// - one constraint makes the Jacobi solvers take them in one position stage, from a share of the old multipliers, and gives the
+//   velocity stage of Gauss-Seidel half of the iterations at most;
+// - one joint or attachment, one constraint that is no link, one tight link: the momentum of accelerated_jacobi is Nesterov's;
+// - one contact makes a step have a velocity stage, where the stages are two.
 StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts = {});
 
 // The share of the old multipliers that the scene asks for, or that its iterations make best.
@@ -65,6 +71,12 @@ double old_share(const SolverSettings& settings);
 
 // Whether it matters to the plan if links are tight: finding out takes a pass over all of them.
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits);
+// The plan of the islands that the plan above leaves out, where a step has found free contacts beside constraints.
+StepPlan plan_of_free_islands(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts);
+
+// Whether the plan depends on which islands have constraints.
+bool asks_for_islands(const SolverSettings& settings, const SceneTraits& traits);
+
 bool links_are_tight(double geometric_stiffness);  // of the tightest link, with all of the old multipliers
 
 }  // namespace unibody

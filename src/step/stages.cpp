@@ -14,7 +14,9 @@ namespace unibody {
 
 void warm_start(RankState& state, System& system, const StepPlan& plan) {
   WarmStart warm;
-  warm.contacts_share = plan.contacts_share, warm.share = plan.share;
+  warm.contacts_share = warm.free_contacts_share = plan.contacts_share, warm.share = plan.share;
+  if (plan.islands == Islands::constrained)
+    warm.free_contacts_share = plan_of_free_islands(state.scene.solver, state.traits, {}).contacts_share;
   warm.setting = state.scene.solver.warm_start.value_or(-1);
   if (plan.solids_start_cold) warm.cold_solids = &state.surfaces;
   {
@@ -27,10 +29,10 @@ void warm_start(RankState& state, System& system, const StepPlan& plan) {
   const SceneTraits& traits = state.traits;
   if (jacobi && (!state.is_alone() || traits.has_attachments || traits.has_joints)) system.wrenches.assign(n, Wrench{});
   if (traits.has_centre_constraints && (jacobi || warm.share > 0)) system.impulses.assign(n, Vec4d{});
-  if (warm.contacts_share <= 0 && warm.share <= 0) return;
+  if (!warm.has_contacts() && warm.share <= 0) return;
   const Scratch::Frame frame(state.scratch);
   const bool borrowed =
-      !jacobi && (warm.contacts_share > 0 || traits.has_joints || traits.has_attachments) && system.wrenches.empty();
+      !jacobi && (warm.has_contacts() || traits.has_joints || traits.has_attachments) && system.wrenches.empty();
   if (borrowed) system.wrenches.assign(n, Wrench{});
   for_each_batch(system.batches, [&](auto, auto& batch) { batch.add_impulses(system, warm, plan.most_stiffness); });
   system.apply_wrenches();
@@ -43,7 +45,7 @@ SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, co
                       SolveFunction solver, int iterations, double tolerance) {
   const Stage stage = plan.stage(kind, state.scene.solver, state.step());
   start_stage(system, stage);
-  system.keeps_places = kind == Stage::Kind::position && state.traits.has_centre_constraints;
+  system.keeps_places = kind == Stage::Kind::position && plan.islands != Islands::free && state.traits.has_centre_constraints;
   system.acceleration = kind == Stage::Kind::velocity ? plan.velocity_acceleration : plan.position_acceleration;
   system.renews = stage.reevaluates || facts.bounces;
   const SolveReport report = solver(system, state.exchange, iterations, tolerance);
@@ -67,6 +69,15 @@ void measure_solution(const RankState& state, const System& system, const StepPl
 }
 
 namespace {
+
+// m. A manifold counts as solved where its own residual is no more than this share of the automatic tolerance, whatever the
+// scene's: one that is at the tolerance may stand in a column that as a whole is far from solved.
+double solved_residual(const RankState& state) {
+  constexpr double share = 0.03;
+  SolverSettings automatic = state.scene.solver;
+  automatic.tolerance.reset();
+  return share * unibody::plan(automatic, state.traits).tolerance;
+}
 
 // The leak, less while the contacts that the position stage pushed on open together: U, their mean opening speed, times S, the
 // part of it that is coherent, against the solver's share of g h. A pile deeper than the velocity stage reaches in a step is a
@@ -105,11 +116,42 @@ void follow_up(RankState& state, System& system, double leak, StepReport& report
 
 }  // namespace
 
-StepReport solve(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const StepRequest& request) {
-  const SolverSettings& settings = state.scene.solver;
+namespace {
+
+struct StagesDone {
+  int iterations = 0;
+  double leak = 0;                // of the position stage's multipliers, into what the next step starts from
+  double left_by_velocities = 0;  // m, the residual that the velocity stage left
+};
+
+// The stages of a plan, in its islands.
+StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts) {
   const auto run = [&](Stage::Kind kind, int iterations) {
     return run_stage(state, system, plan, facts, kind, state.solver.solve, iterations, plan.tolerance);
   };
+  StagesDone done;
+  bool leaks = false;
+  if (plan.two_stages) {
+    const SolveReport velocity = run(Stage::Kind::velocity, plan.velocity_iterations);
+    done.iterations = velocity.iterations, leaks = !velocity.converged;
+    if (leaks && plan.uneven_share < 1) system.contacts().even_out(system.bodies, solved_residual(state), plan.uneven_share);
+    if (plan.stages == Stages::two) done.left_by_velocities = std::ranges::max(residuals(system));
+    for_each_batch(system.batches, [&]<class B>(auto, B& batch) {
+      if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::joint);
+    });
+  }
+  done.iterations += run(Stage::Kind::position, state.scene.solver.iterations - done.iterations).iterations;
+  if (!plan.two_stages) return done.leak = 1, done;  // in islands with one stage, all is remembered
+  if (!leaks) return done;
+  const double weight = state.traits.gravity * state.step();
+  if (plan.most_weights > 0 && weight > 0) system.contacts().limit_leak(system.bodies, plan.most_weights, weight);
+  done.leak = leak_of(state, system, plan);
+  return done;
+}
+
+}  // namespace
+
+StepReport solve(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const StepRequest& request) {
   const bool wanted = request.error || request.problem != nullptr;
   SolvedStep solved;
   if (wanted) {
@@ -118,28 +160,23 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   }
   warm_start(state, system, plan);
 
-  StepReport report;
-  bool leaks = false;
-  double left_by_velocities = 0;
-  if (plan.two_stages) {
-    const SolveReport velocity = run(Stage::Kind::velocity, plan.velocity_iterations);
-    report.iterations = velocity.iterations, leaks = !velocity.converged;
-    if (leaks && plan.uneven_share < 1) system.contacts().even_out(system.bodies, plan.tolerance, plan.uneven_share);
-    if (plan.stages == Stages::two) left_by_velocities = std::ranges::max(residuals(system));
-    for_each_batch(system.batches, [&](auto, auto& batch) { batch.keep_impulses(plan.stages == Stages::joint); });
+  const StagesDone done = run_stages(state, system, plan, facts);
+  StagesDone free;
+  if (plan.islands == Islands::constrained) {
+    free = run_stages(state, system, plan_of_free_islands(state.scene.solver, state.traits, facts), facts);
+    system.contacts().set_free_leak(free.leak);
+    take_all_islands(system);
   }
-  report.iterations += run(Stage::Kind::position, settings.iterations - report.iterations).iterations;
-  measure_solution(state, system, plan, report, left_by_velocities);
+  StepReport report;
+  report.iterations = std::max(done.iterations, free.iterations);
+  measure_solution(state, system, plan, report, std::max(done.left_by_velocities, free.left_by_velocities));
   if (request.may_be_outrun && find_struck(state, system)) {
     report.outrun = true;
     return report;
   }
   if (wanted) solved = solved_step(system, std::move(solved));
   if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
-  // While the guests are as the homes: the guard changes homes alone.
-  const double weight = state.traits.gravity * state.step();
-  if (leaks && plan.most_weights > 0 && weight > 0) system.contacts().limit_leak(system.bodies, plan.most_weights, weight);
-  follow_up(state, system, leaks ? leak_of(state, system, plan) : 0, report);
+  follow_up(state, system, done.leak, report);
   if (request.error) report.error = estimate_error(state, system, plan, facts, solved);
   return report;
 }

@@ -32,17 +32,16 @@ struct StackCase {
 
 class StackOfBoxes : public testing::TestWithParam<StackCase> {};
 
-// At rest each box stays where it is put: 0.05 m, 0.15 m, ... above the ground and right above the others. A box whose centre is
-// beyond the edge of the one below, half a side away, falls; the bound is half of that, and for the heights a twentieth of a
-// side.
+// At rest each box stays where it is put: 0.05 m, 0.15 m, ... above the ground and right above the others. The bounds are a
+// fiftieth of a side across and a two-hundredth in height.
 TEST_P(StackOfBoxes, StandsForTenSeconds) {
   const auto [solver, substeps] = GetParam();
   Experiment run(scene_from_text(stack(solver, substeps)));
   for (int k = 0; k < 625 * substeps; ++k) run.step();
   for (int k = 0; k < boxes; ++k) {
     const Vec3 place = run.position(k + 1);
-    EXPECT_LT(place.head<2>().norm(), 0.25 * side) << "box " << k;
-    EXPECT_NEAR(place.z(), side * (k + 0.5), 0.05 * side) << "box " << k;
+    EXPECT_LT(place.head<2>().norm(), 0.02 * side) << "box " << k;
+    EXPECT_NEAR(place.z(), side * (k + 0.5), 0.005 * side) << "box " << k;
   }
 }
 

@@ -144,6 +144,52 @@ TEST(StepPlan, StagesAndTheirShares) {
   }
 }
 
+// Where a step finds contacts of both kinds of islands, each kind has the plan of a scene of its own.
+TEST(StepPlan, IslandsHaveTheirOwn) {
+  for (const char* name : {"accelerated_jacobi", "jacobi", "gauss_seidel"}) {
+    EXPECT_TRUE(asks_for_islands(solver(name), cloth())) << name;
+    EXPECT_FALSE(asks_for_islands(solver(name), grains())) << name;
+    const StepFacts facts{.any_contact = true, .free_contacts = true, .constrained_contacts = true};
+    const StepPlan constrained = unibody::plan(solver(name), cloth(), facts);
+    const StepPlan free = plan_of_free_islands(solver(name), cloth(), facts);
+    const StepPlan of_cloth = unibody::plan(solver(name), cloth(), {.any_contact = true});
+    const StepPlan of_grains = unibody::plan(solver(name), grains(), {.any_contact = true});
+    EXPECT_EQ(constrained.islands, Islands::constrained);
+    EXPECT_EQ(free.islands, Islands::free);
+    EXPECT_EQ(of_cloth.islands, Islands::all);
+    for (const auto& [apart, own] : {std::pair(constrained, of_cloth), std::pair(free, of_grains)}) {
+      EXPECT_EQ(apart.stages, own.stages) << name;
+      EXPECT_EQ(apart.velocity_iterations, own.velocity_iterations) << name;
+      EXPECT_EQ(apart.contacts_share, own.contacts_share) << name;
+      EXPECT_EQ(apart.leak, own.leak) << name;
+      EXPECT_EQ(apart.most_weights, own.most_weights) << name;
+      EXPECT_EQ(apart.velocity_acceleration, own.velocity_acceleration) << name;
+      EXPECT_EQ(apart.position_acceleration, own.position_acceleration) << name;
+    }
+  }
+  const StepFacts free_only{.any_contact = true, .free_contacts = true};
+  EXPECT_FALSE(unibody::plan(solver("gauss_seidel"), cloth(), free_only).two_stages) << "its islands touch nothing";
+  SolverSettings set;
+  set.stages = Stages::two;
+  EXPECT_FALSE(asks_for_islands(set, cloth())) << "the scene has decided";
+}
+
+TEST(StepPlan, OldDifferencesAreForgottenFasterWithMoreIterations) {
+  const auto share = [](const char* name, int iterations) {
+    return unibody::plan(solver(name, iterations), grains()).uneven_share;
+  };
+  for (const char* name : {"accelerated_jacobi", "gauss_seidel"}) {
+    EXPECT_EQ(share(name, 20), 1) << name;
+    EXPECT_EQ(share(name, 30), 1) << name;
+    EXPECT_LT(share(name, 100), share(name, 50)) << name;
+  }
+  EXPECT_EQ(share("jacobi", 100), 1);
+  SceneTraits finer = grains();
+  finer.step = finer.frame / 4;
+  EXPECT_NEAR(std::pow(unibody::plan(solver("gauss_seidel", 100), finer).uneven_share, 4), share("gauss_seidel", 100), 1e-12)
+      << "of a frame, whatever its steps";
+}
+
 TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   const auto leak = [](const char* name, int iterations) { return unibody::plan(solver(name, iterations), grains()).leak; };
   EXPECT_EQ(leak("accelerated_jacobi", 50), 0.6);

@@ -1,0 +1,66 @@
+// Which islands have constraints: on one rank, and where an island reaches over several.
+#include "step/islands.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "report/state_hash.hpp"
+#include "small_worlds.hpp"
+#include "step/assemble.hpp"
+#include "step/detect.hpp"
+#include "step/steadying.hpp"
+
+namespace unibody::small_worlds {
+
+namespace {
+
+std::vector<std::int32_t> marks_of(Experiment& run) {
+  System system(&run.simulation->scratch);
+  run.simulation->detect();
+  build_lasting(*run.simulation, system);
+  predict(*run.simulation, system);
+  std::vector<double> turning = turning_of_joints(*run.simulation);
+  assemble(*run.simulation, system, turning);
+  return constrained_islands(*run.simulation, system);
+}
+
+// Balls that touch, in a row along x from one end of the scene to the other; the last one hangs on a joint.
+std::string row(int balls, const std::string& solver) {
+  std::string points;
+  for (int k = 0; k < balls; ++k) points += (k > 0 ? ", [" : "[") + std::to_string(0.0999 * k) + ", 0, 0.05]";
+  return "solver: {name: " + solver +
+         "}\nbodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n  - {shape: {sphere: {radius: 0.05}}, mass: 1, points: [" +
+         points + "]}\n  - {shape: {sphere: {radius: 0.05}}, mass: 1, name: last, position: [" + std::to_string(0.0999 * balls) +
+         ", 0, 0.05]}\n  - {shape: {sphere: {radius: 0.05}}, mass: 1, points: [[0, 3, 0.05], [0, 3, 0.1499]]}\n"
+         "joints:\n  - {type: ball, bodies: [last, world], anchor: [" +
+         std::to_string(0.0999 * balls) + ", 0, 0.5]}\n";
+}
+
+}  // namespace
+
+TEST(Islands, AConstraintMarksAllThatTouchOneAnotherButNotThroughTheGround) {
+  Experiment run(scene_from_text(row(6, "accelerated_jacobi")));
+  const std::vector<std::int32_t> marks = marks_of(run);
+  EXPECT_EQ(marks[run.slot(0)], 0) << "the ground";
+  for (Id id = 1; id <= 7; ++id) EXPECT_EQ(marks[run.slot(id)], 1) << id;
+  for (Id id = 8; id <= 9; ++id) EXPECT_EQ(marks[run.slot(id)], 0) << id;
+}
+
+TEST(RanksIslands, AMarkGoesFromRankToRank) {
+  Experiment run(scene_from_text(row(40, "accelerated_jacobi")), MPI_COMM_WORLD);
+  const std::vector<std::int32_t> marks = marks_of(run);
+  for (std::size_t i = 0; i < run.world().homes; ++i)
+    EXPECT_EQ(marks[i], run.world().position[i].y() > 1 ? 0 : 1) << "body " << run.world().id[i];
+}
+
+TEST(RanksIslands, SolvedApartTheyEndWithTheSameBits) {
+  for (const char* solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"}) {
+    Experiment alone(scene_from_text(row(12, solver))), together(scene_from_text(row(12, solver)), MPI_COMM_WORLD);
+    alone.steps(15), together.steps(15);
+    EXPECT_EQ(state_hash(MPI_COMM_SELF, alone.world()), state_hash(MPI_COMM_WORLD, together.world())) << solver;
+  }
+}
+
+}  // namespace unibody::small_worlds
