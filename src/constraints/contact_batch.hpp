@@ -255,9 +255,7 @@ class ContactBatch : public BatchDefaults {
   };
   template <class F>
   void for_each_point(const Lane& at, F&& f) const;
-  struct HiddenScale {  // of a row: its scales and their inverses, in one lane
-    double inverse = 0, scale = 0, tangential_inverse = 0, tangential = 0;
-  };
+  using HiddenRow = std::array<double, 7>;  // in one lane: scales and their inverses, normal and tangential; multipliers
   template <class F>
   void for_each_hidden(F&& f);
   void start_bounces();
@@ -279,7 +277,7 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<double> leak_shares_;     // of all points, what limit_leak() leaves of the leak; empty: all of it
   std::pmr::vector<double> uneven_shares_;   // of each manifold, what even_out() leaves; empty: all of it everywhere
   std::pmr::vector<std::uint8_t> constrained_;  // of each manifold: its island has constraints; empty: nobody asks
-  std::pmr::vector<HiddenScale> hidden_;        // of the rows that are not selected
+  std::pmr::vector<HiddenRow> hidden_;          // of the rows that are not selected
   Islands selected_ = Islands::all;
   bool any_selected_ = true;
   double free_leak_ = 0;

@@ -1,6 +1,12 @@
 // ContactBatch: which islands a solve is about.
 //
-// A row whose scales are 0 moves nothing and leaves no residual. Those of rows that are not selected are kept aside.
+// A row whose scales and multipliers are 0 moves nothing and leaves no residual. Those of rows that are not selected are kept
+// aside. (The multipliers too: projected once more on the cone they would change by a rounding, or not, as their neighbours in
+// the block go, and these depend on the number of ranks.)
+
+#include <array>
+#include <tuple>
+#include <utility>
 
 #include "constraints/contact_batch.hpp"
 #include "constraints/contact_for_each.hpp"
@@ -19,33 +25,41 @@ std::pair<bool, bool> ContactBatch::set_islands(std::span<const std::int32_t> co
   return any;
 }
 
-// Calls f with references to the four scales of each row that is not selected, always in the same order.
+// Calls f(the numbers of a row, as pointers; null: it has no such number) for each row that is not selected, always in the same
+// order.
 template <class F>
 void ContactBatch::for_each_hidden(F&& f) {
   for_each_row([&](std::size_t m, std::size_t l, std::size_t p, std::size_t t, std::size_t) {
     if (is_selected(m)) return;
-    double none = 0, no_other = 0, no_third = 0;
-    const auto lane = [&](Vec4d& of) -> double& { return reinterpret_cast<double*>(&of)[l]; };
-    const bool has_tangents = t != no_tangent;
-    f(lane(points[p].inverse_scale), normal_scales.empty() ? none : lane(normal_scales[p]),
-      has_tangents ? lane(tangents[t].inverse_scale) : no_other,
-      has_tangents && !tangent_scales.empty() ? lane(tangent_scales[t]) : no_third);
+    const auto lane = [&](Vec4d& of) { return reinterpret_cast<double*>(&of) + l; };
+    std::array<double*, std::tuple_size_v<HiddenRow>> at{};
+    at[0] = lane(points[p].inverse_scale), at[1] = lane(normals[p].lambda);
+    if (!normal_scales.empty()) at[2] = lane(normal_scales[p]);
+    if (t != no_tangent) {
+      at[3] = lane(tangents[t].inverse_scale);
+      at[4] = lane(tangent_impulses[t].lambda_s), at[5] = lane(tangent_impulses[t].lambda_t);
+      if (!tangent_scales.empty()) at[6] = lane(tangent_scales[t]);
+    }
+    f(at);
   });
 }
 
 void ContactBatch::select_islands(Islands islands) {
   if (constrained_.empty() || islands == selected_) return;
   auto from = hidden_.begin();
-  for_each_hidden([&](double& inverse, double& scale, double& tangential_inverse, double& tangential) {
-    inverse = from->inverse, scale = from->scale, tangential_inverse = from->tangential_inverse, tangential = from->tangential;
+  for_each_hidden([&](const auto& at) {
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (at[k] != nullptr) *at[k] = (*from)[k];
     ++from;
   });
   hidden_.clear(), selected_ = islands, any_selected_ = false;
   for (std::size_t m = 0; m < constrained_.size() && !any_selected_; ++m) any_selected_ = is_selected(m);
-  for_each_hidden([&](double& inverse, double& scale, double& tangential_inverse, double& tangential) {
-    hidden_.push_back({inverse, scale, tangential_inverse, tangential});
-    inverse = scale = tangential_inverse = tangential = 0;
+  for_each_hidden([&](const auto& at) {
+    HiddenRow& row = hidden_.emplace_back();
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (at[k] != nullptr) row[k] = std::exchange(*at[k], 0.0);
   });
+  start_momenta();
 }
 
 }  // namespace unibody

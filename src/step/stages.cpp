@@ -166,6 +166,7 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
     free = run_stages(state, system, plan_of_free_islands(state.scene.solver, state.traits, facts), facts);
     system.contacts().set_free_leak(free.leak);
     take_all_islands(system);
+    if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
   }
   StepReport report;
   report.iterations = std::max(done.iterations, free.iterations);
