@@ -1,8 +1,9 @@
 // ContactBatch: which islands a solve is about.
 //
 // A row whose scales and multipliers are 0 moves nothing and leaves no residual. Those of rows that are not selected are kept
-// aside. (The multipliers too: projected once more on the cone they would change by a rounding, or not, as their neighbours in
-// the block go, and these depend on the number of ranks.)
+// aside. (The multipliers too, since projected once more on the cone they would change by a rounding.) All passes go over such
+// rows as well, on every rank: what they add is 0, but that turns a velocity of -0 into 0, so a rank that left them out would end
+// with other bits.
 
 #include <array>
 #include <tuple>

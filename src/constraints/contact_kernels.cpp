@@ -102,7 +102,6 @@ Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal&
 }  // namespace
 
 double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBody> bodies) {
-  if (!any_selected_) return 0;
   const std::uint32_t begin = group == 0 ? 0 : group_end_[group - 1], end = group_end_[group];
   return with_model(friction_, [&]<FrictionModel model>() {
     Vec4d change = broadcast(0);
@@ -129,7 +128,6 @@ double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBo
 }
 
 void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
-  if (!any_selected_) return;
   const std::span<const SolverBody> bodies = state.bodies;
   const std::span<Wrench> wrenches = state.wrenches;
   const Update<Vec4d> update = update_of_four(extrapolation);

@@ -56,7 +56,7 @@ TEST(Acceleration, IsNesterovsWhereRowsTurnOrTheirBoundIsPassed) {
   EXPECT_NE(state_with(bouncing, "auto", ""), state_with(bouncing, "nesterov", ""));
   expect_automatic(boxes + "joints:\n  - {type: ball, bodies: [upper, lower], anchor: [0, 0, 0.375]}\n", Is::nesterov);
   expect_automatic(boxes + light_cloth, Is::nesterov, ", level: velocity");
-  expect_automatic(light_cloth + "    bending: {model: dihedral, stiffness: 0.01}\n", Is::nesterov);
+  expect_automatic(boxes + light_cloth + "    bending: {model: dihedral, stiffness: 0.01}\n", Is::nesterov, ", stages: position");
 }
 
 }  // namespace unibody::small_worlds
