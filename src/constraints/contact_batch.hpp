@@ -95,8 +95,8 @@ class ContactBatch : public BatchDefaults {
   std::size_t colours() const { return group_end_.size(); }
   bool needs_all(std::size_t) const { return false; }
 
-  // Tells free islands from those with constraints (constrained: by slot, not 0), until it is forgotten. After build(). Returns
-  // whether there are contacts of either kind here: free ones, others.
+  // Sets which manifolds belong to islands with constraints: those with a body whose mark (by slot) is not 0. All others belong
+  // to free islands. After build(). Returns whether this rank has contacts of free islands, and whether it has others.
   std::pair<bool, bool> set_islands(std::span<const std::int32_t> constrained);
   void forget_islands() { constrained_.clear(); }
 
@@ -109,7 +109,7 @@ class ContactBatch : public BatchDefaults {
   double start_share(const WarmStart& warm, std::size_t manifold) const {
     return constrained_.empty() || constrained_[manifold] != 0 ? warm.contacts_share : warm.free_contacts_share;
   }
-  // The leak that remember() is given, or that of free islands, where these have their own.
+  // The leak of a manifold: the one that remember() is given, or of a free island the one that set_free_leak() has set.
   double leak_of(double leak, std::size_t manifold) const {
     return constrained_.empty() || constrained_[manifold] != 0 ? leak : free_leak_;
   }

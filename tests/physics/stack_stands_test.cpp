@@ -32,7 +32,7 @@ struct StackCase {
 
 class StackOfBoxes : public testing::TestWithParam<StackCase> {};
 
-// At rest each box stays where it is put: 0.05 m, 0.15 m, ... above the ground and right above the others. The bounds are a
+// At rest each box stays where it is put: 0.05 m, 0.15 m, ... above the ground and right above the others. Its bounds are a
 // fiftieth of a side across and a two-hundredth in height.
 TEST_P(StackOfBoxes, StandsForTenSeconds) {
   const auto [solver, substeps] = GetParam();
