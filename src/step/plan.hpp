@@ -63,7 +63,7 @@ struct StepPlan {
 // - one constraint makes the Jacobi solvers take them in one position stage, from a share of the old multipliers, and gives the
 //   velocity stage of Gauss-Seidel half of the iterations at most;
 // - one joint or attachment, one constraint that is no link, one tight link: the momentum of accelerated_jacobi is Nesterov's;
-// - one contact makes a step of two stages have the first one, which a step without contacts does without.
+// - one contact makes a step have a velocity stage, where its plan has two stages; a step without contacts leaves that stage out.
 StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts = {});
 
 // The share of the old multipliers that the scene asks for, or that its iterations make best.
