@@ -74,6 +74,8 @@ Options parse_options(int argc, char** argv) {
     } else if (word == "-restart" || word == "-start_from") {
       if (!options.restart.empty()) throw InputError("option " + word + ": a checkpoint is given already");
       options.restart = value(), options.other_settings = word == "-start_from";
+    } else if (word == "-strict") {
+      options.strict = true;
     } else if (word == "-set") {
       const std::string assignment = value();
       const auto equals = assignment.find('=');
@@ -147,6 +149,8 @@ Simulates the scene file SCENE and writes its results into a folder.
                          with cloths, threads or solids in the incremental form, which converge to what their way leads to, the
                          former alone. The run itself stays the same, bit for bit; a sample takes as long as some 60 to 1000
                          steps, and its time is none of the steps'
+  -strict                stop at the first frame that has not converged, with the constraint named that is farthest from solved;
+                         exit code 3, as for every run that had to stop
   -dump_fclib FILE       write one frame's last step as a frictional contact problem in FCLIB's HDF5 form, with its solution;
                          rigid bodies alone, in space
   -dump_step N           of that frame (default: the last)

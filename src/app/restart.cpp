@@ -48,6 +48,9 @@ std::string physics_of(const Scene& scene) {
   for (const BodyGroup& group : scene.groups) {
     text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
     for (const Id k : {Id{0}, group.count / 2, group.count - 1}) add_body(group.make(k), text);
+    if (const MotionInTime* motion = group.motion.get())
+      text << "moves " << (motion->path ? "along " + motion->path->text() : motion->velocity.text()) << " turns "
+           << motion->angular_velocity.text() << '\n';
   }
   text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
   for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
@@ -56,7 +59,7 @@ std::string physics_of(const Scene& scene) {
   for (const Joint& j : scene.joints) {
     text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
          << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' ' << j.swing << ' '
-         << static_cast<int>(j.motor) << ' ' << j.target << ' ' << j.strength << ' ' << j.friction;
+         << static_cast<int>(j.motor) << ' ' << j.target.text() << ' ' << j.strength << ' ' << j.friction;
     for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
     text << '\n';
   }

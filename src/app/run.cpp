@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "app/bad_body.hpp"
+#include "app/frame_times.hpp"
 #include "app/machine_memory.hpp"
 #include "app/petsc_session.hpp"
 #include "app/restart.hpp"
@@ -39,30 +40,6 @@
 namespace unibody {
 
 namespace {
-
-// Where the wall time of a frame went, the slowest rank's figure for each phase.
-class FrameTimes {
- public:
-  FrameTimes(MPI_Comm comm, const PhaseClock& clock) : comm_(comm), clock_(clock), before_(clock.seconds()) {
-    for (std::size_t i = 0; i < phases.size(); ++i) phases[i].name = phase_names[i];
-  }
-  void frame_done(FrameReport& report) {
-    std::array<double, phase_names.size()> spent = clock_.seconds();
-    for (std::size_t i = 0; i < spent.size(); ++i) spent[i] -= before_[i];
-    before_ = clock_.seconds();
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_));
-    for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
-    const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
-    report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
-    report.wall_halo = of(Phase::halo), report.wall_output = of(Phase::output);
-  }
-  std::vector<PhaseTimes> phases = std::vector<PhaseTimes>(phase_names.size());
-
- private:
-  MPI_Comm comm_;
-  const PhaseClock& clock_;
-  std::array<double, phase_names.size()> before_;
-};
 
 // The columns of -error_estimate; without a step that was asked for it, empty cells.
 void add_error_columns(const StepReport& step, std::vector<NamedValue>& columns) {
@@ -141,8 +118,7 @@ class Run {
     warn_of_crowds(summary_.first_frame);
     open_files();
     write(summary_.first_frame);
-    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies,
-                      *simulation_.settings_used().tolerance);
+    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies, summary_.convergence.tolerance);
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
       rebalance();
       FrameReport report = do_frame(frame);
@@ -192,6 +168,21 @@ class Run {
         "leaves no room; a shorter time.frame or more time.substeps may do");
   }
 
+  // m. What is farther from solved than anything before it in the run is worth a name; of what stops the run, all.
+  double name_above(const FrameReport& frame) const {
+    if (options_.strict) return summary_.convergence.tolerance;
+    return std::max(summary_.convergence.worst_residual, frame.natural_residual);
+  }
+
+  void stop_if_strict(const StepReport& step, std::int64_t frame) const {
+    if (!options_.strict || step.converged) return;
+    std::array<char, 128> by{};
+    std::snprintf(by.data(), by.size(), "the natural residual is %.2e m, the tolerance %.2e m", step.residual,
+                  summary_.convergence.tolerance);
+    throw RunError("option -strict: frame " + std::to_string(frame) + " has not converged: " + by.data() +
+                   (step.worst ? "; farthest from solved: " + told(*step.worst, scene_) : ""));
+  }
+
   bool wants_error(std::int64_t frame) const {
     const int every = options_.error_estimate;
     return every > 0 && (frame % every == 0 || frame == scene_.time.frames);
@@ -230,6 +221,10 @@ void Run::start_world() {
     throw InputError("'" + options_.restart + "' is of frame " + std::to_string(summary_.first_frame) +
                      ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
   simulation_.resolve_automatic_settings();
+  summary_.convergence.tolerance = *simulation_.settings_used().tolerance;
+  summary_.convergence.smallest_size = simulation_.traits.smallest_size;
+  if (options_.strict && summary_.convergence.tolerance == 0)
+    throw InputError("option -strict: found solver.tolerance 0, which no step is within, expected more than 0");
   if (options_.restart.empty()) simulation_.make_constraints();
   simulation_.move_homes(balance_.homes(parts_of(simulation_)));
   for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
@@ -250,12 +245,15 @@ FrameReport Run::do_frame(std::int64_t frame) {
   std::int64_t impacts = 0;
   for (int s = 0; s < scene_.time.substeps; ++s) {
     const bool last_step = s + 1 == scene_.time.substeps;
-    const StepRequest request{last_step && wants_error(frame), last_step && frame == dumped_frame() ? &problem_ : nullptr};
+    const bool dumps = last_step && frame == dumped_frame();
+    const StepRequest request{last_step && wants_error(frame), dumps ? &problem_ : nullptr, name_above(report)};
     const StepReport step = last = simulation_.step(request);
     stop_if_not_finite(comm_, scene_, simulation_, frame, s);  // before anything looks for contacts among such bodies
     held.pairs += step.guard.pairs, impacts += step.impacts;
     stop_if_not_held(step, frame);
+    stop_if_strict(step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
+    if (step.residual > report.natural_residual) report.worst = step.worst;
     report.natural_residual = std::max(report.natural_residual, step.residual);
     report.residual_rate += step.residual / scene_.time.frame;
     report.converged &= step.converged, report.form_left += step.form_left;
@@ -336,13 +334,7 @@ void Run::finish() {
   summary_.files.push_back("summary.json");
   write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
   if (rank_ != 0) return;
-  if (summary_.unconverged > 0 && *summary_.solver.tolerance == 0)  // so that its iterations never stop early
-    std::printf("tolerance 0: all iterations were made; the worst natural residual is %.2e m (frame %lld)\n",
-                summary_.worst_residual, static_cast<long long>(summary_.worst_frame));
-  else if (summary_.unconverged > 0)
-    std::printf("not converged: %lld of %lld frames, the worst by %.2e m (frame %lld)\n",
-                static_cast<long long>(summary_.unconverged), static_cast<long long>(summary_.frames()), summary_.worst_residual,
-                static_cast<long long>(summary_.worst_frame));
+  std::fputs(told(summary_.convergence, scene_).c_str(), stdout);
   if (const ErrorSamples& e = summary_.errors; e.count > 0)
     std::printf("error of a step, estimated in %lld frames: at worst %.2e m (frame %lld), in the last %.2e m (frame %lld)\n",
                 static_cast<long long>(e.count), e.worst.distance, static_cast<long long>(e.worst_frame), e.last.distance,

@@ -105,4 +105,8 @@ double AttachmentBatch::residual(const SolveState& state) const {
   return step_ * worst;
 }
 
+void AttachmentBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  for (const Row& row : rows_) visit(step_ * defect(row, state.bodies).cwiseAbs().maxCoeff(), std::array{row.body, row.node});
+}
+
 }  // namespace unibody

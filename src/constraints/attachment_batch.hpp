@@ -62,7 +62,8 @@ class AttachmentBatch : public BatchDefaults {
     for (Row& row : rows_) f(std::span(row.lambda.data(), 3));
   }
   double residual(const SolveState& state) const;  // the largest component of h r
-  std::size_t bytes() const { return 0; }          // in the solve's scratch memory, which is counted as a whole
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;
+  std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
 
   void start_from(const History& history, const WarmStart& warm);
   void add_impulses(SolveState& state, const WarmStart& warm, double) const;

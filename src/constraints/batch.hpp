@@ -47,6 +47,7 @@ struct BuildContext {
   const SolveState& state;  // predicted velocities, masses, counts
   const SolverSettings& settings;
   bool by_colour = false;  // laid out by colour, for Gauss-Seidel; else in one group
+  double time = 0;         // s, at the start of the step
 
   const Contacts* contacts = nullptr;                   // of bodies and of surfaces
   std::span<const std::uint32_t> contact_order = {};    // numbers of manifolds, in the order of the layout
@@ -75,6 +76,9 @@ struct WarmStart {
 
   bool has_contacts() const { return contacts_share > 0 || free_contacts_share > 0; }
 };
+
+// Is called with the natural residual of a constraint (m) and the bodies that it ties.
+using ResidualVisitor = std::function<void(double, std::span<const Slot>)>;
 
 // A batch without history.
 struct NoHistory {};
@@ -139,6 +143,8 @@ concept Batch = std::movable<B> &&
   b.for_each_unknown([](std::span<double>) {});
   // Natural residual (m), zero exactly at a solution.
   { c.residual(seen) } -> std::same_as<double>;
+  // The residual of each constraint that acts, of which residual() is the largest; for reports, not for the solvers' loops.
+  c.for_each_residual(seen, ResidualVisitor{});
 
   // N s; most_stiffness: a bound of the geometric stiffness of links (solver_settings.hpp).
   b.start_from(history, warm);

@@ -100,12 +100,12 @@ constexpr auto passes() {
   using SweepState = void (B::*)(SolveState&, const Extrapolation&, SweepSums&);
   using Relax = double (B::*)(std::size_t, const StepStart&, std::span<SolverBody>);
   using RelaxState = double (B::*)(std::size_t, bool, SolveState&);
-  using Residual = double (B::*)(const StepStart&, std::span<const SolverBody>) const;
+  using Residual = double (B::*)(const StepStart&, std::span<const SolverBody>, const typename B::BlockVisitor*) const;
   return std::tuple(&B::for_each_stencil, &B::for_each_element, &B::count, &B::build, &B::lay_out, &B::set_multipliers,
                     &B::get_multipliers, &B::start_from, &B::remember, static_cast<Add>(&B::add_impulses),
                     static_cast<AddState>(&B::add_impulses), &B::geometric_stiffness, static_cast<Sweep>(&B::sweep),
                     static_cast<SweepState>(&B::sweep), static_cast<Relax>(&B::relax), static_cast<RelaxState>(&B::relax),
-                    static_cast<Residual>(&B::residual), &B::moves_beyond, &B::add_directions, &B::bytes);
+                    static_cast<Residual>(&B::residual), &B::for_each_residual, &B::moves_beyond, &B::add_directions, &B::bytes);
 }
 
 template <class... C>

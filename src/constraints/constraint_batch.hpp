@@ -46,6 +46,7 @@ class ConstraintBatch : public BatchDefaults {
     std::array<Vec4d, rows> compliance;  // m/N
     Vec4d damping;                       // s
   };
+  using BlockVisitor = std::function<void(std::size_t, const Vec4d&)>;  // number of a block, residual of each lane (m/s)
 
   static void for_each_element(const Elements& elements, const std::function<void(const Key&, std::span<const Id>)>& f);
 
@@ -99,7 +100,8 @@ class ConstraintBatch : public BatchDefaults {
 
   // max (h + rho) |r|
   double residual(const SolveState& state) const { return residual(state.start(), state.bodies); }
-  double residual(const StepStart& start, std::span<const SolverBody> bodies) const;
+  double residual(const StepStart& start, std::span<const SolverBody> bodies, const BlockVisitor* visit = nullptr) const;
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;
 
   // Whether two bodies of a constraint move against each other, in a step at these velocities, by more than this share of their
   // distance at its start, or by what is no number.
@@ -172,7 +174,7 @@ class ConstraintBatch : public BatchDefaults {
   void sweep_as(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                 const Extrapolation& extrapolation, SweepSums& sums);
   template <Law law>
-  double residual_by(const StepStart& start, std::span<const SolverBody> bodies) const;
+  double residual_by(const StepStart& start, std::span<const SolverBody> bodies, const BlockVisitor* visit) const;
   template <Law law, bool total>
   double relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies);
 

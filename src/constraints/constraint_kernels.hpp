@@ -209,7 +209,8 @@ double ConstraintBatch<C>::relax(std::size_t group, const StepStart& start, std:
 
 template <ConstraintType C>
 template <typename ConstraintBatch<C>::Law law>
-double ConstraintBatch<C>::residual_by(const StepStart& start, std::span<const SolverBody> bodies) const {
+double ConstraintBatch<C>::residual_by(const StepStart& start, std::span<const SolverBody> bodies,
+                                       const BlockVisitor* visit) const {
   const double h = start.step;
   const Vec4d over_step = broadcast(1 / h);
   const bool has_inverses = has_unit_gradients<C> && has_inverses_;
@@ -230,16 +231,32 @@ double ConstraintBatch<C>::residual_by(const StepStart& start, std::span<const S
       moves = inverses_[b];
     else
       for (const Vec4d m : ends.weight) moves += m;
+    Vec4d of_block = broadcast(0);
     for (const Vec4d rk : r)
-      worst = max(worst, select(moves > broadcast(0), with_damping<law>(b, abs(rk * part), over_step), broadcast(0)));
+      of_block = max(of_block, select(moves > broadcast(0), with_damping<law>(b, abs(rk * part), over_step), broadcast(0)));
+    if (visit != nullptr) (*visit)(b, of_block);
+    worst = max(worst, of_block);
   }
   return start.step * horizontal_max(worst);
 }
 
 template <ConstraintType C>
-double ConstraintBatch<C>::residual(const StepStart& start, std::span<const SolverBody> bodies) const {
-  if (start.is_linear()) return residual_by<Law::linear>(start, bodies);
-  return softness_.empty() ? residual_by<Law::stiff>(start, bodies) : residual_by<Law::soft>(start, bodies);
+double ConstraintBatch<C>::residual(const StepStart& start, std::span<const SolverBody> bodies, const BlockVisitor* visit) const {
+  if (start.is_linear()) return residual_by<Law::linear>(start, bodies, visit);
+  return softness_.empty() ? residual_by<Law::stiff>(start, bodies, visit) : residual_by<Law::soft>(start, bodies, visit);
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  const BlockVisitor of_lanes = [&](std::size_t b, const Vec4d& residual) {
+    for (std::size_t l = 0; l < lanes; ++l) {
+      if (order_[b * lanes + l] < 0) continue;
+      std::array<Slot, stencil> ends;
+      for (std::size_t e = 0; e < stencil; ++e) ends[e] = blocks_[b].slot[e][l];
+      visit(state.step * residual[l], ends);
+    }
+  };
+  residual(state.start(), state.bodies, &of_lanes);
 }
 
 template <ConstraintType C>

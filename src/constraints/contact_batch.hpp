@@ -159,6 +159,7 @@ class ContactBatch : public BatchDefaults {
   // max K |lambda - Proj(lambda - K^-1 r)|
   double residual(const SolveState& state) const { return residual(state.bodies); }
   double residual(std::span<const SolverBody> bodies) const;
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;
 
   // Multipliers of all points: index = that of the point in Contacts::points; normal, s and t components (N s).
   struct Impulse {
@@ -247,7 +248,7 @@ class ContactBatch : public BatchDefaults {
   void for_each_row(F&& f) const;
   // Calls f(block, residual of each lane (m/s)).
   template <class F>
-  void for_each_residual(std::span<const SolverBody> bodies, F&& f) const;
+  void for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const;
   void forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const;
   bool sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   struct Lane {

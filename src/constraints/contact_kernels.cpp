@@ -148,7 +148,7 @@ void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, 
 }
 
 template <class F>
-void ContactBatch::for_each_residual(std::span<const SolverBody> bodies, F&& f) const {
+void ContactBatch::for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const {
   with_model(friction_, [&]<FrictionModel model>() {
     for (std::size_t number = 0; number < blocks.size(); ++number) {
       const Block& block = blocks[number];
@@ -172,13 +172,21 @@ void ContactBatch::for_each_residual(std::span<const SolverBody> bodies, F&& f) 
 double ContactBatch::residual(std::span<const SolverBody> bodies) const {
   if (!any_selected_) return 0;
   Vec4d worst = broadcast(0);
-  for_each_residual(bodies, [&](const Block&, Vec4d residual) { worst = max(worst, residual); });
+  for_each_block_residual(bodies, [&](const Block&, Vec4d residual) { worst = max(worst, residual); });
   return step_ * horizontal_max(worst);
+}
+
+void ContactBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  if (!any_selected_) return;
+  for_each_block_residual(state.bodies, [&](const Block& block, Vec4d residual) {
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (block.manifold[l] >= 0) visit(step_ * residual[l], std::array{block.slot_a[l], block.slot_b[l]});
+  });
 }
 
 void ContactBatch::even_out(std::span<const SolverBody> bodies, double tolerance, double share) {
   if (uneven_shares_.empty()) uneven_shares_.assign(contacts_->manifolds.size(), 1);
-  for_each_residual(bodies, [&](const Block& block, Vec4d residual) {
+  for_each_block_residual(bodies, [&](const Block& block, Vec4d residual) {
     for (std::size_t l = 0; l < lanes; ++l)
       if (block.manifold[l] >= 0 && step_ * residual[l] > tolerance)
         uneven_shares_[static_cast<std::size_t>(block.manifold[l])] = share;

@@ -223,15 +223,23 @@ void RollingBatch::join_stages() {
   }
 }
 
+double RollingBatch::residual_of(const Row& row, std::span<const SolverBody> bodies) const {
+  if (!contacts_->is_selected(row.manifold)) return 0;
+  const Torque next = project_step(row, row.own_scale, row.lambda, rates(row, bodies));
+  double worst = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    worst = std::max(worst, row.lever * row.own_scale[k == 0 ? 0 : 1] * std::abs(next[k] - row.lambda[k]));
+  return worst;
+}
+
 double RollingBatch::residual(const SolveState& state) const {
   double worst = 0;
-  for (const Row& row : rows_) {
-    if (!contacts_->is_selected(row.manifold)) continue;
-    const Torque next = project_step(row, row.own_scale, row.lambda, rates(row, state.bodies));
-    for (std::size_t k = 0; k < 3; ++k)
-      worst = std::max(worst, row.lever * row.own_scale[k == 0 ? 0 : 1] * std::abs(next[k] - row.lambda[k]));
-  }
+  for (const Row& row : rows_) worst = std::max(worst, residual_of(row, state.bodies));
   return step_ * worst;
+}
+
+void RollingBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  for (const Row& row : rows_) visit(step_ * residual_of(row, state.bodies), std::array{row.a, row.b});
 }
 
 }  // namespace unibody

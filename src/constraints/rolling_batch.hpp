@@ -62,6 +62,7 @@ class RollingBatch : public BatchDefaults {
 
   // An angle counts by the longer arm from the bodies' centres to the contact.
   double residual(const SolveState& state) const;
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;
 
   std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole
 
@@ -83,6 +84,7 @@ class RollingBatch : public BatchDefaults {
   static std::array<double, 2> scale_of(const Row& row, double share_a, double share_b);
   static Torque rates(const Row& row, std::span<const SolverBody> bodies);
   Torque project_step(const Row& row, const std::array<double, 2>& scale, const Torque& from, const Torque& rates) const;
+  double residual_of(const Row& row, std::span<const SolverBody> bodies) const;  // m/s; 0 where it is not selected
   static Vec3 torque_of(const Row& row, const Torque& lambda);
 
   // f(number of the manifold, manifold, coefficient of rolling, of spinning (m))

@@ -211,19 +211,32 @@ double SurfaceBatch::relax(std::size_t, bool, SolveState& state) {
   return sums.change;
 }
 
-double SurfaceBatch::residual(const SolveState& state) const {
-  const std::span<const SolverBody> bodies = state.bodies;
-  return with_model(friction_, [&]<FrictionModel model>() {
-    Vec4d worst = broadcast(0);
+template <class F>
+void SurfaceBatch::for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const {
+  with_model(friction_, [&]<FrictionModel model>() {
     for (const Block& block : blocks_) {
       Vec4d of_n = block.normal.mobility, of_t = block.tangential.mobility;
       if (uses_cone_projection(model)) of_n = of_t = max(of_n, of_t);
       const Velocity u = parting(block, cross(block.n, block.s), bodies);
       const Impulse next = stepped<model>(block, u, block.lambda, inverse_or_zero(of_n), inverse_or_zero(of_t));
       const Vec4d ds = next.s - block.lambda.s, dt = next.t - block.lambda.t;
-      worst = max(worst, max(of_n * abs(next.n - block.lambda.n), of_t * sqrt(ds * ds + dt * dt)));
+      f(block, Vec4d(max(of_n * abs(next.n - block.lambda.n), of_t * sqrt(ds * ds + dt * dt))));
     }
-    return step_ * horizontal_max(worst);
+  });
+}
+
+double SurfaceBatch::residual(const SolveState& state) const {
+  Vec4d worst = broadcast(0);
+  for_each_block_residual(state.bodies, [&](const Block&, Vec4d residual) { worst = max(worst, residual); });
+  return step_ * horizontal_max(worst);
+}
+
+// Empty lanes tie the body that is nobody, and have no residual.
+void SurfaceBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  for_each_block_residual(state.bodies, [&](const Block& block, Vec4d residual) {
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (residual[l] > 0)
+        visit(step_ * residual[l], std::array{block.slot[0][l], block.slot[1][l], block.slot[2][l], block.slot[3][l]});
   });
 }
 

@@ -51,6 +51,7 @@ class SurfaceBatch : public BatchDefaults {
       for (Vec4d* of : {&block.lambda.n, &block.lambda.s, &block.lambda.t}) f(std::span(reinterpret_cast<double*>(of), lanes));
   }
   double residual(const SolveState& state) const;
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;
 
   // Normal multipliers of all stages together: index = that of the contact in Contacts::surface.
   void normal_impulses(std::span<double> normal) const;
@@ -87,6 +88,8 @@ class SurfaceBatch : public BatchDefaults {
   static Velocity parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies);
   template <FrictionModel model>
   static Impulse stepped(const Block& block, const Velocity& u, const Impulse& from, Vec4d inverse_n, Vec4d inverse_t);
+  template <class F>
+  void for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const;  // f(block, residual of each lane (m/s))
   template <FrictionModel model>
   void sweep_as(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
 

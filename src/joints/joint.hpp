@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/time_value.hpp"
 #include "core/types.hpp"
 
 namespace unibody {
@@ -34,7 +35,7 @@ struct Joint {
   double lower = -std::numeric_limits<double>::infinity(), upper = -lower;  // rad or m, of the angle, twist or offset
   double swing = upper;  // rad, of a ball: the most that the second body's axis z and the first's may part
   Motor motor = Motor::none;
-  double target = 0;    // rad/s, m/s, rad or m
+  TimeValue target;     // rad/s, m/s, rad or m
   double strength = 0;  // N m or N, the most that the motor gives
   double friction = 0;  // N m or N, the most that dry friction gives
 

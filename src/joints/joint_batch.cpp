@@ -353,17 +353,24 @@ double JointBatch::relax_trees(std::span<SolverBody> bodies) {
   return change;
 }
 
-double JointBatch::residual(const SolveState& state) const {
-  const std::span<const SolverBody> bodies = state.bodies;
+double JointBatch::residual_of(const Part& part, std::span<const SolverBody> bodies) const {
   double worst = 0;
-  for (const Part& part : parts_)
-    with_joint_type(part.type, [&]<class T>() {
-      const Step<T> step = step_from<T>(part, part.lambda, bodies, false, true);
-      for (std::size_t k = 0; k < T::rows; ++k)
-        if (step.next[k] != part.lambda[k])
-          worst = std::max(worst, (step_ + part.damping) * length_of<T>(part, k, step.defect[k]));
-    });
+  with_joint_type(part.type, [&]<class T>() {
+    const Step<T> step = step_from<T>(part, part.lambda, bodies, false, true);
+    for (std::size_t k = 0; k < T::rows; ++k)
+      if (step.next[k] != part.lambda[k]) worst = std::max(worst, (step_ + part.damping) * length_of<T>(part, k, step.defect[k]));
+  });
   return worst;
+}
+
+double JointBatch::residual(const SolveState& state) const {
+  double worst = 0;
+  for (const Part& part : parts_) worst = std::max(worst, residual_of(part, state.bodies));
+  return worst;
+}
+
+void JointBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  for (const Part& part : parts_) visit(residual_of(part, state.bodies), std::array{part.side[0].slot, part.side[1].slot});
 }
 
 }  // namespace unibody

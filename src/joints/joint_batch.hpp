@@ -97,6 +97,7 @@ class JointBatch : public BatchDefaults {
   // The largest (h + rho) |r| of the joints' own rows, and of bounded ones what a step by their own mobility would change. Angles
   // count by their joint's lever.
   double residual(const SolveState& state) const;
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;  // of each joint's blocks and rows
 
   std::size_t bytes() const { return parts_.capacity() * sizeof(Part) + trees_.bytes(); }
 
@@ -139,8 +140,8 @@ class JointBatch : public BatchDefaults {
   Step<T> step_in_tree(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies) const;
   template <class T>
   double push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const;
-  void add_parts(const Joint& joint, const Part& common);
-  void limit_approach(Part& part, JointKind kind) const;
+  void add_parts(const Joint& joint, const Part& common, double time);
+  void limit_approach(Part& part, JointKind kind, double from, double rate) const;
   static JointEnd end_of(const Side& side, const SolverBody& body, double step);
   template <class T>
   static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies);
@@ -151,6 +152,7 @@ class JointBatch : public BatchDefaults {
   template <class T>
   std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,
                                           std::span<const SolverBody> bodies) const;
+  double residual_of(const Part& part, std::span<const SolverBody> bodies) const;  // m
   template <class T>
   double beyond(const Part& part, const Rows<T>& at, bool upper, double lambda) const;
   template <class T>

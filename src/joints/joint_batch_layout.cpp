@@ -50,7 +50,7 @@ void JointBatch::count(const BuildContext& context, std::span<std::int32_t> coun
   }
 }
 
-void JointBatch::add_parts(const Joint& joint, const Part& common) {
+void JointBatch::add_parts(const Joint& joint, const Part& common, double time) {
   Part part = common;
   part.type = static_cast<std::uint8_t>(joint.kind);
   part.law = joint.kind == JointKind::rope ? Law::within : Law::equal;
@@ -68,17 +68,20 @@ void JointBatch::add_parts(const Joint& joint, const Part& common) {
     parts_.back().type = joint_type_index<Swing>();
   }
   if (joint.is_limited()) add_row(JointImpulses::limits, Law::within, joint.lower, joint.upper);
-  if (joint.motor == Motor::speed) add_row(JointImpulses::motor, Law::rate, joint.target, joint.strength);
+  const double end = time + step_;
+  if (joint.motor == Motor::speed) add_row(JointImpulses::motor, Law::rate, joint.target.mean(time, end), joint.strength);
   if (joint.motor == Motor::position) {
-    add_row(JointImpulses::motor, Law::place, joint.target, joint.strength);
-    limit_approach(parts_.back(), joint.kind);
+    const double from = joint.target.at(time), to = joint.target.at(end);
+    add_row(JointImpulses::motor, Law::place, to, joint.strength);
+    limit_approach(parts_.back(), joint.kind, from, (to - from) / step_);
   }
   if (joint.friction > 0) add_row(JointImpulses::friction, Law::rate, 0, joint.friction);
 }
 
 // A motor comes to its place no faster than half of its strength can brake by then, so that it stops there: by what the two
-// bodies weigh against it in their joint, without what else hangs on them.
-void JointBatch::limit_approach(Part& part, JointKind kind) const {
+// bodies weigh against it in their joint, without what else hangs on them. The place is at `from` at the start of the step and
+// moves at `rate`, which comes on top.
+void JointBatch::limit_approach(Part& part, JointKind kind, double from, double rate) const {
   struct Row {
     Vec3 linear, angular, angular_b;
   };
@@ -111,10 +114,10 @@ void JointBatch::limit_approach(Part& part, JointKind kind) const {
       const auto held = solve_semidefinite<J::rows>(P, across);
       for (std::size_t i = 0; i < J::rows; ++i) mobility -= across[i] * held[i];
     });
-    double away = coordinate.value[0] - part.lower;
+    double away = coordinate.value[0] - from;
     if (T::angles > 0) away = std::remainder(away, 2 * M_PI);
     const double speed = std::sqrt(part.upper * std::max(0.0, mobility) * std::abs(away));
-    if (std::abs(away) > step_ * speed) part.law = Law::rate, part.lower = away > 0 ? -speed : speed;
+    if (std::abs(away) > step_ * speed) part.law = Law::rate, part.lower = rate + (away > 0 ? -speed : speed);
   });
 }
 
@@ -156,7 +159,7 @@ void JointBatch::build(const BuildContext& context) {
       part.joint = order[next], part.counted = ends.counted, part.lever = joint.lever;
       part.link = -1;
       const std::size_t own = parts_.size();
-      add_parts(joint, part);
+      add_parts(joint, part, context.time);
       if (joint.tree >= 0) add_to_tree(parts_[own], joint.tree, bodies);
       const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
       if (!is_home(ends.a) && !is_home(ends.b))  // here for its tree alone

@@ -10,6 +10,7 @@
 #include "report/measure.hpp"
 #include "report/stretch.hpp"
 #include "step/step_error.hpp"
+#include "step/worst_constraint.hpp"
 
 namespace unibody {
 
@@ -26,6 +27,7 @@ struct FrameReport {
   // Wall times (s) of the step, the largest of all ranks; imbalance: largest over mean work (partition/work.hpp).
   double wall_collide = 0, wall_solve = 0, wall_halo = 0, wall_output = 0;
   double imbalance = 1;
+  std::optional<WorstConstraint> worst;        // the one with the natural residual, where it was asked for
   std::optional<StepError> error;              // where it was asked for
   std::vector<NamedValue> constraint_columns;  // of scenes with cloths or threads; the same names in every frame
 };

@@ -109,10 +109,7 @@ void Summary::add(const FrameReport& report) {
   final = report;
   if (report.error) errors.add(report.step, *report.error);
   form_left += report.form_left;
-  if (report.converged) return;
-  ++unconverged;
-  if (report.natural_residual < worst_residual) return;
-  worst_residual = report.natural_residual, worst_frame = report.step;
+  convergence.add(report);
 }
 
 std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary) {
@@ -125,9 +122,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   j.set("versions", versions_json()).set("ranks", ranks);
   j.set("first_frame", summary.first_frame).set("last_frame", summary.last_frame);
   if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);
-  j.set("frames_not_converged", summary.unconverged);
-  if (summary.unconverged > 0)
-    j.set("worst_natural_residual (m)", summary.worst_residual).set("worst_frame", summary.worst_frame);
+  j.set("convergence", json_of(summary.convergence, scene));
   if (const ErrorSamples& e = summary.errors; e.count > 0)
     j.set("error_estimates", Json::object()
                                  .set("samples", e.count)

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "report/convergence.hpp"
 #include "report/report.hpp"
 #include "scene/scene.hpp"
 
@@ -33,8 +34,7 @@ struct Summary {
   double wall_total = 0;  // s, of the whole run
   std::vector<PhaseTimes> phases;
   FrameReport final;
-  std::int64_t unconverged = 0, worst_frame = 0;  // frames of which a step did not converge, and that of them farthest from it
-  double worst_residual = 0;                      // m, its natural residual
+  Convergence convergence;
   ErrorSamples errors;
   std::int64_t form_left = 0;      // steps taken in the incremental form, not the total one
   std::vector<std::string> files;  // written, in the order of mention

@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "scene/generators.hpp"
+#include "scene/in_time.hpp"
 #include "scene/shape_files.hpp"
 #include "world/shape_type.hpp"
 
@@ -49,6 +50,31 @@ void read_amount(const Value& entry, BodyTemplate& body) {
 
 int read_material(const Value& value, const Scene& scene) { return static_cast<int>(value.choice(scene.materials)); }
 
+// In a planar scene no component may leave the plane at any time.
+TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std::string& unit, bool rotation) {
+  const TimeVector vector = read_vector_in_time(value, unit);
+  for (std::size_t k = 0; k < 3 && scene.planar; ++k)
+    if ((k == 1) != rotation && (vector[k].changes() || vector[k].at(0) != 0))
+      value.fail_expected(rotation ? "0 as the first and third component (planar scene)"
+                                   : "0 as the second component (planar scene)");
+  return vector;
+}
+
+void read_motion_in_time(const Value& entry, BodyTemplate& body, const Scene& scene) {
+  const Value *velocity = entry.find("velocity"), *spin = entry.find("angular_velocity"), *path = entry.find("path");
+  MotionInTime motion;
+  if (path) {
+    if (velocity) path->fail("a path beside a velocity", "only one of them");
+    motion.path = read_planar_in_time(*path, scene, "m", false);
+    if (motion.path->at(0) != Vec3::Zero()) path->fail_expected("a path that is 0 at time 0: it starts where the body does");
+  }
+  if (velocity) motion.velocity = read_planar_in_time(*velocity, scene, "m/s", false);
+  if (spin) motion.angular_velocity = read_planar_in_time(*spin, scene, "rad/s", true);
+  body.velocity = motion.velocity.at(0), body.angular_velocity = motion.angular_velocity.at(0);
+  if (path || motion.velocity.changes() || motion.angular_velocity.changes())
+    body.motion = std::make_shared<MotionInTime>(std::move(motion));
+}
+
 void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
   BodyProperties& properties = body.properties;
   const Value *motion = entry.find("motion"), *velocity = entry.find("velocity"), *spin = entry.find("angular_velocity");
@@ -61,6 +87,12 @@ void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
   if (properties.motion == Motion::fixed) {
     for (const Value* value : {velocity, spin})
       if (value) value->fail_expected("no such key for a fixed body");
+  }
+  if (const Value* path = entry.find("path"); path && properties.motion != Motion::kinematic)
+    path->fail_expected("motion: kinematic beside a path");
+  if (properties.motion == Motion::kinematic) {
+    read_motion_in_time(entry, body, scene);
+    return;
   }
   if (velocity) body.velocity = read_vector(*velocity, scene, "m/s");
   if (spin) body.angular_velocity = read_vector(*spin, scene, "rad/s", true);
@@ -95,7 +127,7 @@ std::vector<std::string> keys_with(const GeneratorType* type) {
   std::vector<std::string> keys{"name", "material", "position", "orientation"};
   const Takes takes = type ? type->takes : Takes::shape;
   if (takes != Takes::nothing)
-    for (const char* key : {"mass", "density", "motion", "velocity", "angular_velocity", "force", "torque"})
+    for (const char* key : {"mass", "density", "motion", "velocity", "angular_velocity", "path", "force", "torque"})
       keys.emplace_back(key);
   if (takes == Takes::shape) {
     keys.emplace_back("shape");
@@ -171,6 +203,7 @@ void read_entry(const Value& entry, Scene& scene) {
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
   group.generated = type != nullptr;
+  group.motion = body.motion;
   check_room(count_of(entry, type), scene, group.count, group.is_static);
   group.make = [first = group.first, make = generated.make, position, orientation](Id k) {
     Body result = make(k);

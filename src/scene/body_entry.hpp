@@ -1,6 +1,7 @@
 // One entry of `bodies`: what its bodies are made of (the template) and where they stand.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "scene/scene.hpp"
@@ -14,6 +15,7 @@ struct BodyTemplate {
   std::optional<double> mass, density;
   std::optional<Vec3> inertia;
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+  std::shared_ptr<const MotionInTime> motion;  // null: these velocities are constant, or of bodies that are not kinematic
 };
 
 // The template's body with this shape at this place. Checked at reading, so that it can't fail later.

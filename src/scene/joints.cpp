@@ -7,6 +7,7 @@
 #include "core/text.hpp"
 #include "scene/body_name.hpp"
 #include "scene/flexible.hpp"
+#include "scene/in_time.hpp"
 
 namespace unibody {
 
@@ -48,7 +49,10 @@ void read_motor(const Value& value, Joint& joint) {
     value.fail_missing("speed", std::string("a speed (") + (angle ? "rad/s" : "m/s") + ") or " + place_key + ": (" +
                                     (angle ? "degrees)" : "m)"));
   joint.motor = speed ? Motor::speed : Motor::position;
-  joint.target = speed ? speed->number(any_number, angle ? "rad/s" : "m/s") : read_place(*place, joint.kind);
+  if (speed)
+    joint.target = read_in_time(*speed, any_number, angle ? "rad/s" : "m/s");
+  else
+    joint.target = angle ? read_in_time(*place, {-180, 180}, "degrees", degree) : read_in_time(*place, any_number, "m");
   joint.strength =
       value.need(strength_key, angle ? "a number > 0 (N m)" : "a number > 0 (N)").number(positive, angle ? "N m" : "N");
 }

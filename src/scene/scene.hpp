@@ -5,11 +5,14 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "constraints/solver_settings.hpp"
+#include "core/time_value.hpp"
 #include "joints/joint.hpp"
 #include "world/body.hpp"
 #include "world/surface.hpp"
@@ -32,6 +35,18 @@ struct OutputSettings {
   bool crossings = true;  // count, in every frame, the edges that go through faces
 };
 
+// How kinematic bodies move, where that changes in time.
+struct MotionInTime {
+  TimeVector velocity;             // m/s; unused where there is a path
+  std::optional<TimeVector> path;  // m, from where a body starts; 0 at time 0
+  TimeVector angular_velocity;     // rad/s
+
+  // Over a step, which then ends where the path or the integral of the velocity says. m/s
+  Vec3 mean_velocity(double from, double to) const {
+    return path ? Vec3((path->at(to) - path->at(from)) / (to - from)) : velocity.mean(from, to);
+  }
+};
+
 // A run of bodies of consecutive ids made by one entry of `bodies`. `make(k)`, 0 <= k < count, is a pure function of k, so
 // that each rank builds only its own share of a large scene. The result's id is first + k.
 struct BodyGroup {
@@ -43,6 +58,7 @@ struct BodyGroup {
   std::string name;        // of the entry; may be empty
   int line = 0;            // of the entry in the file; 0: it is not from there
   std::function<Body(Id k)> make;
+  std::shared_ptr<const MotionInTime> motion;  // of kinematic bodies; null: their velocities are constant
 };
 
 // The constraints inside a run of bodies of consecutive ids, such as the nodes of a cloth. `touching(id, out)` adds every one

@@ -18,6 +18,7 @@ namespace unibody {
 BuildContext build_context(RankState& state, const System& system) {
   const Scene& scene = state.scene;
   BuildContext context{state.elements(), state.world, system, scene.solver, state.solver.sweeps_by_colour};
+  context.time = state.time();
   context.contact_history = &state.history.contacts();
   context.contacts = &state.contacts, context.contact_batch = &system.contacts();
   if (acts_in_solve(scene.solver.friction) && (has_any(scene.rolling) || has_any(scene.spinning)))

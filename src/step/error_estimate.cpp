@@ -147,7 +147,8 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
   RankState other(state.comm(), scene, clock, state.shares_memory);
   System system(&other.scratch);
   other.world = world_before(state.world, solved);
-  other.steps_done = state.steps_done, other.traits.smallest_size = state.traits.smallest_size;
+  other.steps_done = state.steps_done, other.time_in_step = state.time_in_step;
+  other.traits.smallest_size = state.traits.smallest_size;
   other.collide_settings.margin = state.collide_settings.margin;
   make_constraints(other);
   take_history(state, solved, other);

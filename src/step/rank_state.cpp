@@ -25,6 +25,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   for (const Joint& joint : scene.joints) tied.insert(tied.end(), joint.ids.begin(), joint.ids.end());
   for (const Attachment& attachment : scene.attachments) tied.push_back(attachment.node), tied.push_back(attachment.body);
   std::ranges::sort(tied);
+  for (const BodyGroup& group : scene.groups)
+    if (group.motion) prescribed.push_back(&group);
   collide_settings.step = traits.step;
   collide_settings.gravity = scene.gravity;
   collide_settings.planar = scene.planar;

@@ -9,6 +9,7 @@
 #include "step/division.hpp"
 #include "step/move_history.hpp"
 #include "step/newton_step.hpp"
+#include "step/prescribed.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
 #include "step/struck.hpp"
@@ -34,6 +35,7 @@ void Simulation::make_constraints() {
 void Simulation::detect() {
   if (detected_) return;
   if (!constraints_made_) make_constraints();
+  set_prescribed_velocities(*this);
   refresh_guests(*this);
   if (built_version_ != halo.version()) build_lasting(*this, system_);
   built_version_ = halo.version();
@@ -51,10 +53,12 @@ StepReport Simulation::step(const StepRequest& request) {
     return report;
   }
   StepReport all;
+  StepRequest within;  // of a part before the last
+  within.name_above = request.name_above;
   set_length(whole_step / parts);
   for (int k = 0; k < parts; ++k) {
     time_in_step = k * RankState::step();
-    const StepReport report = take_part(k + 1 == parts ? request : StepRequest{});
+    const StepReport report = take_part(k + 1 == parts ? request : within);
     all.add_part(report, k == 0);
   }
   set_length(whole_step);

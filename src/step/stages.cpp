@@ -122,10 +122,13 @@ struct StagesDone {
   int iterations = 0;
   double leak = 0;                // of the position stage's multipliers, into what the next step starts from
   double left_by_velocities = 0;  // m, the residual that the velocity stage left
+  WorstConstraint worst;          // of the velocity stage on this rank, where it left more than is to be named
 };
 
+const WorstConstraint& worse_of(const WorstConstraint& a, const WorstConstraint& b) { return b.precedes(a) ? b : a; }
+
 // The stages of a plan, in its islands.
-StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts) {
+StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, double name_above) {
   const auto run = [&](Stage::Kind kind, int iterations) {
     return run_stage(state, system, plan, facts, kind, state.solver.solve, iterations, plan.tolerance);
   };
@@ -136,6 +139,7 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
     done.iterations = velocity.iterations, leaks = !velocity.converged;
     if (leaks && plan.uneven_share < 1) system.contacts().even_out(system.bodies, solved_residual(state), plan.uneven_share);
     if (plan.stages == Stages::two) done.left_by_velocities = std::ranges::max(residuals(system));
+    if (done.left_by_velocities > name_above) done.worst = worst_constraint(system, state.world);
     for_each_batch(system.batches, [&]<class B>(auto, B& batch) {
       if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::joint);
     });
@@ -160,10 +164,11 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   }
   warm_start(state, system, plan);
 
-  const StagesDone done = run_stages(state, system, plan, facts);
+  const StagesDone done = run_stages(state, system, plan, facts, request.name_above);
   StagesDone free;
   if (plan.islands == Islands::constrained) {
-    free = run_stages(state, system, plan_of_free_islands(state.scene.solver, state.traits, facts), facts);
+    const StepPlan of_free = plan_of_free_islands(state.scene.solver, state.traits, facts);
+    free = run_stages(state, system, of_free, facts, request.name_above);
     system.contacts().set_free_leak(free.leak);
     take_all_islands(system);
     if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
@@ -175,6 +180,9 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
     report.outrun = true;
     return report;
   }
+  if (report.residual > request.name_above)
+    report.worst =
+        worst_over_ranks(state.comm(), worse_of(worst_constraint(system, state.world), worse_of(done.worst, free.worst)));
   if (wanted) solved = solved_step(system, std::move(solved));
   if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
   follow_up(state, system, done.leak, report);

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "solve/batches.hpp"
 #include "solve/surface_guard.hpp"
 #include "step/step_error.hpp"
+#include "step/worst_constraint.hpp"
 
 namespace unibody {
 
@@ -18,7 +20,8 @@ struct ContactProblem;
 struct StepRequest {
   bool error = false;                 // StepReport::error; iterative solvers only
   ContactProblem* problem = nullptr;  // filled in, on rank 0, with the frictional contact problem of the rigid bodies
-  bool may_be_outrun = false;         // the step may end with StepReport::outrun, nothing but the velocities having changed
+  double name_above = std::numeric_limits<double>::infinity();  // m: StepReport::worst, where the residual is larger
+  bool may_be_outrun = false;  // the step may end with StepReport::outrun, nothing but the velocities having changed
 };
 
 struct StepReport {
@@ -31,7 +34,8 @@ struct StepReport {
   bool form_left = false;    // taken in the incremental form, not the total one that the scene asks for
   std::int64_t impacts = 0;  // that were resolved by themselves (impacts.hpp), over all ranks
   std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
-  std::optional<StepError> error;  // where it was asked for
+  std::optional<StepError> error;        // where it was asked for
+  std::optional<WorstConstraint> worst;  // the one with the residual, where it was asked for
 
   // Adds what a further part of the step came to: sums, the worst of the errors, and the last part's state.
   void add_part(const StepReport& part, bool first) {
@@ -45,6 +49,7 @@ struct StepReport {
     for (std::size_t k = 0; k < batch_residuals.size(); ++k)
       batch_residuals[k] = std::max(batch_residuals[k], part.batch_residuals[k]);
     form_left = form_left || part.form_left, sliding = part.sliding, error = part.error;
+    if (part.worst && (!worst || part.worst->precedes(*worst))) worst = part.worst;
   }
 
   // Of each type of constraint between centres, in the order of their list.

@@ -70,6 +70,9 @@ class SpringBatch : public BatchDefaults {
     lambda_or_y_ = lambda_;
     return step_ * std::abs(rate(state));
   }
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+    if (slot_ >= 0) visit(residual(state), std::array{slot_});
+  }
   void start_from(const History& history, const WarmStart&) {
     if (slot_ >= 0 && !history.empty()) lambda_ = y_ = 0.3 * history[0][0];
   }

@@ -1,0 +1,40 @@
+// The wall times of a run's frames by phase.
+#pragma once
+
+#include <mpi.h>
+
+#include <array>
+#include <vector>
+
+#include "core/checked.hpp"
+#include "core/phases.hpp"
+#include "report/report.hpp"
+#include "report/summary.hpp"
+
+namespace unibody {
+
+// Where the wall time of a frame went, the slowest rank's figure for each phase.
+class FrameTimes {
+ public:
+  FrameTimes(MPI_Comm comm, const PhaseClock& clock) : comm_(comm), clock_(clock), before_(clock.seconds()) {
+    for (std::size_t i = 0; i < phases.size(); ++i) phases[i].name = phase_names[i];
+  }
+  void frame_done(FrameReport& report) {
+    std::array<double, phase_names.size()> spent = clock_.seconds();
+    for (std::size_t i = 0; i < spent.size(); ++i) spent[i] -= before_[i];
+    before_ = clock_.seconds();
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_));
+    for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
+    const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
+    report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
+    report.wall_halo = of(Phase::halo), report.wall_output = of(Phase::output);
+  }
+  std::vector<PhaseTimes> phases = std::vector<PhaseTimes>(phase_names.size());
+
+ private:
+  MPI_Comm comm_;
+  const PhaseClock& clock_;
+  std::array<double, phase_names.size()> before_;
+};
+
+}  // namespace unibody

@@ -1,0 +1,16 @@
+// Values of a scene that may change in time.
+#pragma once
+
+#include "core/time_value.hpp"
+#include "scene/value.hpp"
+
+namespace unibody {
+
+// A number; a table [[time (s), value], ...]; a map with `table` and perhaps `between` and `periodic`; or a map with `sine`.
+// Values are multiplied by `factor` (degrees).
+TimeValue read_in_time(const Value& value, const Range& range, const std::string& unit, double factor = 1);
+
+// A list of three of these, or a map whose `table` has rows [time (s), x, y, z].
+TimeVector read_vector_in_time(const Value& value, const std::string& unit);
+
+}  // namespace unibody

@@ -1,0 +1,18 @@
+#include "step/prescribed.hpp"
+
+namespace unibody {
+
+void set_prescribed_velocities(RankState& state) {
+  World& world = state.world;
+  const double from = state.time(), to = from + state.step();
+  for (const BodyGroup* group : state.prescribed) {
+    const Vec3 velocity = group->motion->mean_velocity(from, to), spin = group->motion->angular_velocity.mean(from, to);
+    for (Id k = 0; k < group->count; ++k) {
+      const auto slot = static_cast<std::size_t>(world.find(group->first + k));  // statics are on every rank
+      world.velocity[slot] = velocity;
+      if (world.has_rotations) world.angular_velocity[slot] = spin;
+    }
+  }
+}
+
+}  // namespace unibody
