@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/stop_request.hpp"
 #include "core/errors.hpp"
 
 namespace unibody {
@@ -74,6 +75,8 @@ Options parse_options(int argc, char** argv) {
     } else if (word == "-restart" || word == "-start_from") {
       if (!options.restart.empty()) throw InputError("option " + word + ": a checkpoint is given already");
       options.restart = value(), options.other_settings = word == "-start_from";
+    } else if (word == "-wall_limit") {
+      options.wall_limit = wall_time_of(word, value());
     } else if (word == "-strict") {
       options.strict = true;
     } else if (word == "-set") {
@@ -149,6 +152,8 @@ Simulates the scene file SCENE and writes its results into a folder.
                          with cloths, threads or solids in the incremental form, which converge to what their way leads to, the
                          former alone. The run itself stays the same, bit for bit; a sample takes as long as some 60 to 1000
                          steps, and its time is none of the steps'
+  -wall_limit TIME       stop with a checkpoint before so much time has passed since the start: 3h55m, 90m, 45s or seconds. The signals
+                         TERM, INT and USR1 do the same at once, after the frame that is being computed
   -strict                stop at the first frame that has not converged, with the constraint named that is farthest from solved;
                          exit code 3, as for every run that had to stop
   -dump_fclib FILE       write one frame's last step as a frictional contact problem in FCLIB's HDF5 form, with its solution;
@@ -165,7 +170,8 @@ with the value that follows. Best behind SCENE: before it, a word that names a f
   -options_file FILE     more PETSc options from a file
 
 The last line printed is 'state HASH': equal hashes mean equal final states, bit for bit.
-Exit codes: 0 done; 2 bad scene, option or file: nothing was written; 3 the run had to stop: the last checkpoint is kept.
+Exit codes: 0 done; 2 bad scene, option or file: nothing was written; 3 the run had to stop: the last checkpoint is kept; 4 the run
+stopped as asked, by a signal or -wall_limit: it goes on with -restart from its checkpoint.
 )";
 }
 

@@ -13,16 +13,18 @@
 #include "app/machine_memory.hpp"
 #include "app/petsc_session.hpp"
 #include "app/restart.hpp"
+#include "app/stop_request.hpp"
+#include "app/wishes.hpp"
 #include "checkpoint/checkpoint.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/phases.hpp"
 #include "partition/balance.hpp"
 #include "report/elastic_energy.hpp"
-#include "report/fclib_file.hpp"
 #include "report/folder_lock.hpp"
 #include "report/joint_report.hpp"
 #include "report/output.hpp"
+#include "report/probes.hpp"
 #include "report/progress.hpp"
 #include "report/report.hpp"
 #include "report/state_hash.hpp"
@@ -50,51 +52,6 @@ void add_error_columns(const StepReport& step, std::vector<NamedValue>& columns)
   columns.push_back({"error_reference_residual (m)", error.reference_residual, known});
 }
 
-// Throws InputError where the scene or its solver cannot do what an option asks for.
-void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std::int64_t first_frame) {
-  if (options.error_estimate > 0 && scene.solver.name == "newton")
-    throw InputError("option -error_estimate: found solver.name newton, expected an iterative solver (newton converges)");
-  if (options.dump_fclib.empty()) return;
-  if (!scene.constraint_groups.empty() || !scene.attachments.empty() || !scene.joints.empty())
-    throw InputError("option -dump_fclib: found joints, cloths, threads or solids in " + scene.path +
-                     ", expected rigid bodies that touch, alone");
-  if (has_any(scene.rolling) || has_any(scene.spinning))
-    throw InputError("option -dump_fclib: found rolling or spinning friction in " + scene.path + ", expected none");
-  if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
-  if (first_frame >= scene.time.frames)
-    throw InputError("option -dump_fclib: the run starts with its last frame, " + std::to_string(first_frame) +
-                     ": there is no step to write, expected more time.frames");
-  if (options.dump_step > scene.time.frames || (options.dump_step >= 0 && options.dump_step <= first_frame))
-    throw InputError("option -dump_step: found " + std::to_string(options.dump_step) + ", expected a frame of the run, " +
-                     std::to_string(first_frame + 1) + " to " + std::to_string(scene.time.frames));
-  check_fclib_path(comm, options.dump_fclib, options.overwrite);
-}
-
-// Whether there was anything to write.
-bool dump_problem(MPI_Comm comm, const Scene& scene, const Options& options, std::int64_t frame, const ContactProblem& problem) {
-  int contacts = static_cast<int>(problem.contacts.size());
-  check_mpi(MPI_Bcast(&contacts, 1, MPI_INT, 0, comm));
-  if (contacts == 0) {
-    int rank = 0;
-    check_mpi(MPI_Comm_rank(comm, &rank));
-    if (rank == 0)
-      std::fprintf(stderr, "unibody: -dump_fclib: frame %lld has no contacts: no file\n", static_cast<long long>(frame));
-    return false;
-  }
-  const std::string text = "Unibody, last step of frame " + std::to_string(frame) + " of " + scene.path;
-  write_fclib(comm, options.dump_fclib, problem, scene.title, text);
-  return true;
-}
-
-// The global vectors hold four numbers a body at most, which PETSc counts as PetscInt.
-void check_petsc_counts(const Scene& scene) {
-  constexpr Id most = PETSC_MAX_INT / 4;
-  if (scene.body_count() > most)
-    throw InputError(scene.path + ": found " + std::to_string(scene.body_count()) + " bodies, expected at most " +
-                     std::to_string(most) + ": this PETSc counts with " + std::to_string(8 * sizeof(PetscInt)) +
-                     " bits (one that was built with --with-64-bit-indices counts further)");
-}
-
 // A run, from the scene to its last frame. All members are collective.
 class Run {
  public:
@@ -104,12 +61,17 @@ class Run {
         options_(options),
         simulation_(comm, scene, clock_, options.shared_memory),
         balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups),
-        times_(comm, clock_) {
+        times_(comm, clock_),
+        probes_(scene.probes) {
     check_mpi(MPI_Comm_rank(comm, &rank_));
   }
 
-  // Returns the hash of the last state.
-  std::uint64_t simulate() {
+  struct End {
+    std::uint64_t hash;
+    bool stopped;  // as asked, before the last frame
+  };
+  End simulate() {
+    StopRequest stop(comm_, options_.wall_limit);
     start_world();
     check_wishes(comm_, scene_, options_, summary_.first_frame);
     const FolderLock lock(comm_, options_.output);
@@ -118,6 +80,7 @@ class Run {
     warn_of_crowds(summary_.first_frame);
     open_files();
     write(summary_.first_frame);
+    last_frame_ = summary_.first_frame;
     Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies, summary_.convergence.tolerance);
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
       rebalance();
@@ -128,10 +91,15 @@ class Run {
       times_.frame_done(report);
       report_file_->append(report);
       progress.frame_done(report);
-      summary_.add(report);
+      summary_.add(report), last_frame_ = frame;
+      if (frame == scene_.time.frames) break;
+      if (const std::string reason = stop.reason(); !reason.empty()) {
+        stop_at(frame, reason);
+        break;
+      }
     }
     finish();
-    return summary_.state_hash;
+    return {summary_.state_hash, summary_.status != Summary().status};
   }
 
  private:
@@ -141,6 +109,8 @@ class Run {
   std::vector<NamedValue> further_columns(const StepReport& step, const FrameReport& report);
   void open_files();
   void write(std::int64_t frame);
+  void checkpoint(std::int64_t frame);
+  void stop_at(std::int64_t frame, const std::string& reason);
   void dump(std::int64_t frame);
   void finish();
 
@@ -203,12 +173,14 @@ class Run {
   Simulation simulation_;
   Balance balance_;
   FrameTimes times_;
+  Probes probes_;
   Summary summary_;
   std::optional<ReportFile> report_file_;
   std::optional<Output> frames_;
   std::optional<JointFiles> joint_files_;
   ContactProblem problem_;
   bool dumped_ = false, warned_of_crowds_ = false;
+  std::int64_t checkpointed_ = -1, last_frame_ = 0;  // the last frame of which there is a checkpoint; that has been computed
 };
 
 void Run::start_world() {
@@ -243,6 +215,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   StepReport last;
   SurfaceGuard::Held held;
   std::int64_t impacts = 0;
+  probes_.start_frame(simulation_.world);
   for (int s = 0; s < scene_.time.substeps; ++s) {
     const bool last_step = s + 1 == scene_.time.substeps;
     const bool dumps = last_step && frame == dumped_frame();
@@ -284,6 +257,7 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, const Frame
                     step.residual_of<JointBatch>()));
   if (simulation_.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
   if (options_.error_estimate > 0) add_error_columns(step, columns);
+  add(probes_.columns(comm_, world));
   if (!simulation_.has_surfaces()) return columns;
   columns.push_back({"held_pairs (1)", static_cast<double>(step.guard.pairs)});
   if (!scene_.output.crossings) return columns;
@@ -307,9 +281,27 @@ void Run::write(std::int64_t frame) {
     joint_files_->write(frame, time, simulation_.joints, simulation_.joint_slots, simulation_.joint_states());
   const int every = scene_.output.checkpoint_every;
   const bool in_turn = every > 0 && frame % every == 0 && frame > summary_.first_frame;
-  if (every >= 0 && (in_turn || frame == scene_.time.frames))
-    write_checkpoint(comm_, options_.output + "/checkpoint.h5", mark_of(scene_), frame, time, scene_.body_count(),
-                     simulation_.elements(), simulation_.history);
+  if (every >= 0 && (in_turn || frame == scene_.time.frames)) checkpoint(frame);
+}
+
+void Run::checkpoint(std::int64_t frame) {
+  write_checkpoint(comm_, options_.output + "/checkpoint.h5", mark_of(scene_), frame,
+                   static_cast<double>(frame) * scene_.time.frame, scene_.body_count(), simulation_.elements(),
+                   simulation_.history);
+  checkpointed_ = frame;
+}
+
+// With a checkpoint of this frame, unless the scene wants none at all.
+void Run::stop_at(std::int64_t frame, const std::string& reason) {
+  const PhaseClock::Scope scope(clock_, Phase::output);
+  const bool keeps = scene_.output.checkpoint_every >= 0;
+  if (keeps && checkpointed_ != frame) checkpoint(frame);
+  summary_.status = "stopped as asked by " + reason;
+  if (rank_ != 0) return;
+  std::printf("\nstopped as asked by %s after frame %lld of %lld: %s\n", reason.c_str(), static_cast<long long>(frame),
+              static_cast<long long>(scene_.time.frames),
+              keeps ? ("it goes on with -restart " + options_.output + "/checkpoint.h5").c_str()
+                    : "output.checkpoint_every is -1, so that there is no checkpoint to go on from");
 }
 
 void Run::dump(std::int64_t frame) {
@@ -323,7 +315,7 @@ void Run::finish() {
   summary_.state_hash = state_hash(comm_, simulation_.world);
   summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
   summary_.restarted_from = options_.restart;
-  summary_.last_frame = scene_.time.frames;
+  summary_.last_frame = last_frame_;
   summary_.wall_total = MPI_Wtime() - start_;
   summary_.phases = times_.phases;
   summary_.files = {"report.csv"};
@@ -379,15 +371,15 @@ int run(MPI_Comm comm, const Options& options) {
   decide_mesh_sides(comm, scene, notes);
   if (rank == 0)
     for (const std::string& note : notes) std::printf("%s\n", note.c_str());
-  std::uint64_t hash = 0;
+  Run::End end{};
   {
     const PetscSession petsc(comm, options.petsc);
     check_petsc_counts(scene);
-    hash = Run(comm, scene, options).simulate();
+    end = Run(comm, scene, options).simulate();
     petsc.name_unused_options();
   }
-  if (rank == 0) std::printf("state %016llx\n", static_cast<unsigned long long>(hash));
-  return 0;
+  if (rank == 0) std::printf("state %016llx\n", static_cast<unsigned long long>(end.hash));
+  return end.stopped ? exit_stopped : 0;
 }
 
 }  // namespace unibody

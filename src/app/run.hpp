@@ -7,7 +7,10 @@
 
 namespace unibody {
 
-// Returns the exit code. Throws InputError before anything is written, RunError when the run has to stop. Collective.
+inline constexpr int exit_stopped = 4;  // as asked, by a signal or a limit of time
+
+// Returns the exit code: 0 or exit_stopped. Throws InputError before anything is written, RunError when the run has to stop.
+// Collective.
 int run(MPI_Comm comm, const Options& options);
 
 }  // namespace unibody

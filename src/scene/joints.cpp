@@ -24,12 +24,6 @@ bool takes_axis(JointKind kind) {
   return kind == JointKind::hinge || kind == JointKind::slider || kind == JointKind::universal || kind == JointKind::ball;
 }
 
-// Numbers along a hinge's or slider's way: degrees or metres.
-double read_place(const Value& value, JointKind kind, const std::string& what = "") {
-  if (!turns_about_axis(kind)) return value.number(any_number, "m" + what);
-  return degree * value.number({-180, 180}, "degrees" + what);
-}
-
 void read_limits(const Value& value, Joint& joint) {
   const bool angle = turns_about_axis(joint.kind);
   const std::string unit = angle ? "degrees" : "m";

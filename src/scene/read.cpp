@@ -10,6 +10,7 @@
 #include "scene/body_entry.hpp"
 #include "scene/flexible.hpp"
 #include "scene/joints.hpp"
+#include "scene/probes.hpp"
 #include "scene/resolution.hpp"
 #include "scene/settings.hpp"
 #include "scene/stiffness.hpp"
@@ -152,6 +153,7 @@ const Field<Scene> sections[] = {
     {"threads", read_threads},
     {"solids", read_solids},
     {"joints", read_joints},
+    {"probes", read_probes},
 };
 
 // newton solves equations between the nodes of one flexible body, and knows no contacts.

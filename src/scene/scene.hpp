@@ -14,6 +14,7 @@
 #include "constraints/solver_settings.hpp"
 #include "core/time_value.hpp"
 #include "joints/joint.hpp"
+#include "scene/probe.hpp"
 #include "world/body.hpp"
 #include "world/surface.hpp"
 
@@ -123,6 +124,7 @@ struct Scene {
   std::vector<Surface> surfaces;
   std::vector<Joint> joints;
   std::int32_t joint_colours = 0, joint_trees = 0;
+  std::vector<Probe> probes;
   std::vector<std::string> notes;  // what a person should know of what was read
 
   Id body_count() const;

@@ -4,6 +4,7 @@
 
 #include "scene/flexible.hpp"
 #include "scene/joints.hpp"
+#include "scene/probes.hpp"
 #include "scene/settings.hpp"
 
 namespace unibody {
@@ -88,7 +89,8 @@ std::string scene_schema() {
       .set("cloths", list_of(map_of(cloth_keys(), {"thickness"}), "cloths"))
       .set("threads", list_of(map_of(thread_keys(), {"points", "segments"}), "threads"))
       .set("solids", list_of(map_of(solid_keys(), {"thickness"}), "soft solids"))
-      .set("joints", list_of(joint(), "joints between bodies"));
+      .set("joints", list_of(joint(), "joints between bodies"))
+      .set("probes", list_of(map_of(probe_keys(), {"name"}), "what report.csv measures beside its usual columns"));
   return Json::object()
              .set("$schema", "http://json-schema.org/draft-07/schema#")
              .set("title", "A scene of Unibody")

@@ -262,10 +262,25 @@ class Switches(ProgramTest):
         scene = self.scene(SCENE)
         few = ["-set", "time.frames=3", "-set", "solver.iterations=2", "-overwrite"]
         self.assertRegex(self.good(scene, "results", *few, "-set", "solver.tolerance=1e-15").out,
-                         r"not converged: [123] of 3 frames, the worst by \S+ m \(frame [123]\)\n")
+                         r"not converged: [123] of 3 frames, to the tolerance of 1.00e-15 m\n"
+                         r"natural residual: half of the frames within \S+ m, 95 % within \S+ m, all within \S+ m, which is "
+                         r"\S+ of the smallest moving body's size\nfarthest from solved: frame [123], contacts of .* and .*\n")
         without = self.good(scene, "results", *few, "-set", "solver.tolerance=0").out
         self.assertNotIn("not converged", without)
-        self.assertRegex(without, r"tolerance 0: all iterations were made; the worst natural residual is \S+ m \(frame [123]\)\n")
+        self.assertRegex(without, r"tolerance 0: all iterations were made\nnatural residual: half of the frames within ")
+
+    def test_a_strict_run_stops_where_it_has_not_converged(self):
+        scene = self.scene(SCENE)
+        few = ["-set", "time.frames=3", "-set", "solver.iterations=2", "-overwrite", "-strict"]
+        for ranks in (1, 2):
+            run = unibody(scene, "-output", self.folder / "results", *few, "-set", "solver.tolerance=1e-15", ranks=ranks)
+            self.assertEqual(run.code, 3)
+            self.assertRegex(run.err, r"option -strict: frame [123] has not converged: the natural residual is \S+ m, the tolerance "
+                                      r"1.00e-15 m; farthest from solved: contacts of .* and .*")
+        self.assertEqual(unibody(scene, "-output", self.folder / "results", *few, "-set", "solver.tolerance=1").code, 0)
+        run = unibody(scene, "-output", self.folder / "results", *few, "-set", "solver.tolerance=0")
+        self.assertEqual(run.code, 2)
+        self.assertIn("option -strict: found solver.tolerance 0", run.err)
 
     def test_single_precision_changes_the_files_and_not_the_run(self):
         scene = self.scene(SCENE)

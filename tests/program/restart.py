@@ -20,7 +20,7 @@ PILE = """
       - shape: {box: {size: [0.2, 0.9, 0.2]}}
         motion: kinematic
         position: [-0.3, 0, 0.12]
-        velocity: [0.2, 0, 0]
+        path: [{sine: {amplitude: 0.2, frequency: 0.8}}, 0, [[0.3, 0], [0.7, 0.1]]]
       - pile:
           count: 60
           columns: [3, 3]
@@ -85,7 +85,7 @@ JOINTED = """
         mass: 0.1
         chain: {count: 12, from: [0, 0, 0], to: [0.8, 0, -0.8], held: start, joint: {type: ball}, ball: {radius: 0.1, mass: 2}}
     joints:
-      - {type: hinge, bodies: [wheel, world], anchor: [0, 3, 0], axis: [0, 1, 0], motor: {speed: 40, max_torque: 5}, friction: 1}
+      - {type: hinge, bodies: [wheel, world], anchor: [0, 3, 0], axis: [0, 1, 0], motor: {speed: [[0.2, 40], [0.8, -20]], max_torque: 5}, friction: 1}
       - {type: slider, bodies: [box, world], anchor: [0, 0, -1.2], axis: [1, 0, 0], limits: [-1, 0.1]}
 """
 

@@ -89,6 +89,53 @@ TEST(Summary, NamesTheWorstAndTheLastEstimatedError) {
     EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
 }
 
+TEST(Convergence, TellsHowFarAndWhat) {
+  Scene scene;
+  BodyGroup group;
+  group.count = 9, group.name = "pile", group.generated = true;
+  scene.groups.push_back(group);
+  Convergence convergence;
+  convergence.tolerance = 1e-5, convergence.smallest_size = 0.25;
+  FrameReport report;
+  for (int frame = 1; frame <= 100; ++frame) {  // residuals of 1 to 100 micrometres, the largest in frame 37
+    report.step = frame, report.natural_residual = 1e-6 * ((frame + 62) % 100 + 1);
+    report.converged = report.natural_residual <= 1e-5;
+    report.worst.reset();
+    if (report.natural_residual > convergence.worst_residual) {
+      report.worst.emplace();
+      report.worst->kind = "contacts", report.worst->bodies[0] = frame % 9, report.worst->bodies[1] = 8;
+    }
+    convergence.add(report);
+  }
+  EXPECT_EQ(convergence.unconverged, 90);
+  EXPECT_DOUBLE_EQ(convergence.within(0.5), 5e-5);
+  EXPECT_DOUBLE_EQ(convergence.within(0.95), 9.5e-5);
+  EXPECT_DOUBLE_EQ(convergence.within(1), 1e-4);
+  EXPECT_EQ(told(convergence, scene),
+            "not converged: 90 of 100 frames, to the tolerance of 1.00e-05 m\n"
+            "natural residual: half of the frames within 5.00e-05 m, 95 % within 9.50e-05 m, all within 1.00e-04 m, which is "
+            "4.00e-04 of the smallest moving body's size\n"
+            "farthest from solved: frame 37, contacts of pile[1] and pile[8]\n");
+  const std::string text = summary_text(MPI_COMM_SELF, scene, [&] {
+    Summary summary;
+    summary.convergence = convergence;
+    return summary;
+  }());
+  for (const char* part : {"\"frames_not_converged\": 90", "\"worst_frame\": 37", "\"kind\": \"contacts\"", "\"pile[1]\""})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
+}
+
+TEST(Convergence, OfARunThatConverged) {
+  Convergence convergence;
+  convergence.tolerance = 1e-5;
+  FrameReport report;
+  report.step = 1, report.converged = true;
+  convergence.add(report);
+  EXPECT_EQ(told(convergence, Scene()),
+            "converged: all of 1 frames, to the tolerance of 1.00e-05 m\n"
+            "natural residual: half of the frames within 0.00e+00 m, 95 % within 0.00e+00 m, all within 0.00e+00 m\n");
+}
+
 TEST(RanksSummary, IsJson) {
   const Folder folder;
   Scene scene;

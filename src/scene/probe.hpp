@@ -1,0 +1,29 @@
+// What a run measures of its bodies beside what all runs measure: a column or some of report.csv.
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "core/types.hpp"
+
+namespace unibody {
+
+// Which bodies a probe is about: dynamic ones, of a run of ids and perhaps of one material.
+struct ProbedBodies {
+  Id first = 0, end = 0;
+  int material = -1;  // -1: any
+};
+
+struct Probe {
+  enum class Kind { flow, box };
+
+  std::string name;  // before its columns' names
+  Kind kind = Kind::flow;
+  ProbedBodies bodies;
+  // Flow: through the disc about a point, counted along its normal. m, unit vector, m
+  Vec3 point = Vec3::Zero(), normal = Vec3::UnitZ();
+  double radius = std::numeric_limits<double>::infinity();
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // m, box: its corners
+};
+
+}  // namespace unibody

@@ -1,0 +1,68 @@
+// Faults of values in time in a scene file: one message each.
+#include "scene/scene_text.hpp"
+
+namespace unibody {
+namespace {
+
+std::string moved(const std::string& keys, const std::string& motion = "kinematic") {
+  return "bodies:\n  - {shape: {sphere: {radius: 0.1}}, motion: " + motion + ", " + keys + "}\n";
+}
+std::string driven(const std::string& motor) {
+  return "bodies:\n  - {name: a, shape: {sphere: {radius: 0.1}}, mass: 1}\njoints:\n"
+         "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {" +
+         motor + ", max_torque: 1}}\n";
+}
+
+struct Fault {
+  const char* name;
+  std::string text, message;
+};
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class TimeRefuses : public testing::TestWithParam<Fault> {};
+
+TEST_P(TimeRefuses, WithThisMessage) { EXPECT_EQ(fault_of(GetParam().text), GetParam().message); }
+
+const std::vector<Fault> faults{
+    {"two_components", moved("velocity: [1, 0]"),
+     "FILE:2: key 'bodies[0].velocity': found [1, 0], expected a list of 3 numbers, or of values in time, or a table (m/s)"},
+    {"no_number", moved("velocity: [fast, 0, 0]"),
+     "FILE:2: key 'bodies[0].velocity[0]': found fast, expected a finite number (m/s)"},
+    {"short_row", moved("velocity: [[[0, 1], [2]], 0, 0]"),
+     "FILE:2: key 'bodies[0].velocity[0][1]': found [2], expected a row [time (s), value (m/s)]"},
+    {"times_that_stand", moved("velocity: [[[0, 1], [2, 3], [2, 4]], 0, 0]"),
+     "FILE:2: key 'bodies[0].velocity[0][2][0]': found 2, expected a time after that of the row before (s)"},
+    {"row_of_a_vector", moved("path: {table: [[0, 0, 0, 0], [1, 2]]}"),
+     "FILE:2: key 'bodies[0].path.table[1]': found [1, 2], expected a row [time (s), x, y, z (m)]"},
+    {"unknown_between", moved("path: {table: [[0, 0, 0, 0], [1, 2, 0, 0]], between: cubic}"),
+     "FILE:2: key 'bodies[0].path.between': found cubic, expected linear, steps or smooth"},
+    {"one_periodic_row", moved("path: {table: [[0, 0, 0, 0]], periodic: true}"),
+     "FILE:2: key 'bodies[0].path.periodic': found a periodic table of one row, expected two rows or more"},
+    {"path_that_starts_elsewhere", moved("path: {table: [[0, 1, 0, 0], [1, 2, 0, 0]]}"),
+     "FILE:2: key 'bodies[0].path': found a map, expected a path that is 0 at time 0: it starts where the body does"},
+    {"path_and_velocity", moved("path: [[[0, 0], [1, 1]], 0, 0], velocity: [1, 0, 0]"),
+     "FILE:2: key 'bodies[0].path': found a path beside a velocity, expected only one of them"},
+    {"path_of_a_dynamic_body", moved("path: [[[0, 0], [1, 1]], 0, 0], mass: 1", "dynamic"),
+     "FILE:2: key 'bodies[0].path': found a list of 3 entries, expected motion: kinematic beside a path"},
+    {"velocity_in_time_of_a_dynamic_body", moved("velocity: [[[0, 0], [1, 1]], 0, 0], mass: 1", "dynamic"),
+     "FILE:2: key 'bodies[0].velocity[0]': found a list of 2 entries, expected a finite number (m/s)"},
+    {"out_of_the_plane", "planar: true\n" + moved("velocity: [0, {sine: {amplitude: 1, frequency: 1}}, 0]"),
+     "FILE:3: key 'bodies[0].velocity': found a list of 3 entries, expected 0 as the second component (planar scene)"},
+    {"turn_out_of_the_plane", "planar: true\n" + moved("angular_velocity: [1, 0, 0]"),
+     "FILE:3: key 'bodies[0].angular_velocity': found [1, 0, 0], expected 0 as the first and third component (planar scene)"},
+    {"sine_without_frequency", driven("speed: {sine: {amplitude: 1}}"),
+     "FILE:4: key 'joints[0].motor.speed.sine.frequency': found nothing, expected a number >= 0 (Hz)"},
+    {"negative_frequency", driven("speed: {sine: {amplitude: 1, frequency: -1}}"),
+     "FILE:4: key 'joints[0].motor.speed.sine.frequency': found -1, expected a number >= 0 (Hz)"},
+    {"unknown_law", driven("speed: {cosine: {amplitude: 1, frequency: 1}}"), ""},
+    {"neither_table_nor_sine", driven("speed: {periodic: true}"),
+     "FILE:4: key 'joints[0].motor.speed.table': found nothing, expected rows [time (s), value (rad/s)], or sine"},
+    {"angle_beyond_its_range", driven("angle: [[0, 0], [1, 270]]"),
+     "FILE:4: key 'joints[0].motor.angle[1][1]': found 270, expected a number in [-180, 180] (degrees)"},
+    {"sine_beyond_its_range", driven("angle: {sine: {amplitude: 100, frequency: 1, mean: 100}}"), ""},
+};
+
+INSTANTIATE_TEST_SUITE_P(Faults, TimeRefuses, testing::ValuesIn(faults), [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace unibody
