@@ -75,6 +75,8 @@ Options parse_options(int argc, char** argv) {
     } else if (word == "-restart" || word == "-start_from") {
       if (!options.restart.empty()) throw InputError("option " + word + ": a checkpoint is given already");
       options.restart = value(), options.other_settings = word == "-start_from";
+    } else if (word == "-check") {
+      options.check = true;
     } else if (word == "-wall_limit") {
       options.wall_limit = wall_time_of(word, value());
     } else if (word == "-strict") {
@@ -152,10 +154,12 @@ Simulates the scene file SCENE and writes its results into a folder.
                          with cloths, threads or solids in the incremental form, which converge to what their way leads to, the
                          former alone. The run itself stays the same, bit for bit; a sample takes as long as some 60 to 1000
                          steps, and its time is none of the steps'
+  -check                 read the scene, find its contacts, tell what the run would do and what in it is probably a mistake, and end:
+                         nothing is written
   -wall_limit TIME       stop with a checkpoint before so much time has passed since the start: 3h55m, 90m, 45s or seconds. The signals
                          TERM, INT and USR1 do the same at once, after the frame that is being computed
-  -strict                stop at the first frame that has not converged, with the constraint named that is farthest from solved;
-                         exit code 3, as for every run that had to stop
+  -strict                a warning at the start is an error (exit code 2); stop at the first frame that has not converged, with the
+                         constraint named that is farthest from solved (exit code 3, as for every run that had to stop)
   -dump_fclib FILE       write one frame's last step as a frictional contact problem in FCLIB's HDF5 form, with its solution;
                          rigid bodies alone, in space
   -dump_step N           of that frame (default: the last)

@@ -22,6 +22,7 @@ struct Options {
   bool rebalance = true;
   bool shared_memory = true;       // between the ranks of a node
   int error_estimate = 0;          // the error of every so many frames; 0: of none
+  bool check = false;              // tell what the run would do, and end
   double wall_limit = 0;           // s, before which the run stops with a checkpoint; 0: none
   bool strict = false;             // a frame that has not converged stops the run
   std::string dump_fclib;          // where a frame's contact problem goes; empty: nowhere

@@ -11,6 +11,7 @@
 #include "app/bad_body.hpp"
 #include "app/frame_times.hpp"
 #include "app/machine_memory.hpp"
+#include "app/overview.hpp"
 #include "app/petsc_session.hpp"
 #include "app/restart.hpp"
 #include "app/stop_request.hpp"
@@ -74,9 +75,10 @@ class Run {
     StopRequest stop(comm_, options_.wall_limit);
     start_world();
     check_wishes(comm_, scene_, options_, summary_.first_frame);
+    tell_overview();
+    if (options_.check) return {state_hash(comm_, simulation_.world), false};
     const FolderLock lock(comm_, options_.output);
     prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart);
-    simulation_.detect();  // guests are there
     warn_of_crowds(summary_.first_frame);
     open_files();
     write(summary_.first_frame);
@@ -104,6 +106,7 @@ class Run {
 
  private:
   void start_world();
+  void tell_overview();
   void rebalance();
   FrameReport do_frame(std::int64_t frame);
   std::vector<NamedValue> further_columns(const StepReport& step, const FrameReport& report);
@@ -200,6 +203,17 @@ void Run::start_world() {
   if (options_.restart.empty()) simulation_.make_constraints();
   simulation_.move_homes(balance_.homes(parts_of(simulation_)));
   for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
+}
+
+void Run::tell_overview() {
+  simulation_.detect();  // guests are there
+  const Overview overview = overview_of(simulation_);
+  if (rank_ == 0) {
+    for (const std::string& line : overview.lines) std::printf("%s\n", line.c_str());
+    std::fflush(stdout);
+    for (const std::string& warning : overview.warnings) std::fprintf(stderr, "unibody: warning: %s\n", warning.c_str());
+  }
+  if (options_.strict && !overview.warnings.empty()) throw InputError("option -strict: " + overview.warnings.front());
 }
 
 void Run::rebalance() {

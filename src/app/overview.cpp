@@ -1,0 +1,196 @@
+#include "app/overview.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "collide/collide.hpp"
+#include "core/checked.hpp"
+#include "core/exact_sum.hpp"
+#include "world/shapes.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr double least_overlap = 0.01;                    // of the smaller body's size: less is how bodies rest on each other
+constexpr double largest_usual = 50, least_usual = 1e-4;  // m: beyond these a scene is probably in other units
+
+std::string number(double x) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g", x);
+  return text.data();
+}
+
+std::string place(const double* at) {
+  std::string text = "[";
+  for (int k = 0; k < 3; ++k) text += (k == 0 ? "" : ", ") + number(at[k] == 0 ? 0 : at[k]);
+  return text + "]";
+}
+
+std::string counted(std::int64_t count, const std::string& one) {
+  return std::to_string(count) + " " + one + (count == 1 || one.ends_with("ic") || one.ends_with("fixed") ? "" : "s");
+}
+
+// "crate (line 17)"
+std::string name_of(const Scene& scene, Id id) {
+  const auto after =
+      std::upper_bound(scene.groups.begin(), scene.groups.end(), id, [](Id i, const BodyGroup& g) { return i < g.first; });
+  const int line = std::prev(after)->line;
+  return scene.body_name(id) + (line > 0 ? " (line " + std::to_string(line) + ")" : "");
+}
+
+// Of all ranks' bodies; nodes of cloths, threads and solids are not among them, but where a place or a size is concerned.
+struct Bodies {
+  std::array<std::int64_t, 3> moved{};                    // dynamic, kinematic, fixed
+  std::array<std::int64_t, shape_names.size()> shapes{};  // of dynamic ones
+  std::int64_t nodes = 0;
+  double mass = 0;                          // kg, with nodes
+  double smallest = HUGE_VAL, largest = 0;  // m, of dynamic ones: least extent; longest side of a bounding box
+  std::array<double, 3> low{HUGE_VAL, HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};  // m, of dynamic ones
+};
+
+Bodies count_bodies(const Simulation& simulation) {
+  const World& world = simulation.world;
+  const Scene& scene = simulation.scene;
+  Bodies found;
+  Id end = scene.body_count();
+  for (const ConstraintGroup& group : scene.constraint_groups) end = std::min(end, group.first), found.nodes += group.count;
+  ExactSum mass;
+  std::array<double, 8> extremes;  // negative where the least counts
+  extremes.fill(-HUGE_VAL);
+  for (std::size_t i = 0; i < world.homes; ++i) {
+    const BodyProperties& body = world.properties[i];
+    const Vec3 half = bounding_half_extents(body.shape, world.orientation_of(i));
+    for (int k = 0; k < 3; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      extremes[at] = std::max(extremes[at], half[k] - world.position[i][k]);
+      extremes[3 + at] = std::max(extremes[3 + at], half[k] + world.position[i][k]);
+    }
+    extremes[6] = std::max(extremes[6], -smallest_size(body.shape)), extremes[7] = std::max(extremes[7], 2 * half.maxCoeff());
+    mass += body.mass;
+    if (world.id[i] < end) ++found.shapes[static_cast<std::size_t>(body.shape.kind)];
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, extremes.data(), extremes.size(), MPI_DOUBLE, MPI_MAX, simulation.comm()));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, found.shapes.data(), found.shapes.size(), MPI_INT64_T, MPI_SUM, simulation.comm()));
+  found.mass = all_sums(simulation.comm(), std::span(&mass, 1))[0];
+  for (std::size_t k = 0; k < 3; ++k) found.low[k] = -extremes[k], found.high[k] = extremes[3 + k];
+  found.smallest = -extremes[6], found.largest = extremes[7];
+  for (const std::int64_t count : found.shapes) found.moved[0] += count;
+  for (std::size_t i = world.first_static(); i < world.size(); ++i)  // on every rank
+    ++found.moved[world.properties[i].motion == Motion::kinematic ? 1 : 2];
+  return found;
+}
+
+// Pairs that overlap at the start by more than `least_overlap`, and the deepest of them.
+struct Overlaps {
+  std::int64_t count = 0;
+  double depth = 0;  // m
+  std::array<Id, 2> deepest{};
+};
+
+Overlaps find_overlaps(const Simulation& simulation) {
+  const World& world = simulation.world;
+  Overlaps here;
+  std::array<Id, 2> before{-1, -1};
+  for (const Manifold& m : simulation.contacts.manifolds) {
+    if (!counts_here(world, m) || m.time > 0) continue;
+    double depth = 0;
+    for (std::uint32_t k = 0; k < m.count; ++k) depth = std::max(depth, -simulation.contacts.points[m.first + k].gap);
+    double size = HUGE_VAL;
+    for (const Slot slot : {m.slot_a, m.slot_b})
+      if (!world.is_static(slot)) size = std::min(size, smallest_size(world.properties[static_cast<std::size_t>(slot)].shape));
+    if (!(depth > least_overlap * size)) continue;
+    const std::array<Id, 2> pair{m.id_a, m.id_b};
+    if (pair != before) ++here.count, before = pair;
+    if (depth > here.depth || (depth == here.depth && pair < here.deepest)) here.depth = depth, here.deepest = pair;
+  }
+  Overlaps all;
+  const MPI_Comm comm = simulation.comm();
+  check_mpi(MPI_Allreduce(&here.count, &all.count, 1, MPI_INT64_T, MPI_SUM, comm));
+  check_mpi(MPI_Allreduce(&here.depth, &all.depth, 1, MPI_DOUBLE, MPI_MAX, comm));
+  constexpr Id none = std::numeric_limits<Id>::max();
+  bool is_first = here.depth == all.depth && here.depth > 0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    all.deepest[k] = is_first ? here.deepest[k] : none;
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &all.deepest[k], 1, MPI_INT64_T, MPI_MIN, comm));
+    is_first = is_first && all.deepest[k] == here.deepest[k];
+  }
+  return all;
+}
+
+std::string shapes_text(const Bodies& bodies) {
+  std::string text;
+  for (std::size_t k = 0; k < bodies.shapes.size(); ++k)
+    if (bodies.shapes[k] > 0)
+      text += (text.empty() ? " (" : ", ") + std::to_string(bodies.shapes[k]) + " " + std::string(shape_names[k]);
+  return text.empty() ? "" : text + ")";
+}
+
+void tell_scene(const Simulation& simulation, const Bodies& bodies, std::vector<std::string>& lines) {
+  const Scene& scene = simulation.scene;
+  lines.push_back(scene.path + (scene.title.empty() ? "" : ": " + scene.title));
+  lines.push_back("  bodies  " + counted(bodies.moved[0], "dynamic") + shapes_text(bodies) + ", " +
+                  counted(bodies.moved[1], "kinematic") + ", " + counted(bodies.moved[2], "fixed") +
+                  (bodies.nodes > 0 ? "; " + counted(bodies.nodes, "node") + " of cloths, threads and solids" : "") +
+                  (scene.joints.empty() ? "" : "; " + counted(static_cast<std::int64_t>(scene.joints.size()), "joint")));
+  if (bodies.moved[0] + bodies.nodes > 0)
+    lines.push_back("  what moves  " + number(bodies.mass) + " kg, from " + number(bodies.smallest) + " m (thinnest) to " +
+                    number(bodies.largest) + " m (longest), between " + place(bodies.low.data()) + " and " +
+                    place(bodies.high.data()) + " m");
+}
+
+void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
+  const Scene& scene = simulation.scene;
+  const SolverSettings used = simulation.settings_used();
+  int ranks = 1;
+  check_mpi(MPI_Comm_size(simulation.comm(), &ranks));
+  auto bytes = static_cast<double>(simulation.bytes());
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MAX, simulation.comm()));
+  lines.push_back("  run  " + counted(scene.time.frames, "frame") + " of " + number(scene.time.frame) + " s, " +
+                  counted(scene.time.substeps, "step") + " each, on " + counted(ranks, "rank") + "; " + number(bytes / 1e6) +
+                  " MB on the largest at the start");
+  lines.push_back("  plan  " + used.name + ", at most " + counted(used.iterations, "iteration") +
+                  " a step, stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
+                  number(*used.tolerance) + " m, contacts from " + number(*used.margin) + " m on");
+}
+
+void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector<std::string>& warnings) {
+  const Scene& scene = simulation.scene;
+  if (const Overlaps overlaps = find_overlaps(simulation); overlaps.count > 0 && simulation.steps_done == 0)
+    warnings.push_back(counted(overlaps.count, "pair") +
+                       " of bodies overlap at the start by more than 1 % of the smaller one's size, the deepest by " +
+                       number(overlaps.depth) + " m: " + name_of(scene, overlaps.deepest[0]) + " and " +
+                       name_of(scene, overlaps.deepest[1]) + "; they will be pushed apart: move them, unless that is meant");
+  if (scene.gravity.z() > 0)
+    warnings.push_back("gravity points up (" + number(scene.gravity.z()) + " m/s^2 along z): most scenes have it along -z");
+  const bool any = bodies.moved[0] + bodies.nodes > 0;
+  const double step = scene.time.frame / scene.time.substeps, fall = scene.gravity.norm() * step * step;
+  if (any && fall > bodies.smallest)
+    warnings.push_back("a step of " + number(step) + " s lets a body fall by " + number(fall) +
+                       " m, more than the smallest one's size of " + number(bodies.smallest) +
+                       " m: more time.substeps, or a shorter time.frame, would follow it");
+  if (any && (bodies.smallest > largest_usual || bodies.largest < least_usual))
+    warnings.push_back("all that moves is " + std::string(bodies.smallest > largest_usual ? "thicker than " : "smaller than ") +
+                       number(bodies.smallest > largest_usual ? largest_usual : least_usual) +
+                       " m: lengths are in metres; are these in another unit?");
+  int ranks = 1;
+  check_mpi(MPI_Comm_size(simulation.comm(), &ranks));
+  if (any && ranks > bodies.moved[0] + bodies.nodes)
+    warnings.push_back(counted(ranks, "rank") + " for " + counted(bodies.moved[0] + bodies.nodes, "dynamic") +
+                       " bodies: the others have nothing to do; fewer ranks are faster");
+}
+
+}  // namespace
+
+Overview overview_of(const Simulation& simulation) {
+  Overview overview;
+  const Bodies bodies = count_bodies(simulation);
+  tell_scene(simulation, bodies, overview.lines);
+  tell_run(simulation, overview.lines);
+  find_faults(simulation, bodies, overview.warnings);
+  return overview;
+}
+
+}  // namespace unibody
