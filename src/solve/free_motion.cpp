@@ -115,6 +115,12 @@ Quat turned_freely(Quat orientation, const Vec3& momentum, const Vec3& inertia, 
 
 }  // namespace
 
+Vec3 spin_of_turn(const Vec3& spin, double step, bool free) {
+  const double angle = step * spin.norm();
+  if (angle == 0 || angle > most_turn || (free && parts_of(angle) > 1)) return spin;
+  return spin * (2 * std::tan(0.5 * angle) / angle);
+}
+
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
                         const Vec3& gyroscopic, double step, bool planar, bool free) {
   BodyState next = state;

@@ -39,4 +39,8 @@ inline BodyState finish_motion(const BodyProperties& body, const BodyState& stat
   return finish_motion(body, state, solved, solved, gyroscopic, step, planar);
 }
 
+// The spin (rad/s) at which finish_motion() turns a body that is not dynamic, in a step, as a constant `spin` does: a single map
+// turns by a little less, 2 atan(h w / 2). Left as it is where the turn is taken in parts, or is more than 1 rad.
+Vec3 spin_of_turn(const Vec3& spin, double step, bool free);
+
 }  // namespace unibody

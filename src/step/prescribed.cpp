@@ -1,5 +1,7 @@
 #include "step/prescribed.hpp"
 
+#include "solve/free_motion.hpp"
+
 namespace unibody {
 
 void set_prescribed_velocities(RankState& state) {
@@ -10,7 +12,8 @@ void set_prescribed_velocities(RankState& state) {
     for (Id k = 0; k < group->count; ++k) {
       const auto slot = static_cast<std::size_t>(world.find(group->first + k));  // statics are on every rank
       world.velocity[slot] = velocity;
-      if (world.has_rotations) world.angular_velocity[slot] = spin;
+      if (!world.has_rotations) continue;
+      world.angular_velocity[slot] = spin_of_turn(spin, state.step(), !state.is_tied(group->first + k));
     }
   }
 }

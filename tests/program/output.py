@@ -270,7 +270,11 @@ class Switches(ProgramTest):
         self.assertRegex(without, r"tolerance 0: all iterations were made\nnatural residual: half of the frames within ")
 
     def test_a_strict_run_stops_where_it_has_not_converged(self):
-        scene = self.scene(SCENE)
+        scene = self.scene("""
+            bodies:
+              - {shape: {plane: {normal: [0, 0, 1]}}}
+              - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, points: [[0, 0, 0.1], [0, 0, 0.3], [0, 0, 0.5]]}
+        """)
         few = ["-set", "time.frames=3", "-set", "solver.iterations=2", "-overwrite", "-strict"]
         for ranks in (1, 2):
             run = unibody(scene, "-output", self.folder / "results", *few, "-set", "solver.tolerance=1e-15", ranks=ranks)

@@ -62,7 +62,7 @@ const std::vector<Fault> faults{
     {"sine_beyond_its_range", driven("angle: {sine: {amplitude: 100, frequency: 1, mean: 100}}"), ""},
 };
 
-INSTANTIATE_TEST_SUITE_P(Faults, TimeRefuses, testing::ValuesIn(faults), [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Faults, TimeRefuses, testing::ValuesIn(faults), [](const auto& each) { return each.param.name; });
 
 }  // namespace
 }  // namespace unibody
