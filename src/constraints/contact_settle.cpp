@@ -31,6 +31,18 @@ struct LoneManifold {
       tangents[k] = batch.tangents[t], tangent_impulses[k] = batch.tangent_impulses[t];
       set(tangents[k].inverse_scale, cone ? along : across);
     }
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (l != lane) clear(l);
+  }
+
+  // The other lanes keep the normals and the inertia of bodies that are not theirs: a step there would turn the body that is
+  // nobody, which joints to the world take to be at rest.
+  void clear(std::size_t l) {
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      points[k].inverse_scale[l] = 0, normals[k].lambda[l] = 0;
+      if (block.first_tangent < 0) continue;
+      tangents[k].inverse_scale[l] = 0, tangent_impulses[k].lambda_s[l] = 0, tangent_impulses[k].lambda_t[l] = 0;
+    }
   }
 
   // Rows that are not there stay so.

@@ -64,11 +64,12 @@ TimeValue read_sine(const Value& sine, const Range& range, const std::string& un
 TimeValue read_in_time(const Value& value, const Range& range, const std::string& unit, double factor) {
   if (value.kind == Value::Kind::list) return column(read_rows(value, 1, range, unit), 1, {}, factor);
   if (value.kind != Value::Kind::map) return factor * value.number(range, unit);
+  value.map({"table", "between", "periodic", "sine"});
   if (const Value* sine = value.find("sine")) {
-    value.map({"sine"});
+    for (const char* key : {"table", "between", "periodic"})
+      if (const Value* other = value.find(key)) other->fail(std::string(key) + " beside a sine", "only a sine, or a table");
     return read_sine(*sine, range, unit, factor);
   }
-  value.map({"table", "between", "periodic"});
   const auto rows = read_rows(value.need("table", "rows [time (s), value (" + unit + ")], or sine"), 1, range, unit);
   return column(rows, 1, read_law(value, rows), factor);
 }

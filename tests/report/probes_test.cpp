@@ -116,7 +116,7 @@ const std::vector<Fault> faults{
     {"no_name", probed("  - {box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
      "FILE:5: key 'probes[0].name': found nothing, expected a name"},
     {"a_name_with_a_comma", probed("  - {name: 'a,b', box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
-     "FILE:5: key 'probes[0].name': found a,b, expected a name of letters, digits, - and _"},
+     "FILE:5: key 'probes[0].name': found 'a,b', expected a name of letters, digits, - and _"},
     {"a_name_twice",
      probed("  - {name: a, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n  - {name: a, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
      "FILE:6: key 'probes[1].name': found a a second time, expected a name of its own for each probe"},

@@ -26,7 +26,7 @@ const std::vector<BadInput> bad_files{
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
      "FILE:2: key 'tmie': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, air_density, "
      "solver, output, "
-     "materials, bodies, cloths, threads, solids or joints"},
+     "materials, bodies, cloths, threads, solids, joints or probes"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected frame, frames or substeps"},
     {"key_twice", "title: a\ntime: {frame: 1}\ntitle: b\n",
@@ -36,7 +36,7 @@ const std::vector<BadInput> bad_files{
      "FILE:1: key 'time': found nothing, expected a map with the keys frame, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
      "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
-     "materials, bodies, cloths, threads, solids or joints"},
+     "materials, bodies, cloths, threads, solids, joints or probes"},
     {"value_missing", "time: {frame: }\n", "FILE:1: key 'time.frame': found nothing, expected a number > 0 (s)"},
 };
 
@@ -213,7 +213,7 @@ const std::vector<BadInput> bad_generators{
     {"shape_beside_a_pile", with_body("mass: 1\n    pile: {count: 1}"),
      "FILE:2: key 'bodies[0].shape': found an unknown key, expected name, material, position, orientation, mass, density, "
      "motion, "
-     "velocity, angular_velocity, force, torque or pile"},
+     "velocity, angular_velocity, path, force, torque or pile"},
     {"scale_upside_down",
      "bodies:\n  - density: 1\n    pile: {count: 1, columns: [1, 1], mix: [{shape: {sphere: {radius: 1}}, scale: [2, 1]}]}\n",
      "FILE:3: key 'bodies[0].pile.mix[0].scale': found [2, 1], expected the smaller of the two factors first"},
@@ -236,7 +236,7 @@ const std::vector<BadInput> bad_overrides{
      ball,
      "-set tim.step=3: key 'tim': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, "
      "air_density, solver, "
-     "output, materials, bodies, cloths, threads, solids or joints",
+     "output, materials, bodies, cloths, threads, solids, joints or probes",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",
      ball,
