@@ -211,7 +211,7 @@ void Run::tell_overview() {
   if (rank_ == 0) {
     for (const std::string& line : overview.lines) std::printf("%s\n", line.c_str());
     std::fflush(stdout);
-    for (const std::string& warning : overview.warnings) std::fprintf(stderr, "unibody: warning: %s\n", warning.c_str());
+    for (const std::string& warning : overview.warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());
   }
   if (options_.strict && !overview.warnings.empty()) throw InputError("option -strict: " + overview.warnings.front());
 }

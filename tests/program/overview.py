@@ -27,7 +27,7 @@ class Overview(ProgramTest):
         return run
 
     def warnings(self, text, *options, ranks=1):
-        prefix = "unibody: warning: "
+        prefix = "warning: "
         err = self.check(text, *options, ranks=ranks).err
         return [line[len(prefix):] for line in err.splitlines() if line.startswith(prefix)]
 

@@ -169,7 +169,7 @@ class Restart(ProgramTest):
                                    "cloths[0].self_collision=true", "cloths[0].thickness=0.06", "cloths[0].position=[0, 0, 0.36]"))
 
     def test_other_bodies_are_refused(self):
-        self.check_refused(PILE, ("bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].velocity=[0.1, 0, 0]",
+        self.check_refused(PILE, ("bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].path=[0, 0, [[0.3, 0], [0.7, 0.2]]]",
                                   "bodies[1].shape.box.size=[0.2, 0.9, 0.3]", "bodies[2].force=[0, 0, 1]"))
 
     def test_other_ties_or_another_wind_are_refused(self):
