@@ -28,9 +28,9 @@ std::string verdict(const Convergence& c) {
 void Convergence::add(const FrameReport& report) {
   residuals.push_back(report.natural_residual);
   unconverged += report.converged ? 0 : 1;
-  if (report.natural_residual < worst_residual) return;
+  if (report.natural_residual <= worst_residual) return;
   // A step is asked for the name where its residual is above all that were before it.
-  if (report.natural_residual > worst_residual) worst = report.worst;
+  worst = report.worst;
   worst_residual = report.natural_residual;
   worst_frame = report.step;
 }

@@ -21,7 +21,7 @@ struct Convergence {
   std::vector<double> residuals;
   std::int64_t unconverged = 0;          // frames of which a step did not converge
   double worst_residual = 0;             // m
-  std::int64_t worst_frame = 0;          // the last of those with that residual
+  std::int64_t worst_frame = 0;          // the first of those with that residual; 0: none has more than 0
   std::optional<WorstConstraint> worst;  // of that frame, where its residual is not 0
 
   void add(const FrameReport& report);
