@@ -231,7 +231,7 @@ double SurfaceBatch::residual(const SolveState& state) const {
   return step_ * horizontal_max(worst);
 }
 
-// Empty lanes tie the body that is nobody, and have no residual.
+// A lane without a contact has a residual of 0, and is passed over.
 void SurfaceBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
   for_each_block_residual(state.bodies, [&](const Block& block, Vec4d residual) {
     for (std::size_t l = 0; l < lanes; ++l)

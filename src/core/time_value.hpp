@@ -18,8 +18,8 @@ class TimeValue {
 
   TimeValue(double constant = 0) : mean_(constant) {}
 
-  // Points (s, value) at ascending times, one or more. Before the first and after the last their values hold; a periodic table
-  // repeats from the first to the last, and has two or more.
+  // A table of points (time in s, value), one or more, whose times ascend. Before the first point the value of the first holds,
+  // and after the last point that of the last. A periodic table has two points or more, and repeats from the first to the last.
   static TimeValue table(std::vector<std::array<double, 2>> points, Between between, bool periodic);
 
   // mean + amplitude sin(2 pi frequency t + phase); Hz, rad

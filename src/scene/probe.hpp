@@ -1,4 +1,4 @@
-// What a run measures of its bodies beside what all runs measure: a column or some of report.csv.
+// A probe is a measurement that a scene asks for. Its results are further columns of report.csv.
 #pragma once
 
 #include <limits>

@@ -36,7 +36,7 @@ struct OutputSettings {
   bool crossings = true;  // count, in every frame, the edges that go through faces
 };
 
-// How kinematic bodies move, where that changes in time.
+// The velocities or the path of the kinematic bodies of one entry, where these change in time.
 struct MotionInTime {
   TimeVector velocity;             // m/s; unused where there is a path
   std::optional<TimeVector> path;  // m, from where a body starts; 0 at time 0
