@@ -8,19 +8,15 @@
 #include <iterator>
 #include <optional>
 
-#include "app/bad_body.hpp"
 #include "app/frame_times.hpp"
 #include "app/machine_memory.hpp"
 #include "app/overview.hpp"
 #include "app/petsc_session.hpp"
-#include "app/restart.hpp"
+#include "app/running_scene.hpp"
 #include "app/stop_request.hpp"
 #include "app/wishes.hpp"
-#include "checkpoint/checkpoint.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
-#include "core/phases.hpp"
-#include "partition/balance.hpp"
 #include "report/elastic_energy.hpp"
 #include "report/folder_lock.hpp"
 #include "report/joint_report.hpp"
@@ -35,10 +31,7 @@
 #include "report/version.hpp"
 #include "scene/schema.hpp"
 #include "scene/settings.hpp"
-#include "step/build.hpp"
 #include "step/mesh_sides.hpp"
-#include "step/simulation.hpp"
-#include "step/step_parts.hpp"
 
 namespace unibody {
 
@@ -60,9 +53,8 @@ class Run {
       : comm_(comm),
         scene_(scene),
         options_(options),
-        simulation_(comm, scene, clock_, options.shared_memory),
-        balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups),
-        times_(comm, clock_),
+        running_(comm, scene, options),
+        times_(comm, running_.clock),
         probes_(scene.probes) {
     check_mpi(MPI_Comm_rank(comm, &rank_));
   }
@@ -85,7 +77,7 @@ class Run {
     last_frame_ = summary_.first_frame;
     Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies, summary_.convergence.tolerance);
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
-      rebalance();
+      running_.rebalance();
       FrameReport report = do_frame(frame);
       stop_if_not_finite(comm_, report);
       write(frame);
@@ -107,7 +99,6 @@ class Run {
  private:
   void start_world();
   void tell_overview();
-  void rebalance();
   FrameReport do_frame(std::int64_t frame);
   std::vector<NamedValue> further_columns(const StepReport& step, const FrameReport& report);
   void open_files();
@@ -129,16 +120,6 @@ class Run {
         "(%s): until they are apart each touches some of the others only\n",
         static_cast<long long>(frame), static_cast<long long>(count.bodies), static_cast<long long>(count.most),
         static_cast<long long>(count.one), scene_.body_name(count.one).c_str());
-  }
-
-  void stop_if_not_held(const StepReport& step, std::int64_t frame) const {
-    const auto [first, second] = step.guard.not_held;
-    if (first < 0) return;
-    const auto name = [&](Id id) { return "body " + std::to_string(id) + " (" + scene_.body_name(id) + ")"; };
-    throw RunError(
-        "frame " + std::to_string(frame) + ": " + name(first) + " and the surface of " + name(second) +
-        " pass through each other, and could not be held apart: the step asks for more than it can do, as a motion that "
-        "leaves no room; a shorter time.frame or more time.substeps may do");
   }
 
   // m. What is farther from solved than anything before it in the run is worth a name; of what stops the run, all.
@@ -172,9 +153,8 @@ class Run {
   const double start_ = MPI_Wtime();
   const Scene& scene_;
   const Options& options_;
-  PhaseClock clock_;
-  Simulation simulation_;
-  Balance balance_;
+  RunningScene running_;
+  Simulation& simulation_ = running_.simulation;
   FrameTimes times_;
   Probes probes_;
   Summary summary_;
@@ -187,21 +167,14 @@ class Run {
 };
 
 void Run::start_world() {
-  if (options_.restart.empty())
-    simulation_.world = build_world(comm_, scene_);
-  else
-    summary_.first_frame = restore(comm_, scene_, options_, simulation_);
-  simulation_.steps_done = summary_.first_frame * scene_.time.substeps;
+  summary_.first_frame = running_.start();
   if (summary_.first_frame > scene_.time.frames)
     throw InputError("'" + options_.restart + "' is of frame " + std::to_string(summary_.first_frame) +
                      ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
-  simulation_.resolve_automatic_settings();
   summary_.convergence.tolerance = *simulation_.settings_used().tolerance;
   summary_.convergence.smallest_size = simulation_.traits.smallest_size;
   if (options_.strict && summary_.convergence.tolerance == 0)
     throw InputError("option -strict: found solver.tolerance 0, which no step is within, expected more than 0");
-  if (options_.restart.empty()) simulation_.make_constraints();
-  simulation_.move_homes(balance_.homes(parts_of(simulation_)));
   for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
 }
 
@@ -216,12 +189,6 @@ void Run::tell_overview() {
   if (options_.strict && !overview.warnings.empty()) throw InputError("option -strict: " + overview.warnings.front());
 }
 
-void Run::rebalance() {
-  if (!balance_.due()) return;
-  simulation_.move_homes(balance_.homes(parts_of(simulation_)));
-  balance_.changed();
-}
-
 FrameReport Run::do_frame(std::int64_t frame) {
   FrameReport report;
   report.step = frame, report.time = static_cast<double>(frame) * scene_.time.frame;
@@ -234,10 +201,8 @@ FrameReport Run::do_frame(std::int64_t frame) {
     const bool last_step = s + 1 == scene_.time.substeps;
     const bool dumps = last_step && frame == dumped_frame();
     const StepRequest request{last_step && wants_error(frame), dumps ? &problem_ : nullptr, name_above(report)};
-    const StepReport step = last = simulation_.step(request);
-    stop_if_not_finite(comm_, scene_, simulation_, frame, s);  // before anything looks for contacts among such bodies
+    const StepReport step = last = running_.step(request, frame, s);
     held.pairs += step.guard.pairs, impacts += step.impacts;
-    stop_if_not_held(step, frame);
     stop_if_strict(step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     if (step.residual > report.natural_residual) report.worst = step.worst;
@@ -254,7 +219,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
   last.guard = held, last.impacts = impacts;
   report.constraint_columns = further_columns(last, report);
-  report.imbalance = balance_.imbalance(parts_of(simulation_));
+  report.imbalance = running_.imbalance();
   return report;
 }
 
@@ -275,7 +240,7 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, const Frame
   if (!simulation_.has_surfaces()) return columns;
   columns.push_back({"held_pairs (1)", static_cast<double>(step.guard.pairs)});
   if (!scene_.output.crossings) return columns;
-  const PhaseClock::Scope scope(clock_, Phase::output);
+  const PhaseClock::Scope scope(running_.clock, Phase::output);
   columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm_, world, simulation_.surfaces))});
   return columns;
 }
@@ -288,7 +253,7 @@ void Run::open_files() {
 }
 
 void Run::write(std::int64_t frame) {
-  const PhaseClock::Scope scope(clock_, Phase::output);
+  const PhaseClock::Scope scope(running_.clock, Phase::output);
   const double time = static_cast<double>(frame) * scene_.time.frame;
   if (frames_ && frame % scene_.output.every == 0) frames_->write(frame, time, simulation_.world);
   if (joint_files_ && frame % std::max(1, scene_.output.every) == 0)
@@ -299,15 +264,13 @@ void Run::write(std::int64_t frame) {
 }
 
 void Run::checkpoint(std::int64_t frame) {
-  write_checkpoint(comm_, options_.output + "/checkpoint.h5", mark_of(scene_), frame,
-                   static_cast<double>(frame) * scene_.time.frame, scene_.body_count(), simulation_.elements(),
-                   simulation_.history);
+  running_.write_checkpoint(options_.output + "/checkpoint.h5", frame);
   checkpointed_ = frame;
 }
 
 // With a checkpoint of this frame, unless the scene wants none at all.
 void Run::stop_at(std::int64_t frame, const std::string& reason) {
-  const PhaseClock::Scope scope(clock_, Phase::output);
+  const PhaseClock::Scope scope(running_.clock, Phase::output);
   const bool keeps = scene_.output.checkpoint_every >= 0;
   if (keeps && checkpointed_ != frame) checkpoint(frame);
   summary_.status = "stopped as asked by " + reason;
@@ -373,14 +336,7 @@ int run(MPI_Comm comm, const Options& options) {
   end_run_out_of_memory();
   const Scene scene = read_scene(options.scene, options.overrides, room_of(comm));
   tell_bodies_in_scene(scene.body_count());
-  int size = 1;
-  check_mpi(MPI_Comm_size(comm, &size));
-  if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential && size > 1)
-    throw InputError(scene.path + ": key 'solver.order': found sequential on " + std::to_string(size) +
-                     " ranks, expected coloured (a sequential sweep runs on one rank only)");
-  if (scene.solver.name == "newton" && size > 1)
-    throw InputError(scene.path + ": key 'solver.name': found newton on " + std::to_string(size) +
-                     " ranks, expected an iterative solver (newton runs on one rank only)");
+  check_ranks_of_solver(comm, scene);
   std::vector<std::string> notes = scene.notes;
   decide_mesh_sides(comm, scene, notes);
   if (rank == 0)

@@ -191,13 +191,25 @@ void apply(const Override& change, Value& root) {
 
 }  // namespace
 
-Value load_value(const std::string& path, const std::vector<Override>& overrides) {
-  Value root = parse_yaml(read_text(path), "", std::make_shared<const std::string>(path), true);
+namespace {
+
+Value root_of(const std::string& text, const std::string& path, const std::vector<Override>& overrides, bool in_file) {
+  Value root = parse_yaml(text, "", std::make_shared<const std::string>(path), in_file);
   if (root.kind == Value::Kind::scalar || root.kind == Value::Kind::list)
     root.fail_expected("a map of sections (title, time, bodies, ...)");
   if (root.kind == Value::Kind::nothing) root.fail_expected("a map of sections (title, time, bodies, ...)");
   for (const Override& change : overrides) apply(change, root);
   return root;
+}
+
+}  // namespace
+
+Value load_value(const std::string& path, const std::vector<Override>& overrides) {
+  return root_of(read_text(path), path, overrides, true);
+}
+
+Value value_of_text(const std::string& text, const std::string& path, const std::vector<Override>& overrides) {
+  return root_of(text, path, overrides, false);
 }
 
 }  // namespace unibody

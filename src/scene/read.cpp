@@ -215,8 +215,9 @@ std::string Scene::body_name(Id id) const {
   return group.count == 1 ? group.name : group.name + "[" + std::to_string(id - group.first) + "]";
 }
 
-Scene read_scene(const std::string& path, const std::vector<Override>& overrides, const Room& room) {
-  const Value root = load_value(path, overrides);
+namespace {
+
+Scene read_sections(const Value& root, const std::string& path, const Room& room) {
   Scene scene;
   scene.path = path;
   scene.room = room;
@@ -229,6 +230,17 @@ Scene read_scene(const std::string& path, const std::vector<Override>& overrides
   if (scene.solver.joints == JointSolve::direct) scene.joint_trees = plant_trees(scene.joints, is_static);
   if (scene.solver.name == "newton") check_newton(*root.find("solver")->find("name"), scene);
   return scene;
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, const std::vector<Override>& overrides, const Room& room) {
+  return read_sections(load_value(path, overrides), path, room);
+}
+
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<Override>& overrides,
+                      const Room& room) {
+  return read_sections(value_of_text(text, path, overrides), path, room);
 }
 
 }  // namespace unibody

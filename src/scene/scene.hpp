@@ -150,4 +150,8 @@ struct Override {
 // there is room for are one.
 Scene read_scene(const std::string& path, const std::vector<Override>& overrides = {}, const Room& room = {});
 
+// The same of a text that is in no file. `path` names it in errors, without a line; mesh files are looked for beside it.
+Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<Override>& overrides = {},
+                      const Room& room = {});
+
 }  // namespace unibody

@@ -64,6 +64,8 @@ class Value {
 
 // Reads a YAML file and applies the overrides. Throws InputError on a missing file, on what isn't YAML, on a key given twice.
 Value load_value(const std::string& path, const std::vector<Override>& overrides);
+// The same of a text that is in no file: `path` names it in errors.
+Value value_of_text(const std::string& text, const std::string& path, const std::vector<Override>& overrides);
 
 // A table of the keys of a map: one line a key, read in the order of the table.
 template <class Target>

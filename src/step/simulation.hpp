@@ -25,6 +25,9 @@ class Simulation : public RankState {
   // Guests and contacts at the present state: of the state that step() left, and what the next step() starts from.
   void detect();
 
+  // After velocities of bodies were set from outside, between steps: contacts are found anew.
+  void bodies_were_changed() { detected_ = false; }
+
   // Moves every home body to its new home rank, and makes the constraints of those that are here then.
   void move_homes(std::span<const int> home);
 

@@ -1,0 +1,75 @@
+#include "app/running_scene.hpp"
+
+#include "app/bad_body.hpp"
+#include "app/restart.hpp"
+#include "checkpoint/checkpoint.hpp"
+#include "core/checked.hpp"
+#include "core/errors.hpp"
+#include "step/build.hpp"
+#include "step/step_parts.hpp"
+
+namespace unibody {
+
+void check_ranks_of_solver(MPI_Comm comm, const Scene& scene) {
+  int size = 1;
+  check_mpi(MPI_Comm_size(comm, &size));
+  if (size == 1) return;
+  if (scene.solver.name == "gauss_seidel" && scene.solver.order == Order::sequential)
+    throw InputError(scene.path + ": key 'solver.order': found sequential on " + std::to_string(size) +
+                     " ranks, expected coloured (a sequential sweep runs on one rank only)");
+  if (scene.solver.name == "newton")
+    throw InputError(scene.path + ": key 'solver.name': found newton on " + std::to_string(size) +
+                     " ranks, expected an iterative solver (newton runs on one rank only)");
+}
+
+RunningScene::RunningScene(MPI_Comm comm, const Scene& scene, const Options& options)
+    : simulation(comm, scene, clock, options.shared_memory),
+      comm_(comm),
+      scene_(scene),
+      options_(options),
+      mark_(mark_of(scene)),
+      balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups) {}
+
+std::int64_t RunningScene::start() {
+  std::int64_t frame = 0;
+  if (options_.restart.empty())
+    simulation.world = build_world(comm_, scene_);
+  else
+    frame = restore(comm_, scene_, options_, simulation);
+  simulation.steps_done = frame * scene_.time.substeps;
+  simulation.resolve_automatic_settings();
+  if (options_.restart.empty()) simulation.make_constraints();
+  simulation.move_homes(balance_.homes(parts_of(simulation)));
+  return frame;
+}
+
+StepReport RunningScene::step(const StepRequest& request, std::int64_t frame, int substep) {
+  const StepReport report = simulation.step(request);
+  stop_if_not_finite(comm_, scene_, simulation, frame, substep);  // before anything looks for contacts among such bodies
+  stop_if_not_held(report, frame);
+  return report;
+}
+
+void RunningScene::stop_if_not_held(const StepReport& report, std::int64_t frame) const {
+  const auto [first, second] = report.guard.not_held;
+  if (first < 0) return;
+  const auto name = [&](Id id) { return "body " + std::to_string(id) + " (" + scene_.body_name(id) + ")"; };
+  throw RunError("frame " + std::to_string(frame) + ": " + name(first) + " and the surface of " + name(second) +
+                 " pass through each other, and could not be held apart: the step asks for more than it can do, as a motion that "
+                 "leaves no room; a shorter time.frame or more time.substeps may do");
+}
+
+void RunningScene::rebalance() {
+  if (!balance_.due()) return;
+  simulation.move_homes(balance_.homes(parts_of(simulation)));
+  balance_.changed();
+}
+
+double RunningScene::imbalance() { return balance_.imbalance(parts_of(simulation)); }
+
+void RunningScene::write_checkpoint(const std::string& path, std::int64_t frame) const {
+  unibody::write_checkpoint(comm_, path, mark_, frame, static_cast<double>(frame) * scene_.time.frame, scene_.body_count(),
+                            simulation.elements(), simulation.history);
+}
+
+}  // namespace unibody

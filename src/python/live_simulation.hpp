@@ -1,0 +1,110 @@
+// A scene that a program steps through by itself: what the Python module's Simulation does, without Python.
+#pragma once
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/running_scene.hpp"
+#include "report/measure.hpp"
+#include "report/probes.hpp"
+
+namespace unibody {
+
+// One row a step.
+struct StepRow {
+  std::int64_t step, iterations, sliding_contacts, impacts;
+  double time;              // s, at the step's end
+  double natural_residual;  // m
+  bool converged;
+};
+
+// A point of contact between two bodies, where they are at a step's start.
+struct ContactRow {
+  Id body_a, body_b;  // body_a < body_b
+  double point[3];    // m, world
+  double normal[3];   // unit, from body_b towards body_a
+  double gap;         // m; negative where the bodies penetrate
+  double friction;    // Coulomb's mu
+};
+
+// All members but those that only tell something of this rank are collective, with the same arguments on every rank. Bodies
+// are named by their ids. Members throw InputError where an argument is wrong, before anything has changed.
+class LiveSimulation {
+ public:
+  // checkpoint: the file to go on from; empty: from the scene's start. Throws InputError as a run of the program does.
+  LiveSimulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint = "");
+  ~LiveSimulation();
+  LiveSimulation(const LiveSimulation&) = delete;
+  LiveSimulation& operator=(const LiveSimulation&) = delete;
+
+  // Throws RunError where the step leads to a state that cannot be.
+  void step();
+  // Frees all that it holds of MPI; nothing but close() and the destructor may follow.
+  void close();
+  bool is_open() const { return running_ != nullptr; }
+
+  const Scene& scene() const { return scene_; }
+  MPI_Comm comm() const { return comm_; }
+  int rank() const;
+  int ranks() const;
+  double step_length() const { return scene_.time.frame / scene_.time.substeps; }  // s
+  double time() const { return static_cast<double>(steps_done()) * step_length(); }
+  std::int64_t steps_done() const;
+  const std::vector<StepRow>& report() const { return report_; }
+
+  enum class Field { position, orientation, velocity, angular_velocity };
+  static std::size_t width(Field field) { return field == Field::orientation ? 4 : 3; }
+  // Of all bodies, in the order of their ids, on every rank: m; w, x, y, z of unit quaternions, body to world; m/s; rad/s in
+  // world axes.
+  std::vector<double> gathered(Field field) const;
+  // Of this rank's home bodies: ids, ascending, and the field in that order. Not collective.
+  std::vector<Id> home_ids() const;
+  std::vector<double> of_homes(Field field) const;
+
+  // Of this rank's pairs: a pair belongs to the rank whose home its first moving body is. The contacts at the present state.
+  std::vector<ContactRow> contacts();
+  Measures measures();
+  // What the scene's probe of this name tells (probes.hpp): of a flow what has passed since the simulation was made, of a box
+  // what is in it now. Throws InputError where no probe has that name.
+  std::vector<std::pair<std::string, double>> probe(const std::string& name) const;
+  std::vector<JointState> joint_states() const;  // of each joint of the scene, after a step
+  std::uint64_t state_hash() const;              // of the program's last line
+
+  // Of moving or kinematic bodies, whose velocity the scene does not give in time. m/s, and rad/s in world axes: three numbers a
+  // body; an empty list leaves them as they are.
+  void set_velocities(std::span<const Id> ids, std::span<const double> linear, std::span<const double> angular);
+  // Forces (N) and torques (N m, world axes) on dynamic bodies throughout the next step: three numbers a body, or none.
+  void apply_forces(std::span<const Id> ids, std::span<const double> forces, std::span<const double> torques);
+  // From now on. rad/s, m/s, rad or m, by the joint's motor. `joint`: its place in the scene, from 0. Checkpoints don't hold it.
+  void set_motor(std::int64_t joint, double target);
+
+  void write_checkpoint(const std::string& path) const;
+  void restore(const std::string& checkpoint);
+
+ private:
+  using Totals = std::vector<std::pair<std::string, double>>;
+
+  void start(const std::string& checkpoint);
+  void count_flows();
+  void check_ids(std::span<const Id> ids, bool dynamic_alone) const;
+  void check_numbers(std::span<const Id> ids, std::span<const double> numbers, const char* what) const;
+  void check_open() const;
+
+  MPI_Comm comm_ = MPI_COMM_NULL;
+  Scene scene_;        // as steps see it, with the motors' targets as they were set
+  const Scene first_;  // as it was given
+  Options options_;
+  std::unique_ptr<RunningScene> running_;
+  std::optional<Probes> probes_;
+  Totals flows_;
+  std::vector<StepRow> report_;
+};
+
+}  // namespace unibody
