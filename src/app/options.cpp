@@ -5,9 +5,12 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "app/stop_request.hpp"
+#include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "core/text.hpp"
 
 namespace unibody {
 
@@ -50,31 +53,44 @@ bool is_petsc_value(const std::string& word, bool scene_is_known) {
   return scene_is_known || (!word.ends_with(".yaml") && !std::filesystem::exists(word, error));
 }
 
+// The options of the help text, at the starts of its lines.
+std::vector<std::string> option_names() {
+  std::vector<std::string> names;
+  std::istringstream text(help_text());
+  for (std::string line; std::getline(text, line);)
+    if (line.starts_with("  -")) names.push_back(line.substr(2, line.find(' ', 2) - 2));
+  return names;
+}
+
+// A word of the command line with one dash, where it has two as other programs' long options have.
+std::string option_of(const std::string& word) { return word.starts_with("--") && word.size() > 2 ? word.substr(1) : word; }
+
 }  // namespace
 
 Options parse_options(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
+    const std::string word = option_of(argv[i]);
     const auto value = [&]() -> std::string {
       if (i + 1 >= argc) throw InputError("option " + word + ": a value is missing");
       return argv[++i];
     };
-    if (word == "-help" || word == "--help" || word == "-h") {
+    if (word == "-help" || word == "-h") {
       options.help = true;
-    } else if (word == "-version" || word == "--version") {
+    } else if (word == "-version") {
       options.version = true;
     } else if (word == "-schema") {
       options.schema = true;
     } else if (word == "-settings") {
       options.settings = true;
-    } else if (word == "-output") {
+    } else if (word == "-output" || word == "-o") {
       options.output = value();
     } else if (word == "-overwrite") {
       options.overwrite = true;
     } else if (word == "-restart" || word == "-start_from") {
       if (!options.restart.empty()) throw InputError("option " + word + ": a checkpoint is given already");
       options.restart = value(), options.other_settings = word == "-start_from";
+      options.restart_where_possible = word == "-restart" && options.restart == "auto";
     } else if (word == "-check") {
       options.check = true;
     } else if (word == "-wall_limit") {
@@ -113,7 +129,7 @@ Options parse_options(int argc, char** argv) {
         options.petsc.push_back(argv[++i]);
       }
     } else if (word.starts_with("-")) {
-      throw InputError("unknown option " + word + " (-help lists them all)");
+      throw InputError("unknown option " + word + did_you_mean(word, option_names()) + " (-help lists them all)");
     } else if (options.scene.empty()) {
       options.scene = word;
     } else {
@@ -127,18 +143,36 @@ Options parse_options(int argc, char** argv) {
   return options;
 }
 
+Options resolved(MPI_Comm comm, Options options) {
+  const std::string own = options.output + "/checkpoint.h5";
+  std::error_code error;
+  int found[2] = {std::filesystem::exists(own, error) ? 1 : 0, 0};
+  found[1] = found[0] != 0 && std::filesystem::equivalent(own, options.restart, error) ? 1 : 0;
+  check_mpi(MPI_Bcast(found, 2, MPI_INT, 0, comm));
+  if (options.restart_where_possible) {
+    options.appends = found[0] != 0;
+    options.restart = options.appends ? own : "";
+  } else {
+    options.appends = found[1] != 0 && !options.overwrite && !options.other_settings;
+  }
+  return options;
+}
+
 std::string help_text() {
   return R"(usage: mpirun -n RANKS unibody SCENE [options]
 
 Simulates the scene file SCENE and writes its results into a folder.
 
-  -output DIR            folder for the results (default: results). Written there: report.csv (one row a frame), frames.h5 and
+  -output DIR, -o DIR    folder for the results (default: results). Written there: report.csv (one row a frame), frames.h5 and
                          frames.xdmf (states, for ParaView), checkpoint.h5, summary.json
   -overwrite             replace results that are in DIR already; without it they stop the run
   -set path.to.key=value change a value of the scene, as if the file said so; may be given many times.
                          Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]
   -solver_level LEVEL    position (default), or velocity: the classic time stepping, for comparison; as -set solver.level=LEVEL
-  -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped
+  -restart FILE          go on from a checkpoint, on any number of ranks: the result is the one of the run that never stopped. Where
+                         FILE is DIR's own checkpoint.h5, and without -overwrite, the run goes on in the files that are in DIR: what
+                         they hold of later frames than the checkpoint's is computed anew
+  -restart auto          go on from DIR's checkpoint.h5, in the files that are in DIR, and start anew where there is none
   -start_from FILE       the same, but time.frame, time.substeps and what stands under solver may differ from those of the checkpoint's
                          run: to compare settings from the same state
   -partition KIND        metis (default): cells of space, weighted by their bodies' work; random:SEED: bodies thrown about the ranks.

@@ -1,6 +1,8 @@
 // The command line: what the program reads itself, and what it passes on to PETSc.
 #pragma once
 
+#include <mpi.h>
+
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -16,6 +18,8 @@ struct Options {
   bool overwrite = false;
   bool help = false, version = false, schema = false, settings = false;  // told instead of a run
   std::string restart;                                                   // checkpoint to go on from; empty: start anew
+  bool restart_where_possible = false;            // -restart auto: from the output folder's checkpoint, where there is one
+  bool appends = false;                           // to the results in the output folder, whose checkpoint the run goes on from
   bool other_settings = false;                    // than those of the checkpoint's run may be set: -start_from
   std::vector<Override> overrides;                // -set
   std::optional<std::uint64_t> random_partition;  // seed; none: METIS
@@ -32,6 +36,10 @@ struct Options {
 
 // Throws InputError for an option that neither the program nor PETSc knows, or that lacks its value.
 Options parse_options(int argc, char** argv);
+
+// Whether the output folder has a checkpoint for -restart auto to go on from, and whether the run goes on in the folder of its
+// checkpoint. Collective.
+Options resolved(MPI_Comm comm, Options options);
 
 std::string help_text();
 

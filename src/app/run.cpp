@@ -70,10 +70,11 @@ class Run {
     tell_overview();
     if (options_.check) return {state_hash(comm_, simulation_.world), false};
     const FolderLock lock(comm_, options_.output);
-    prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart);
+    prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart, options_.appends);
     warn_of_crowds(summary_.first_frame);
     open_files();
     write(summary_.first_frame);
+    checkpoint_in_turn(summary_.first_frame);
     last_frame_ = summary_.first_frame;
     Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies, summary_.convergence.tolerance);
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
@@ -84,6 +85,7 @@ class Run {
       dump(frame);
       times_.frame_done(report);
       report_file_->append(report);
+      checkpoint_in_turn(frame);  // last: a run that goes on from it finds the rest of the frame written
       progress.frame_done(report);
       summary_.add(report), last_frame_ = frame;
       if (frame == scene_.time.frames) break;
@@ -103,6 +105,7 @@ class Run {
   std::vector<NamedValue> further_columns(const StepReport& step, const FrameReport& report);
   void open_files();
   void write(std::int64_t frame);
+  void checkpoint_in_turn(std::int64_t frame);
   void checkpoint(std::int64_t frame);
   void stop_at(std::int64_t frame, const std::string& reason);
   void dump(std::int64_t frame);
@@ -246,18 +249,24 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, const Frame
 }
 
 void Run::open_files() {
-  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, {}));
+  const std::int64_t kept_to = options_.appends ? summary_.first_frame : -1;
+  if (options_.appends) ReportFile::check_columns(comm_, options_.output + "/report.csv", further_columns({}, {}));
   if (scene_.output.every > 0)
-    frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces);
-  if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints);
+    frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces, kept_to);
+  report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, {}), kept_to);
+  if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints, kept_to);
 }
 
 void Run::write(std::int64_t frame) {
   const PhaseClock::Scope scope(running_.clock, Phase::output);
   const double time = static_cast<double>(frame) * scene_.time.frame;
-  if (frames_ && frame % scene_.output.every == 0) frames_->write(frame, time, simulation_.world);
-  if (joint_files_ && frame % std::max(1, scene_.output.every) == 0)
+  if (frames_ && frame % scene_.output.every == 0 && !frames_->holds(frame)) frames_->write(frame, time, simulation_.world);
+  if (joint_files_ && frame % std::max(1, scene_.output.every) == 0 && !joint_files_->holds(frame))
     joint_files_->write(frame, time, simulation_.joints, simulation_.joint_slots, simulation_.joint_states());
+}
+
+void Run::checkpoint_in_turn(std::int64_t frame) {
+  const PhaseClock::Scope scope(running_.clock, Phase::output);
   const int every = scene_.output.checkpoint_every;
   const bool in_turn = every > 0 && frame % every == 0 && frame > summary_.first_frame;
   if (every >= 0 && (in_turn || frame == scene_.time.frames)) checkpoint(frame);
@@ -318,9 +327,10 @@ void Run::finish() {
 
 }  // namespace
 
-int run(MPI_Comm comm, const Options& options) {
+int run(MPI_Comm comm, const Options& given) {
   int rank = 0;
   check_mpi(MPI_Comm_rank(comm, &rank));
+  const Options options = resolved(comm, given);
   if (options.help) {
     if (rank == 0) std::fputs(help_text().c_str(), stdout);
     return 0;

@@ -27,7 +27,6 @@ RunningScene::RunningScene(MPI_Comm comm, const Scene& scene, const Options& opt
       comm_(comm),
       scene_(scene),
       options_(options),
-      mark_(mark_of(scene)),
       balance_(comm, options.random_partition, options.rebalance, scene.constraint_groups) {}
 
 std::int64_t RunningScene::start() {
@@ -67,7 +66,10 @@ void RunningScene::rebalance() {
 
 double RunningScene::imbalance() { return balance_.imbalance(parts_of(simulation)); }
 
-void RunningScene::write_checkpoint(const std::string& path, std::int64_t frame) const {
+void RunningScene::fix_scene() { mark_ = mark_of(scene_); }
+
+void RunningScene::write_checkpoint(const std::string& path, std::int64_t frame) {
+  if (mark_.empty()) fix_scene();
   unibody::write_checkpoint(comm_, path, mark_, frame, static_cast<double>(frame) * scene_.time.frame, scene_.body_count(),
                             simulation.elements(), simulation.history);
 }

@@ -37,8 +37,10 @@ class RunningScene {
   // The largest work of a rank over the mean; 1: even.
   double imbalance();
 
-  // Of the scene as it was when this was made. Throws RunError where the disk fails; the file that was there is then untouched.
-  void write_checkpoint(const std::string& path, std::int64_t frame) const;
+  // Checkpoints will be of the scene as it is now, for whoever changes it later.
+  void fix_scene();
+  // Throws RunError where the disk fails; the file that was there is then untouched.
+  void write_checkpoint(const std::string& path, std::int64_t frame);
 
   PhaseClock clock;
   Simulation simulation;
@@ -49,7 +51,7 @@ class RunningScene {
   MPI_Comm comm_;
   const Scene& scene_;
   const Options& options_;
-  const std::string mark_;  // of the scene, for checkpoints
+  std::string mark_;  // of the scene, for checkpoints; empty: not needed yet
   Balance balance_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
@@ -37,6 +38,14 @@ void remove_pointer_files(const std::string& path) {
     const std::string_view numbers = std::string_view(name).substr(begin.size(), name.size() - begin.size() - 5);
     if (numbers.find_first_not_of("0123456789-") == std::string_view::npos) fs::remove(entry->path(), error);
   }
+}
+
+// After all ranks have opened the file. Collective.
+void remove_what_mpi_keeps(MPI_Comm comm, const std::string& path) {
+  check_mpi(MPI_Barrier(comm));
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  if (rank == 0) remove_pointer_files(path);
 }
 
 Handle row_space(hid_t dataset, hsize_t first, hsize_t count) {
@@ -101,12 +110,36 @@ Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block) {
   check(H5Pset_obj_track_times(create, false), "turn times off");
   check(H5Pset_userblock(create, user_block), "leave room at the start");
   Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, access), H5Fclose, "create " + path);
-  check_mpi(MPI_Barrier(comm));  // now all ranks have opened what MPI keeps beside it
-  int rank = 0;
-  check_mpi(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) remove_pointer_files(path);
+  remove_what_mpi_keeps(comm, path);
   return file;
 }
+
+Handle open_file_to_extend(MPI_Comm comm, const std::string& path) {
+  const Handle access = file_access(comm);
+  Handle file(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose, "open " + path);
+  remove_what_mpi_keeps(comm, path);
+  return file;
+}
+
+std::vector<std::int64_t> member_numbers(hid_t parent, const std::string& group) {
+  std::vector<std::int64_t> numbers;
+  const Handle opened(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose, "open group " + group);
+  H5G_info_t info{};
+  check(H5Gget_info(opened, &info), "list " + group);
+  for (hsize_t k = 0; k < info.nlinks; ++k) {
+    std::array<char, 32> text{};
+    const auto size = H5Lget_name_by_idx(opened, ".", H5_INDEX_NAME, H5_ITER_INC, k, text.data(), text.size(), H5P_DEFAULT);
+    check(size < 0 ? -1 : 0, "list " + group);
+    if (size == 0 || size >= static_cast<ssize_t>(text.size())) continue;
+    std::int64_t number = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + size, number);
+    if (error == std::errc() && end == text.data() + size) numbers.push_back(number);
+  }
+  std::ranges::sort(numbers);
+  return numbers;
+}
+
+void remove_link(hid_t parent, const std::string& name) { check(H5Ldelete(parent, name.c_str(), H5P_DEFAULT), "remove " + name); }
 
 Handle open_file(const std::string& path) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make a property list");

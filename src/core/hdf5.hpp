@@ -61,6 +61,13 @@ void avoid_shared_semaphores();
 Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block = 0);
 Handle create_group(hid_t parent, const std::string& name);
 
+// Opens a file to write more into it. Collective.
+Handle open_file_to_extend(MPI_Comm comm, const std::string& path);
+// The numbers that a group's members have as names, ascending; other names are left out.
+std::vector<std::int64_t> member_numbers(hid_t parent, const std::string& group);
+// Takes a group or data set out of the file; its room is not used again. Collective.
+void remove_link(hid_t parent, const std::string& name);
+
 // Opens a file to read, each rank for itself. Not collective.
 Handle open_file(const std::string& path);
 

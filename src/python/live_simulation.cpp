@@ -85,6 +85,7 @@ void LiveSimulation::start(const std::string& checkpoint) {
   std::unique_ptr<RunningScene> other;
   try {
     other = std::make_unique<RunningScene>(comm_, scene_, options_);
+    other->fix_scene();
     other->start();
   } catch (...) {
     scene_.joints = joints;

@@ -105,7 +105,7 @@ void check_fclib_path(MPI_Comm comm, const std::string& path, bool overwrite) {
     const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
     std::error_code error;
     if (fs::exists(path, error) && !overwrite)
-      fault = "'" + path + "' exists: choose another file, or allow overwriting";
+      fault = "'" + path + "' exists: choose another file, or -overwrite to replace it";
     else if (fs::is_directory(path, error) || access(folder.c_str(), W_OK | X_OK) != 0)
       fault = "cannot write '" + path + "'";
     if (!fault.empty()) fault = "option -dump_fclib: " + fault;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 
@@ -30,25 +29,6 @@ h5::Handle open_group(hid_t file, const std::string& name) {
   return {H5Gopen2(file, name.c_str(), H5P_DEFAULT), H5Gclose, "open group " + name};
 }
 
-// The numbers that a group's members have as names, ascending; other names are left out.
-std::vector<std::int64_t> members(hid_t file, const std::string& name) {
-  std::vector<std::int64_t> numbers;
-  const auto group = open_group(file, name);
-  H5G_info_t info{};
-  h5::check(H5Gget_info(group, &info), "list " + name);
-  for (hsize_t k = 0; k < info.nlinks; ++k) {
-    std::array<char, 32> text{};
-    const auto size = H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, k, text.data(), text.size(), H5P_DEFAULT);
-    h5::check(size < 0 ? -1 : 0, "list " + name);
-    if (size == 0 || size >= static_cast<ssize_t>(text.size())) continue;
-    std::int64_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + size, number);
-    if (error == std::errc() && end == text.data() + size) numbers.push_back(number);
-  }
-  std::sort(numbers.begin(), numbers.end());
-  return numbers;
-}
-
 // The file in a folder of results; says why there is none.
 std::string file_of(const std::string& path) {
   namespace fs = std::filesystem;
@@ -71,7 +51,7 @@ FramesFile::FramesFile(const std::string& path) : path_(file_of(path)) {
     refuse("can't be opened as an HDF5 file: expected the frames.h5 of a run of unibody");
   }
   if (!h5::has_link(file_, "frames")) refuse("has no group /frames: expected the frames.h5 of a run of unibody");
-  frames_ = members(file_, "frames");
+  frames_ = h5::member_numbers(file_, "frames");
   if (frames_.empty()) refuse("holds no frame yet: expected one at least");
   const std::string name = numbered("/frames", frames_.front()) + "/position";
   body_count_ = static_cast<Id>(h5::dimensions(open_array(name, any, {3}, H5T_FLOAT))[0]);
@@ -104,7 +84,7 @@ std::vector<FramesFile::Cells> FramesFile::surfaces() const {
   const h5::Quiet quiet;
   if (!h5::has_link(file_, "surfaces")) refuse("has no group /surfaces: expected the results of a scene with cloths or threads");
   std::vector<Cells> result;
-  for (const std::int64_t number : members(file_, "surfaces")) {
+  for (const std::int64_t number : h5::member_numbers(file_, "surfaces")) {
     const std::string group = numbered("/surfaces", number), name = group + "/cells";
     const auto dataset = open_array(name, any, {3, 2}, H5T_INTEGER);
     const auto extent = h5::dimensions(dataset);

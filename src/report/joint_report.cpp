@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
 
 #include "core/agreement.hpp"
@@ -10,6 +11,7 @@
 #include "core/errors.hpp"
 #include "core/exact_sum.hpp"
 #include "partition/messages.hpp"
+#include "report/kept_rows.hpp"
 
 namespace unibody {
 
@@ -20,6 +22,12 @@ constexpr std::size_t columns = 12;
 constexpr const char* column_names =
     "coordinate (rad or m),drift (m),turn (rad),force_x (N),force_y (N),force_z (N),torque_x (N m),torque_y (N m),torque_z (N m),"
     "limit (N m or N),motor (N m or N),friction (N m or N)";
+
+std::string frame_name(std::int64_t frame) {
+  std::array<char, 32> name{};
+  std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
+  return name.data();
+}
 
 }  // namespace
 
@@ -48,24 +56,48 @@ struct JointFiles::Row {
   std::array<double, columns> value;
 };
 
-JointFiles::JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints)
+JointFiles::JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints, std::int64_t kept_to)
     : comm_(comm), directory_(directory), joints_(joints) {
   check_mpi(MPI_Comm_rank(comm, &rank_));
   std::string fault;
   if (rank_ == 0) try {
       const h5::Quiet quiet;
-      csv_ = std::fopen((directory + "/joints.csv").c_str(), "w");
-      if (csv_ == nullptr || std::fprintf(csv_, "frame,time (s),joint,type,%s\n", column_names) < 0)
-        throw std::runtime_error("joints.csv");
-      h5_ = h5::create_file(MPI_COMM_SELF, directory + "/joints.h5");
-      h5::write_attribute(h5_, "columns", std::string(column_names));
-      h5::write_attribute(h5_, "rows", std::string("joints, in the order of the scene"));
-      frames_ = h5::create_group(h5_, "frames");
+      open_table(kept_to);
+      open_file(kept_to);
     } catch (const std::runtime_error& e) {
       fault = "cannot write in '" + directory + "': " + e.what();
     }
   fault = first_fault(comm, fault);
   if (!fault.empty()) throw RunError(fault);
+  std::int64_t count = static_cast<std::int64_t>(kept_.size());
+  check_mpi(MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm));
+  kept_.resize(static_cast<std::size_t>(count));
+  check_mpi(MPI_Bcast(kept_.data(), static_cast<int>(count), MPI_INT64_T, 0, comm));
+}
+
+void JointFiles::open_table(std::int64_t kept_to) {
+  const std::string path = directory_ + "/joints.csv", header = std::string("frame,time (s),joint,type,") + column_names;
+  const bool goes_on = kept_to >= 0 && keep_rows(path, header, kept_to);
+  csv_ = std::fopen(path.c_str(), goes_on ? "a" : "w");
+  if (csv_ == nullptr || (!goes_on && std::fprintf(csv_, "%s\n", header.c_str()) < 0)) throw std::runtime_error("joints.csv");
+}
+
+void JointFiles::open_file(std::int64_t kept_to) {
+  const std::string path = directory_ + "/joints.h5";
+  if (kept_to < 0 || !std::filesystem::exists(path)) {
+    h5_ = h5::create_file(MPI_COMM_SELF, path);
+    h5::write_attribute(h5_, "columns", std::string(column_names));
+    h5::write_attribute(h5_, "rows", std::string("joints, in the order of the scene"));
+    frames_ = h5::create_group(h5_, "frames");
+    return;
+  }
+  h5_ = h5::open_file_to_extend(MPI_COMM_SELF, path);
+  frames_ = h5::Handle(H5Gopen2(h5_, "frames", H5P_DEFAULT), H5Gclose, "open group frames");
+  for (const std::int64_t frame : h5::member_numbers(h5_, "frames"))
+    if (frame > kept_to)
+      h5::remove_link(frames_, frame_name(frame));
+    else
+      kept_.push_back(frame);
 }
 
 JointFiles::~JointFiles() {
@@ -119,9 +151,7 @@ void JointFiles::write_rows(std::int64_t frame, double time, const std::vector<R
     good = std::fputc('\n', csv_) != EOF && good;
     values.insert(values.end(), row.value.begin(), row.value.end());
   }
-  std::array<char, 32> name{};
-  std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
-  const auto table = h5::create_dataset(frames_, name.data(), H5T_IEEE_F64LE, rows.size(), columns);
+  const auto table = h5::create_dataset(frames_, frame_name(frame), H5T_IEEE_F64LE, rows.size(), columns);
   h5::write_attribute(table, "time", time);
   good = h5::write_rows(table, H5T_NATIVE_DOUBLE, 0, rows.size(), values.data()) && good;
   good = H5Fflush(h5_, H5F_SCOPE_GLOBAL) >= 0 && std::fflush(csv_) == 0 && good;

@@ -23,7 +23,8 @@ std::vector<NamedValue> joint_columns(MPI_Comm comm, std::size_t joint_count, st
 class JointFiles {
  public:
   // Members are collective and throw RunError on every rank where the disk fails; rank 0 writes.
-  JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints);
+  // kept_to: where the files are there, their frames up to this one stay; -1: none does.
+  JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints, std::int64_t kept_to = -1);
   ~JointFiles();
   JointFiles(const JointFiles&) = delete;
   JointFiles& operator=(const JointFiles&) = delete;
@@ -31,16 +32,20 @@ class JointFiles {
   // Of this rank's joints.
   void write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
              std::span<const JointState> states);
-  void close();  // nothing may follow
+  void close();                                                                              // nothing may follow
+  bool holds(std::int64_t frame) const { return std::ranges::binary_search(kept_, frame); }  // since before this run
 
  private:
   struct Row;
+  void open_table(std::int64_t kept_to);
+  void open_file(std::int64_t kept_to);
   void write_rows(std::int64_t frame, double time, const std::vector<Row>& rows);
 
   MPI_Comm comm_;
   int rank_ = 0;
   std::string directory_;
   std::span<const Joint> joints_;
+  std::vector<std::int64_t> kept_;  // frames, ascending
   std::FILE* csv_ = nullptr;
   h5::Handle h5_, frames_;
 };

@@ -23,15 +23,16 @@ constexpr std::array result_files{"frames.h5",     "frames.xdmf", "report.csv", 
                                   "checkpoint.h5", "joints.csv",  "joints.h5"};
 constexpr std::string_view xdmf_tail = "  </Grid>\n</Domain>\n</Xdmf>\n";
 
-std::string prepare_on_one_rank(const std::string& directory, bool overwrite, const std::string& keep) {
+std::string prepare_on_one_rank(const std::string& directory, bool overwrite, const std::string& keep, bool appends) {
   namespace fs = std::filesystem;
   std::error_code error;
   fs::create_directories(directory, error);
   if (!fs::is_directory(directory, error)) return "cannot make the output directory '" + directory + "': " + error.message();
   for (const char* name : result_files) {
     const fs::path path = fs::path(directory) / name;
-    if (!fs::exists(path)) continue;
-    if (!overwrite) return "'" + path.string() + "' exists: choose another output directory, or allow overwriting";
+    if (appends || !fs::exists(path)) continue;
+    if (!overwrite)
+      return "'" + path.string() + "' exists: choose another folder (-output), -overwrite to replace it, or -restart to go on";
     if (!keep.empty() && fs::equivalent(path, keep, error)) continue;
     if (!fs::remove(path, error)) return "cannot remove '" + path.string() + "': " + error.message();
   }
@@ -93,15 +94,16 @@ std::string attribute(const std::string& name, const char* kind, const std::stri
 
 }  // namespace
 
-void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep) {
+void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep,
+                              bool appends) {
   int rank = 0;
   check_mpi(MPI_Comm_rank(comm, &rank));
-  const auto fault = first_fault(comm, rank == 0 ? prepare_on_one_rank(directory, overwrite, keep) : "");
+  const auto fault = first_fault(comm, rank == 0 ? prepare_on_one_rank(directory, overwrite, keep, appends) : "");
   if (!fault.empty()) throw InputError(fault);
 }
 
 Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world,
-               std::vector<Surface> surfaces)
+               std::vector<Surface> surfaces, std::int64_t kept_to)
     : comm_(comm),
       path_(directory + "/frames.h5"),
       xdmf_path_(directory + "/frames.xdmf"),
@@ -109,13 +111,23 @@ Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings
       count_(count),
       surfaces_(std::move(surfaces)) {
   check_mpi(MPI_Comm_rank(comm, &rank_));
+  int goes_on = 0;
+  if (rank_ == 0 && kept_to >= 0) goes_on = std::filesystem::exists(path_) ? 1 : 0;
+  check_mpi(MPI_Bcast(&goes_on, 1, MPI_INT, 0, comm));
+  if (goes_on != 0)
+    extend(kept_to);
+  else
+    create(world);
+}
+
+void Output::create(const World& world) {
   Id corners = 0;
   for (const Surface& surface : surfaces_) corners += surface.count * surface.corners + 4 * surface.tetrahedron_count;
   reserve(10 * count_ + corners);
   const h5::Quiet quiet;
   std::string fault;
   try {
-    file_ = h5::create_file(comm, path_);
+    file_ = h5::create_file(comm_, path_);
     h5::write_attribute(file_, "format", std::string("unibody frames 1"));
     write_bodies(world);
     write_surfaces();
@@ -127,6 +139,39 @@ Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings
   }
   throw_if_any(fault);
   if (rank_ == 0) start_xdmf();
+  throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ : "");
+}
+
+void Output::extend(std::int64_t kept_to) {
+  const h5::Quiet quiet;
+  agree<InputError>(comm_, "'" + path_ + "' cannot be gone on with: ", [&] {
+    const h5::Handle old = h5::open_file(path_);
+    const auto ids = h5::open_dataset(old, "bodies/id"), sizes = h5::open_dataset(old, "bodies/size");
+    const h5::Handle real(H5Dget_type(sizes), H5Tclose, "get the type of bodies/size");
+    if (h5::dimensions(ids)[0] != static_cast<hsize_t>(count_)) throw std::runtime_error("it is of another number of bodies");
+    if (H5Tget_size(real) != (single_ ? 4U : 8U)) throw std::runtime_error("it has another output.precision");
+    kept_ = h5::member_numbers(old, "frames");
+  });
+  std::string fault;
+  try {
+    file_ = h5::open_file_to_extend(comm_, path_);
+    frames_ = h5::Handle(H5Gopen2(file_, "frames", H5P_DEFAULT), H5Gclose, "open group frames");
+    for (const std::int64_t frame : kept_)
+      if (frame > kept_to) h5::remove_link(frames_, frame_name(frame));
+    std::erase_if(kept_, [&](std::int64_t frame) { return frame > kept_to; });
+    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_;
+  } catch (const std::exception& e) {
+    fault = e.what();
+  }
+  throw_if_any(fault);
+  std::vector<double> times;
+  for (const std::int64_t frame : kept_) {
+    const h5::Handle group(H5Gopen2(frames_, frame_name(frame).c_str(), H5P_DEFAULT), H5Gclose,
+                           "open group " + frame_name(frame));
+    times.push_back(h5::read_double(group, "time"));
+  }
+  if (rank_ == 0) start_xdmf();
+  for (std::size_t k = 0; k < kept_.size() && rank_ == 0 && xdmf_ >= 0; ++k) append_xdmf(kept_[k], times[k]);
   throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ : "");
 }
 

@@ -8,6 +8,7 @@
 // Both files are whole after each frame: a run that is killed between two frames leaves all that it wrote.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -20,24 +21,29 @@ namespace unibody {
 
 // Makes the directory. If it holds results (frames, report, summary or checkpoint), throws an InputError that names the first
 // one found, or, with `overwrite`, removes them all but `keep` (the checkpoint that the run restarts from). Run it before
-// anything is written. Collective; throws on every rank.
-void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep = "");
+// anything is written. With `appends` all of them stay, for the run to go on with. Collective; throws on every rank.
+void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep = "",
+                              bool appends = false);
 
 class Output {
  public:
-  // Creates both files and writes /bodies and /surfaces. `count` is the number of all bodies of the scene. Collective, as are all
-  // members.
+  // Creates both files and writes /bodies and /surfaces. `count` is the number of all bodies of the scene. kept_to: where the
+  // files are there, their frames up to this one stay; -1: none does. Throws InputError, and leaves the files as they are, where
+  // they are of other bodies or another precision. Collective, as are all members but holds().
   Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world,
-         std::vector<Surface> surfaces = {});
+         std::vector<Surface> surfaces = {}, std::int64_t kept_to = -1);
   ~Output();
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
 
   // Throws RunError on every rank if the disk fails on any.
   void write(std::int64_t frame, double time, const World& world);
-  void close();  // the same; nothing may follow
+  void close();                                                                              // the same; nothing may follow
+  bool holds(std::int64_t frame) const { return std::ranges::binary_search(kept_, frame); }  // since before this run
 
  private:
+  void create(const World& world);
+  void extend(std::int64_t kept_to);
   void reserve(Id numbers) const;
   void write_bodies(const World& world);
   void write_surfaces();
@@ -54,6 +60,7 @@ class Output {
   Id count_;
   std::vector<Surface> surfaces_;
   int rank_ = 0;
+  std::vector<std::int64_t> kept_;  // frames, ascending
   h5::Handle file_, frames_;
   int xdmf_ = -1;              // rank 0: file descriptor
   std::int64_t xdmf_end_ = 0;  // where the closing tags start

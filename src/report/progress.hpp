@@ -10,8 +10,8 @@ namespace unibody {
 
 class Progress {
  public:
-  // Frames (first, last] will be run. Prints on rank 0 only: on a terminal one line that is overwritten, else a line now and
-  // then. tolerance: m, what the run's steps converge to; with 0 nothing is said of that.
+  // Frames (first, last] will be run. Prints on rank 0 only: on a terminal one line with a bar that is overwritten, else a
+  // line every five seconds. tolerance: m, what the run's steps converge to; with 0 nothing is said of that.
   Progress(int rank, std::int64_t first, std::int64_t last, Id bodies, double tolerance);
 
   void frame_done(const FrameReport& report);

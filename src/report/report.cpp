@@ -9,6 +9,7 @@
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/hdf5.hpp"
+#include "report/kept_rows.hpp"
 
 namespace unibody {
 
@@ -88,14 +89,26 @@ std::string report_row(const FrameReport& report) {
   return line;
 }
 
-ReportFile::ReportFile(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns)
+ReportFile::ReportFile(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns,
+                       std::int64_t kept_to)
     : comm_(comm), path_(path) {
-  int rank = 0;
+  int rank = 0, goes_on = 0;
   check_mpi(MPI_Comm_rank(comm, &rank));
-  if (rank == 0) file_ = std::fopen(path.c_str(), "w");
+  const std::string header = report_header(constraint_columns);
+  agree<InputError>(comm, "", [&] { goes_on = rank == 0 && kept_to >= 0 && keep_rows(path, header, kept_to) ? 1 : 0; });
+  check_mpi(MPI_Bcast(&goes_on, 1, MPI_INT, 0, comm));
+  if (rank == 0) file_ = std::fopen(path.c_str(), goes_on != 0 ? "a" : "w");
   const auto fault = first_fault(comm, rank == 0 && file_ == nullptr ? "cannot write '" + path + "'" : "");
   if (!fault.empty()) throw RunError(fault);
-  write_line(report_header(constraint_columns));
+  if (goes_on == 0) write_line(header);
+}
+
+void ReportFile::check_columns(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns) {
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  agree<InputError>(comm, "", [&] {
+    if (rank == 0) check_header(path, report_header(constraint_columns));
+  });
 }
 
 ReportFile::~ReportFile() {

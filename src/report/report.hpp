@@ -45,7 +45,12 @@ void stop_if_not_finite(MPI_Comm comm, const FrameReport& report);
 // Writes the file on rank 0 and flushes it after every row. Members are collective and throw RunError on every rank.
 class ReportFile {
  public:
-  ReportFile(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns = {});
+  // kept_to: where the file is there, its rows up to this frame stay, and InputError is thrown where it has other columns; -1:
+  // none does.
+  ReportFile(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns = {},
+             std::int64_t kept_to = -1);
+  // Throws InputError on every rank, and changes nothing, where the file is there with other columns. Collective.
+  static void check_columns(MPI_Comm comm, const std::string& path, std::span<const NamedValue> constraint_columns);
   ~ReportFile();
   ReportFile(const ReportFile&) = delete;
   ReportFile& operator=(const ReportFile&) = delete;

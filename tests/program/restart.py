@@ -283,7 +283,7 @@ class Restart(ProgramTest):
         whole = self.good(scene, "whole")
         checkpoint = self.first_half(scene)
         kept = shutil.copy(checkpoint, self.folder / "kept.h5")
-        refused = unibody(scene, "-output", self.folder / "half", "-restart", checkpoint, timeout=60)
+        refused = unibody(scene, "-output", self.folder / "half", "-restart", kept, timeout=60)
         self.assertEqual(refused.code, 2, "the first half's results would be lost")
         self.assertEqual(contents(checkpoint), contents(kept))
         self.assertEqual(self.good(scene, "half", "-overwrite", "-restart", checkpoint).state, whole.state)

@@ -1,7 +1,10 @@
 """The scripts in scripts/examples run as they are."""
+import importlib.util
 import os
 import subprocess
 import sys
+
+import numpy as np
 
 from conftest import ENVIRONMENT, SOURCE, mpirun
 
@@ -40,3 +43,25 @@ def test_hopper_discharge():
     grains = {float(time): int(count) for time, count, _ in rows}
     assert grains[2.0] == 0 and grains[2.6] > 50  # the gate opens at 2 s
     assert all(int(a[1]) <= int(b[1]) for a, b in zip(rows, rows[1:]))
+
+
+def test_grain_environment_as_a_script(tmp_path):
+    assert len(run(tmp_path, "grain_environment.py")) == 4
+
+
+def test_grain_environment_starts_anew():
+    spec = importlib.util.spec_from_file_location("grain_environment", EXAMPLES / "grain_environment.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    environment = module.RoverOnGrains()
+    ends = []
+    for seed in (3, 3, 4):
+        first, _ = environment.reset(seed=seed)
+        assert first.shape == (13,) and np.array_equal(first[:3], [0, 0, 0])
+        seen, reward, ended, cut, _ = environment.step([6, -6])
+        assert not ended and not cut
+        assert abs(reward - (seen[0] - 1e-5 * 72)) < 1e-12
+        assert seen[12] < -0.05  # the left wheels drive forwards: it turns to the right
+        ends.append(seen)
+    environment.close()
+    assert np.array_equal(ends[0], ends[1]) and not np.array_equal(ends[0], ends[2])
