@@ -7,6 +7,7 @@ packages=(g++ cmake make ninja-build ccache clang-format pkgconf
   procps python3 python3-numpy python3-h5py python3-matplotlib python3-jsonschema python3-yaml python3-vtk9 xvfb)
 python_packages=(python3-dev pybind11-dev python3-numpy python3-mpi4py python3-pytest)
 slurm_packages=(slurmctld slurmd slurm-client munge)
+docs_packages=(mkdocs)
 bench_packages=(libbullet-dev libode-dev libdart-dev libdart-collision-bullet-dev libdart-external-ikfast-dev liggghts lammps python3-siconos)
 
 say() { echo "$(basename "$0"): $*" >&2; }

@@ -20,7 +20,7 @@ import cloth  # noqa: E402
 import discs  # noqa: E402
 import fronts  # noqa: E402
 import published_tables  # noqa: E402
-import readme  # noqa: E402
+import measurements  # noqa: E402
 import rivals  # noqa: E402
 import sliding  # noqa: E402
 import work_precision  # noqa: E402
@@ -227,11 +227,11 @@ class KnownCases(unittest.TestCase):
         self.assertIn((16, 1), [(o.get("--substeps", 1), o.get("--direct", 0)) for o in options])
         self.assertLessEqual({1, 4, 16}, {o.get("--substeps", 1) for o in options if "--direct" not in o and "--erp" in o})
 
-    def test_page_and_readme_hold_the_tables(self):
+    def test_pages_hold_the_tables(self):
         self.assertEqual([cell(v) for v in (None, 12, .25, 1.5e-7, "text <b>")], ["-", "12", "0.25", "1.50e-7", "text <b>"])
         plot = draw("velocity_level", "A line.", lambda axis: axis.plot([1, 2]), command="scripts/report velocity_level")
         table = Table("settings", "What to take", ["scene", "1e-2"], [["boxes", "GS 10 < 20"], ["cloth", None]])
-        # In the README the defaults' table has only some columns.
+        # In docs/measurements.md the defaults' table has only some columns.
         defaults = Table("defaults", "Where they stand", ["scene", "its ms", "its ms / these"], [["boxes", 3., .75]])
         section = Section("Title & more", ["text"], [table, defaults], [plot])
         text = page([section], [("machine", "this")])
@@ -240,10 +240,11 @@ class KnownCases(unittest.TestCase):
         root = pathlib.Path(tempfile.mkdtemp())
         self.addCleanup(shutil.rmtree, root)
         (root / "scenes" / "pictures").mkdir(parents=True)
-        (root / "README.md").write_text(f"before\n{readme.BEGIN}\nold\n{readme.END}\nafter\n")
+        (root / "docs").mkdir()
+        (root / "docs/measurements.md").write_text(f"before\n{measurements.BEGIN}\nold\n{measurements.END}\nafter\n")
         facts = [("made", "then"), ("machine", "this"), ("compiler", "g++"), ("cores busy at the start", "0.0")]
-        readme.write([section], facts, "quick", root)
-        lines = (root / "README.md").read_text().splitlines()
+        measurements.write([section], facts, "quick", root)
+        lines = (root / "docs/measurements.md").read_text().splitlines()
         self.assertEqual((lines[0], lines[-1]), ("before", "after"))
         self.assertNotIn("old", lines)
         self.assertIn("solver.tolerance=0 and solver.recovery_speed=1", lines[2])
@@ -251,7 +252,7 @@ class KnownCases(unittest.TestCase):
         self.assertIn("<td>0.75</td>", text)
         self.assertIn("| boxes | 3 |", lines)
         self.assertLess(lines.index("| cloth | - |"), lines.index("| boxes | 3 |"))
-        self.assertIn("![A line](scenes/pictures/report_velocity_level.png)", lines)
+        self.assertIn("![A line](../scenes/pictures/report_velocity_level.png)", lines)
         self.assertEqual((root / "scenes" / "pictures" / "report_velocity_level.png").read_bytes(), plot.png)
 
 
@@ -402,13 +403,13 @@ class Report(unittest.TestCase):
         self.assertEqual((run.code, run.out), (2, ""))
         self.assertIn("error: unknown: slidding; there are published_tables, ", run.err)
 
-    def test_the_readme_is_not_cut_down_to_a_part(self):
-        before = (SOURCE / "README.md").read_bytes()
+    def test_the_page_is_not_cut_down_to_a_part(self):
+        before = (SOURCE / "docs/measurements.md").read_bytes()
         for words in (("sliding",), ()):  # tiny, as all runs here
-            run = self.report("--readme", *words)
+            run = self.report("--measurements", *words)
             self.assertEqual(run.code, 2)
-            self.assertIn("--readme rewrites the whole section", run.err)
-        self.assertEqual((SOURCE / "README.md").read_bytes(), before)
+            self.assertIn("--measurements rewrites all figures", run.err)
+        self.assertEqual((SOURCE / "docs/measurements.md").read_bytes(), before)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The scripts in scripts/examples run as they are."""
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 
@@ -16,6 +17,17 @@ def run(folder, name, *arguments):
                            capture_output=True, text=True, check=False, timeout=600)
     assert ended.returncode == 0, ended.stdout + ended.stderr
     return ended.stdout.splitlines()
+
+
+def test_the_script_on_the_page(tmp_path):
+    page = (SOURCE / "docs" / "python.md").read_text(encoding="utf-8")
+    script = tmp_path / "page.py"
+    script.write_text(re.search(r"```python\n(.*?)```", page, re.DOTALL).group(1), encoding="utf-8")
+    ended = subprocess.run([sys.executable, script], env=ENVIRONMENT, capture_output=True, text=True, check=False, timeout=60)
+    assert ended.returncode == 0, ended.stderr
+    # 2 N on 1 kg for a second, and a fall of 1.9 m, which takes 0.62 s, onto the floor.
+    x, _, z = [float(word) for word in re.search(r"\[\[(.*?)\]\]", ended.stdout).group(1).split()]
+    assert 0.8 < x < 1.02 and abs(z - 0.1) < 0.01
 
 
 def test_friction_study(tmp_path):

@@ -1,11 +1,11 @@
-"""The README's results: plots and tables of the report, written between two markers."""
+"""docs/measurements.md: plots and tables of the report, written between two markers."""
 import os
 from dataclasses import replace
 
 from page import markdown
 from runs import COMMON, ROOT
 
-BEGIN, END = '<!-- scripts/report --readme writes from here -->', '<!-- to here -->'
+BEGIN, END = '<!-- scripts/report --measurements writes from here -->', '<!-- to here -->'
 PLOTS, TABLES = ('work_precision', 'rivals_boxes', 'velocity_level'), ('settings', 'defaults', 'one_setting', 'rivals_best')
 LEFT_OUT = {'defaults': ('its ms / these', 'least error in no more time', 'its error / this')}  # columns, on the page only
 PICTURES = os.path.join('scenes', 'pictures')
@@ -21,7 +21,7 @@ def result_lines(sections, facts, size):
     missing = []
     option = '' if size == 'full' else f' --{size}'
     lines = [
-        f'Made by `scripts/report{option} --readme` on {facts["made"]}: {facts["machine"]}, {facts["compiler"]}; cores busy at'
+        f'Made by `scripts/report{option} --measurements` on {facts["made"]}: {facts["machine"]}, {facts["compiler"]}; cores busy at'
         f' the start {facts["cores busy at the start"]}. All runs of unibody have {" and ".join(COMMON[:2])} beside what a row says, but for'
         ' those "as shipped": every setting then does all of its iterations, as other programs do theirs.'
     ]
@@ -35,17 +35,17 @@ def result_lines(sections, facts, size):
             if kind == 'tables':
                 lines += markdown(without(item, LEFT_OUT.get(name, ())))
             else:
-                lines.append(f'![{item.caption.split(".")[0]}]({PICTURES}/report_{name}.png)')
+                lines.append(f'![{item.caption.split(".")[0]}](../{PICTURES}/report_{name}.png)')
     return lines + (['', f'Not made in this run: {", ".join(missing)}.'] if missing else [])
 
 
 def write(sections, facts, size, root=ROOT):
     """Rewrites what stands between the markers, and the plots it shows."""
-    path = os.path.join(root, 'README.md')
+    path = os.path.join(root, 'docs', 'measurements.md')
     with open(path, encoding='utf-8') as file:
         text = file.read()
     if text.count(BEGIN) != 1 or text.count(END) != 1:
-        raise SystemExit(f'report: README.md needs the markers "{BEGIN}" and "{END}", once each')
+        raise SystemExit(f'report: docs/measurements.md needs the markers "{BEGIN}" and "{END}", once each')
     before, after = text.split(BEGIN)[0], text.split(END)[1]
     for section in sections:
         for plot in section.plots:

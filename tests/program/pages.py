@@ -1,0 +1,86 @@
+#!/usr/bin/python3
+"""The pages: links lead to what is there, the README is short, and what it shows works as it says."""
+import re
+import subprocess
+import unittest
+
+import yaml
+
+from unibody_runs import SOURCE, ProgramTest, unibody
+
+PAGES = sorted(p for folder in (".", "docs", "scenes", "scripts/benchmarks") for p in (SOURCE / folder).glob("*.md"))
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+
+
+def prose(path):
+    return re.sub(r"```.*?```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+def anchors(path):
+    """As sites that show Markdown make them of headings."""
+    titles = re.findall(r"^#+ (.*)$", prose(path), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", re.sub(r"\]\([^)]*\)", "", title).lower()).replace(" ", "-") for title in titles}
+
+
+class Pages(unittest.TestCase):
+    def test_links_lead_somewhere(self):
+        count = 0
+        for page in PAGES:
+            for link in LINK.findall(prose(page)):
+                if link.startswith("http"):
+                    continue
+                name, _, anchor = link.partition("#")
+                target = (page.parent / name).resolve() if name else page
+                self.assertTrue(target.exists(), f"{page}: {link}")
+                if anchor:
+                    self.assertIn(anchor, anchors(target), f"{page}: {link}")
+                count += 1
+        self.assertGreater(count, 60)
+
+    def test_the_readme_is_short(self):
+        self.assertLessEqual((SOURCE / "README.md").stat().st_size, 8192)
+
+    def test_every_page_can_be_found_from_the_readme(self):
+        seen, left = set(), [SOURCE / "README.md"]
+        while left:
+            page = left.pop()
+            if page in seen or page.suffix != ".md":
+                continue
+            seen.add(page)
+            left += [(page.parent / link.partition("#")[0]).resolve() for link in LINK.findall(prose(page))
+                     if not link.startswith(("http", "#"))]
+        self.assertEqual(set(PAGES) - seen, set())
+
+    def test_scripts_that_are_named_are_there(self):
+        for page in PAGES:
+            for name in re.findall(r"(?:^|[`\s(])(scripts/[a-z_]+(?:[/.-][a-z_]+)*)(?=[`\s,.;):]|$)", page.read_text(encoding="utf-8"), re.MULTILINE):
+                self.assertTrue((SOURCE / name.rstrip(".")).exists(), f"{page}: {name}")
+
+    def test_options_that_are_named_are_known(self):
+        """The table of options and -help tell of the same ones."""
+        told = subprocess.run([str(SOURCE / "scripts" / "run"), "-h"], capture_output=True, text=True, check=True).stdout
+        self.assertIn("-output", told)
+        table = re.findall(r"^\|([^|]*)\|", (SOURCE / "docs" / "program.md").read_text(encoding="utf-8"), re.MULTILINE)
+        listed = {word for row in table for word in re.findall(r"`(-[a-z_]+)", row)}
+        helped = {line.split()[0].rstrip(",") for line in unibody("-help", ranks=1).out.splitlines() if line.startswith("  -")}
+        self.assertEqual(helped - listed - {"-settings", "-schema"}, set())
+        self.assertEqual(listed - helped - {"-dump_step", "-o", "-version", "-help"}, set())
+
+
+class FirstScene(ProgramTest):
+    def test_it_runs_and_does_what_its_title_says(self):
+        text = re.search(r"```yaml\n(.*?)```", (SOURCE / "README.md").read_text(encoding="utf-8"), re.DOTALL).group(1)
+        self.assertLessEqual(len(text.splitlines()), 12)
+        self.assertEqual(len(yaml.safe_load(text)["bodies"]), 3)
+        run = self.good(self.scene(text), "first")
+        self.assertIn("41 dynamic (40 sphere, 1 box)", run.out)
+        with open(self.folder / "first/report.csv", encoding="ascii") as file:
+            header, *rows = [line.strip().split(",") for line in file]
+        energy = header.index("kinetic_energy (J)")
+        self.assertEqual(len(rows), 300)
+        self.assertLess(float(rows[-1][energy]), 0.05)  # J: they have come to rest
+        self.assertGreater(max(float(row[energy]) for row in rows), 5)  # the plate fell by more than a metre
+
+
+if __name__ == "__main__":
+    unittest.main()
