@@ -23,18 +23,31 @@ class FrameTimes {
     std::array<double, phase_names.size()> spent = clock_.seconds();
     for (std::size_t i = 0; i < spent.size(); ++i) spent[i] -= before_[i];
     before_ = clock_.seconds();
+    for (std::size_t i = 0; i < spent.size(); ++i) own_[i] += spent[i];
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_));
     for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
     const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
     report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
     report.wall_halo = of(Phase::halo), report.wall_output = of(Phase::output);
   }
+  // Takes the totals of the ranks into `phases`. Collective.
+  void finish() {
+    std::array<double, phase_names.size()> least = own_, sum = own_, most = own_;
+    const auto reduce = [&](auto& values, MPI_Op operation) {
+      check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, operation, comm_));
+    };
+    reduce(least, MPI_MIN), reduce(sum, MPI_SUM), reduce(most, MPI_MAX);
+    int ranks = 1;
+    check_mpi(MPI_Comm_size(comm_, &ranks));
+    for (std::size_t i = 0; i < phases.size(); ++i)
+      phases[i].least_rank = least[i], phases[i].mean_rank = sum[i] / ranks, phases[i].most_rank = most[i];
+  }
   std::vector<PhaseTimes> phases = std::vector<PhaseTimes>(phase_names.size());
 
  private:
   MPI_Comm comm_;
   const PhaseClock& clock_;
-  std::array<double, phase_names.size()> before_;
+  std::array<double, phase_names.size()> before_, own_{};
 };
 
 }  // namespace unibody

@@ -163,8 +163,9 @@ std::string help_text() {
 
 Simulates the scene file SCENE and writes its results into a folder.
 
-  -output DIR, -o DIR    folder for the results (default: results). Written there: report.csv (one row a frame), frames.h5 and
+  -output DIR            folder for the results (default: results). Written there: report.csv (one row a frame), frames.h5 and
                          frames.xdmf (states, for ParaView), checkpoint.h5, summary.json
+  -o DIR                 the same as -output
   -overwrite             replace results that are in DIR already; without it they stop the run
   -set path.to.key=value change a value of the scene, as if the file said so; may be given many times.
                          Examples: -set time.frames=40, -set solver.name=gauss_seidel, -set gravity=[0,0,-1.62]

@@ -303,6 +303,7 @@ void Run::finish() {
   summary_.restarted_from = options_.restart;
   summary_.last_frame = last_frame_;
   summary_.wall_total = MPI_Wtime() - start_;
+  times_.finish();
   summary_.phases = times_.phases;
   summary_.files = {"report.csv"};
   if (frames_) summary_.files.insert(summary_.files.end(), {"frames.h5", "frames.xdmf"});

@@ -35,8 +35,8 @@ void start_mpi(const py::object& close_all) {
     close_all();
     petsc.reset();
     int ended = 0;
-    MPI_Finalized(&ended);
-    if (ends_mpi && ended == 0) MPI_Finalize();
+    check_mpi(MPI_Finalized(&ended));
+    if (ends_mpi && ended == 0) check_mpi(MPI_Finalize());
   }));
 }
 

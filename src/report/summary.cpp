@@ -72,7 +72,10 @@ Json timings(const Summary& summary) {
   for (const PhaseTimes& p : summary.phases)
     phases.set(p.name, Json::object()
                            .set("total (s)", std::accumulate(p.seconds.begin(), p.seconds.end(), 0.0))
-                           .set("median a frame (s)", median(p.seconds)));
+                           .set("median a frame (s)", median(p.seconds))
+                           .set("least of a rank (s)", p.least_rank)
+                           .set("mean of the ranks (s)", p.mean_rank)
+                           .set("most of a rank (s)", p.most_rank));
   return Json::object().set("wall_total (s)", summary.wall_total).set("phases", phases);
 }
 

@@ -16,6 +16,8 @@ namespace unibody {
 struct PhaseTimes {
   std::string name;
   std::vector<double> seconds;
+  // s, of the ranks' own totals over the frames: the larger the mean beside the maximum, the more evenly the ranks are at work.
+  double least_rank = 0, mean_rank = 0, most_rank = 0;
 };
 
 // Estimated errors of the frames that were sampled.

@@ -12,6 +12,7 @@
 #include "core/errors.hpp"
 #include "core/text.hpp"
 #include "scene/value.hpp"
+#include "scene/yaml_fault.hpp"
 
 namespace unibody {
 
@@ -103,7 +104,8 @@ Value parse_yaml(const std::string& text, const std::string& key, const Origin& 
     return Converter(origin, in_file, text.size()).convert(YAML::Load(text), key);
   } catch (const YAML::Exception& error) {
     const std::string line = in_file && error.mark.line >= 0 ? ":" + std::to_string(error.mark.line + 1) : "";
-    throw InputError(one_line(*origin + line + ": not YAML: " + error.msg));
+    const std::string fault = in_file ? yaml_fault(text, error.mark.line + 1, error.msg) : error.msg;
+    throw InputError(one_line(*origin + line + ": not YAML: " + fault));
   }
 }
 

@@ -206,6 +206,12 @@ class Results(ProgramTest):
         phases = summary["timings"]["phases"]
         total = sum(phase["total (s)"] for phase in phases.values())
         self.assertGreater(total, 0)
+        for phase in phases.values():  # a sum of maxima over ranks is no less than the maximum of sums
+            least, mean, most = (phase[name] for name in ("least of a rank (s)", "mean of the ranks (s)", "most of a rank (s)"))
+            self.assertLessEqual(least, mean + 1e-12)
+            self.assertLessEqual(mean, most + 1e-12)
+            self.assertLessEqual(most, phase["total (s)"] + 1e-9)
+        self.assertGreater(phases["solve"]["least of a rank (s)"], 0)
         self.assertLessEqual(total, 2 * summary["timings"]["wall_total (s)"])  # each the slowest rank's
 
     def test_picture(self):
