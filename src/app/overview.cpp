@@ -166,7 +166,7 @@ void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector
   if (scene.gravity.z() > 0)
     warnings.push_back("gravity points up (" + number(scene.gravity.z()) + " m/s^2 along z): most scenes have it along -z");
   const bool any = bodies.moved[0] + bodies.nodes > 0;
-  const double step = scene.time.frame / scene.time.substeps, fall = scene.gravity.norm() * step * step;
+  const double step = scene.time.frame / scene.time.substeps, fall = scene.largest_gravity() * step * step;
   if (any && fall > bodies.smallest)
     warnings.push_back("a step of " + number(step) + " s lets a body fall by " + number(fall) +
                        " m, more than the smallest one's size of " + number(bodies.smallest) +

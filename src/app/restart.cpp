@@ -39,6 +39,7 @@ std::string physics_of(const Scene& scene) {
   std::ostringstream text;
   text.precision(17);
   text << scene.gravity.transpose() << ' ' << scene.planar << '\n';
+  if (scene.gravity_in_time) text << "gravity " << scene.gravity_in_time->text() << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
   for (const auto& [what, values] :
@@ -52,6 +53,8 @@ std::string physics_of(const Scene& scene) {
       text << "moves " << (motion->path ? "along " + motion->path->text() : motion->velocity.text()) << " turns "
            << motion->angular_velocity.text() << '\n';
   }
+  for (const BodyGroup& group : scene.groups)
+    if (group.load) text << "load " << group.first << ' ' << group.load->force.text() << ' ' << group.load->torque.text() << '\n';
   text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
   for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
   for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';

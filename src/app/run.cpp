@@ -216,8 +216,8 @@ FrameReport Run::do_frame(std::int64_t frame) {
   simulation_.detect();
   warn_of_crowds(frame);
   report.error = last.error;
-  report.measures =
-      measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity, static_cast<double>(simulation_.bytes()));
+  report.measures = measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity_at(report.time),
+                            static_cast<double>(simulation_.bytes()));
   if (!scene_.constraint_groups.empty())
     report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
   last.guard = held, last.impacts = impacts;

@@ -31,6 +31,12 @@ double TimeValue::within(std::size_t piece, double time) const {
   return value + (next - value) * (between_ == Between::linear ? s : s * s * (3 - 2 * s));
 }
 
+double TimeValue::largest() const {
+  double most = std::abs(mean_) + std::abs(amplitude_);
+  for (const auto& [time, value] : points_) most = std::max(most, std::abs(value));  // no law leaves what its points span
+  return most;
+}
+
 double TimeValue::at(double time) const {
   if (points_.empty()) return mean_ + (amplitude_ == 0 ? 0 : amplitude_ * std::sin(2 * M_PI * frequency_ * time + phase_));
   if (periodic_) time -= period() * std::floor((time - first()) / period());

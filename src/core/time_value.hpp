@@ -29,6 +29,7 @@ class TimeValue {
   double at(double time) const;
   // Over (from, to), from < to: the integral over the length, exact but for round-off.
   double mean(double from, double to) const;
+  double largest() const;    // a bound of the value's size at all times
   std::string text() const;  // equal for equal laws, and for no others
 
  private:
@@ -51,6 +52,7 @@ struct TimeVector : std::array<TimeValue, 3> {
   Vec3 mean(double from, double to) const {
     return {(*this)[0].mean(from, to), (*this)[1].mean(from, to), (*this)[2].mean(from, to)};
   }
+  double largest() const { return Vec3((*this)[0].largest(), (*this)[1].largest(), (*this)[2].largest()).norm(); }
   std::string text() const { return (*this)[0].text() + ", " + (*this)[1].text() + ", " + (*this)[2].text(); }
 };
 

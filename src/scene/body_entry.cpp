@@ -50,16 +50,6 @@ void read_amount(const Value& entry, BodyTemplate& body) {
 
 int read_material(const Value& value, const Scene& scene) { return static_cast<int>(value.choice(scene.materials)); }
 
-// In a planar scene no component may leave the plane at any time.
-TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std::string& unit, bool rotation) {
-  const TimeVector vector = read_vector_in_time(value, unit);
-  for (std::size_t k = 0; k < 3 && scene.planar; ++k)
-    if ((k == 1) != rotation && (vector[k].changes() || vector[k].at(0) != 0))
-      value.fail_expected(rotation ? "0 as the first and third component (planar scene)"
-                                   : "0 as the second component (planar scene)");
-  return vector;
-}
-
 void read_motion_in_time(const Value& entry, BodyTemplate& body, const Scene& scene) {
   const Value *velocity = entry.find("velocity"), *spin = entry.find("angular_velocity"), *path = entry.find("path");
   MotionInTime motion;
@@ -98,6 +88,24 @@ void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
   if (spin) body.angular_velocity = read_vector(*spin, scene, "rad/s", true);
 }
 
+void read_load(const Value& entry, BodyTemplate& body, const Scene& scene) {
+  LoadInTime load;
+  const auto read = [&](const char* key, const char* unit, bool rotation, TimeVector& in_time, Vec3& constant) {
+    const Value* value = entry.find(key);
+    if (!value) return;
+    if (is_vector_in_time(*value)) {
+      in_time = read_planar_in_time(*value, scene, unit, rotation);
+      constant = in_time.at(0);
+    } else {
+      constant = read_vector(*value, scene, unit, rotation);
+      for (std::size_t k = 0; k < 3; ++k) in_time[k] = constant[static_cast<Eigen::Index>(k)];
+    }
+  };
+  read("force", "N", false, load.force, body.properties.force);
+  read("torque", "N m", true, load.torque, body.properties.torque);
+  if (load.force.changes() || load.torque.changes()) body.load = std::make_shared<LoadInTime>(std::move(load));
+}
+
 // The template's keys, all but the shape, which is in place already.
 BodyTemplate read_template(const Value& entry, const Shape& shape, const Scene& scene) {
   BodyTemplate body;
@@ -107,8 +115,7 @@ BodyTemplate read_template(const Value& entry, const Shape& shape, const Scene& 
       if (const Value* value = entry.find(key)) value->fail_expected("no such key for a particle: it does not turn");
   read_motion(entry, body, scene);
   read_amount(entry, body);
-  if (const Value* force = entry.find("force")) body.properties.force = read_vector(*force, scene, "N");
-  if (const Value* torque = entry.find("torque")) body.properties.torque = read_vector(*torque, scene, "N m", true);
+  read_load(entry, body, scene);
   if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
   return body;
 }
@@ -203,7 +210,7 @@ void read_entry(const Value& entry, Scene& scene) {
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
   group.generated = type != nullptr;
-  group.motion = body.motion;
+  group.motion = body.motion, group.load = body.load;
   check_room(count_of(entry, type), scene, group.count, group.is_static);
   group.make = [first = group.first, make = generated.make, position, orientation](Id k) {
     Body result = make(k);

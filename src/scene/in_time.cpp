@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/scene.hpp"
+
 namespace unibody {
 
 namespace {
@@ -87,6 +89,20 @@ TimeVector read_vector_in_time(const Value& value, const std::string& unit) {
     value.fail_expected("a list of 3 numbers, or of values in time, or a table (" + unit + ")");
   for (std::size_t k = 0; k < 3; ++k) vector[k] = read_in_time(value.entries[k], any_number, unit);
   return vector;
+}
+
+TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std::string& unit, bool rotation) {
+  const TimeVector vector = read_vector_in_time(value, unit);
+  for (std::size_t k = 0; k < 3 && scene.planar; ++k)
+    if ((k == 1) != rotation && (vector[k].changes() || vector[k].at(0) != 0))
+      value.fail_expected(rotation ? "0 as the first and third component (planar scene)"
+                                   : "0 as the second component (planar scene)");
+  return vector;
+}
+
+bool is_vector_in_time(const Value& value) {
+  return value.kind == Value::Kind::map ||
+         std::ranges::any_of(value.entries, [](const Value& entry) { return entry.kind != Value::Kind::scalar; });
 }
 
 }  // namespace unibody

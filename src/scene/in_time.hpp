@@ -6,11 +6,19 @@
 
 namespace unibody {
 
+struct Scene;
+
 // A number; a table [[time (s), value], ...]; a map with `table` and perhaps `between` and `periodic`; or a map with `sine`.
 // Values are multiplied by `factor` (degrees).
 TimeValue read_in_time(const Value& value, const Range& range, const std::string& unit, double factor = 1);
 
 // A list of three of these, or a map whose `table` has rows [time (s), x, y, z].
 TimeVector read_vector_in_time(const Value& value, const std::string& unit);
+
+// The same; in a planar scene no component may leave the plane at any time. rotation: the vector is an axis of turning.
+TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std::string& unit, bool rotation);
+
+// Whether a vector is said in another way than by three numbers.
+bool is_vector_in_time(const Value& value);
 
 }  // namespace unibody

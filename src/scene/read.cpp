@@ -9,6 +9,7 @@
 #include "joints/joint_set.hpp"
 #include "scene/body_entry.hpp"
 #include "scene/flexible.hpp"
+#include "scene/in_time.hpp"
 #include "scene/joints.hpp"
 #include "scene/probes.hpp"
 #include "scene/resolution.hpp"
@@ -52,7 +53,15 @@ void read_solver(const Value& value, Scene& scene) {
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");
 }
 
-void read_gravity(const Value& value, Scene& scene) { scene.gravity = read_vector(value, scene, "m/s^2"); }
+void read_gravity(const Value& value, Scene& scene) {
+  if (!is_vector_in_time(value)) {
+    scene.gravity = read_vector(value, scene, "m/s^2");
+    return;
+  }
+  const TimeVector gravity = read_planar_in_time(value, scene, "m/s^2", false);
+  scene.gravity = gravity.at(0);
+  if (gravity.changes()) scene.gravity_in_time = gravity;
+}
 
 double read_or(const Value& map, const char* key, const Range& range, const char* unit, double otherwise) {
   const Value* value = map.find(key);

@@ -26,14 +26,20 @@ struct Extent {
   double size, place, speed, gained;  // m, m (largest coordinate), m/s, m/s gained from rest on the way of its size
 };
 
-Extent extent_of(const Body& body, const Vec3& gravity) {
+// acceleration: m/s^2, the largest of all times, of a dynamic body.
+Extent extent_of(const Body& body, double acceleration) {
   const BodyProperties& p = body.properties;
   const BodyState& s = body.state;
   const double size = smallest_size(p.shape), radius = bounding_radius(p.shape);
   Extent e{size, s.position.cwiseAbs().maxCoeff(), s.velocity.stableNorm(), 0};
   if (std::isfinite(radius)) e.speed = std::max(e.speed, s.angular_velocity.stableNorm() * radius);
-  if (p.is_dynamic()) e.gained = std::sqrt((gravity + p.force / p.mass).stableNorm() * size);
+  if (p.is_dynamic()) e.gained = std::sqrt(acceleration * size);
   return e;
+}
+
+double largest_acceleration(const Scene& scene, const BodyGroup& group, const BodyProperties& body) {
+  if (!group.load && !scene.gravity_in_time) return (scene.gravity + body.force / body.mass).stableNorm();
+  return scene.largest_gravity() + (group.load ? group.load->force.largest() : body.force.stableNorm()) / body.mass;
 }
 
 [[noreturn]] void fail(const Scene& scene, const BodyGroup& group, Id k, const std::string& found, const std::string& expected) {
@@ -49,7 +55,8 @@ void for_each_body_looked_at(const Scene& scene, F&& f) {
   for (const BodyGroup& group : scene.groups)
     for (Id k = 0; k < group.count; ++k) {
       if (group.count > all && k == ends) k = group.count - ends;
-      f(group, k, extent_of(group.make(k), scene.gravity));
+      const Body body = group.make(k);
+      f(group, k, extent_of(body, largest_acceleration(scene, group, body.properties)));
     }
 }
 
@@ -77,10 +84,10 @@ void check_step(const Scene& scene, const BodyGroup& group, Id k, const Extent& 
 
 // What gravity adds to a speed in a step is taken off again where a body rests, to its rounding.
 void check_gravity(const Scene& scene, double speed) {
-  const double step = scene.time.frame / scene.time.substeps, added = scene.gravity.stableNorm() * step;
+  const double step = scene.time.frame / scene.time.substeps, added = scene.largest_gravity() * step;
   if (!(epsilon * added > resolved_speed * speed)) return;
   throw InputError(scene.path + ": found steps of " + text(step) + " s (time.frame / time.substeps) in a gravity of " +
-                   text(scene.gravity.stableNorm()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " +
+                   text(scene.largest_gravity()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " +
                    text(speed) + " m/s, expected shorter steps or less gravity");
 }
 

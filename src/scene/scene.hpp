@@ -48,6 +48,12 @@ struct MotionInTime {
   }
 };
 
+// The force and the torque on the dynamic bodies of one entry, where these change in time.
+struct LoadInTime {
+  TimeVector force;   // N
+  TimeVector torque;  // N m, world axes
+};
+
 // A run of bodies of consecutive ids made by one entry of `bodies`. `make(k)`, 0 <= k < count, is a pure function of k, so
 // that each rank builds only its own share of a large scene. The result's id is first + k.
 struct BodyGroup {
@@ -60,6 +66,7 @@ struct BodyGroup {
   int line = 0;            // of the entry in the file; 0: it is not from there
   std::function<Body(Id k)> make;
   std::shared_ptr<const MotionInTime> motion;  // of kinematic bodies; null: their velocities are constant
+  std::shared_ptr<const LoadInTime> load;      // of dynamic bodies; null: it is constant
 };
 
 // The constraints inside a run of bodies of consecutive ids, such as the nodes of a cloth. `touching(id, out)` adds every one
@@ -105,10 +112,11 @@ struct Scene {
   std::string title;
   Room room;
   TimeSettings time;
-  Vec3 gravity{0, 0, -9.81};  // m/s^2
-  Vec3 wind{0, 0, 0};         // m/s
-  double air_density = 1.2;   // kg/m^3
-  bool planar = false;        // motion in x and z and one rotation about y
+  Vec3 gravity{0, 0, -9.81};                  // m/s^2, at time 0
+  std::optional<TimeVector> gravity_in_time;  // where it changes
+  Vec3 wind{0, 0, 0};                         // m/s
+  double air_density = 1.2;                   // kg/m^3
+  bool planar = false;                        // motion in x and z and one rotation about y
   SolverSettings solver;
   OutputSettings output;
   std::vector<std::string> materials{"default"};
@@ -126,6 +134,9 @@ struct Scene {
   std::int32_t joint_colours = 0, joint_trees = 0;
   std::vector<Probe> probes;
   std::vector<std::string> notes;  // what a person should know of what was read
+
+  Vec3 gravity_at(double t) const { return gravity_in_time ? gravity_in_time->at(t) : gravity; }
+  double largest_gravity() const { return gravity_in_time ? gravity_in_time->largest() : gravity.stableNorm(); }
 
   Id body_count() const;
   bool has_rotations() const;          // false: all bodies but fixed ones are particles

@@ -79,7 +79,10 @@ std::string scene_schema() {
   properties.set("title", of_type("string").set("description", "stands in the report"))
       .set("time", schema_of(time_settings()))
       .set("planar", of_type("boolean").set("description", "motion in x and z and turns about y only"))
-      .set("gravity", three_numbers("m/s^2"))
+      .set("gravity",
+           Json::object()
+               .set("description", "m/s^2; three numbers or values in time, or a table")
+               .set("anyOf", Json::array().push(of_type("array").set("minItems", 3).set("maxItems", 3)).push(of_type("object"))))
       .set("wind", three_numbers("velocity of the air (m/s)"))
       .set("air_density", at_least_0("kg/m^3"))
       .set("solver", schema_of(solver_settings()))

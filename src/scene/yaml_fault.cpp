@@ -94,8 +94,8 @@ std::string cause(const std::vector<std::string>& lines, std::size_t at, const s
 
 std::string yaml_fault(const std::string& text, int line, const std::string& message) {
   const std::vector<std::string> lines = lines_of(text);
-  const auto at = static_cast<std::size_t>(line - 1);
-  if (line < 1 || at >= lines.size()) return message;
+  if (line < 1 || lines.empty()) return message;
+  const std::size_t at = std::min(static_cast<std::size_t>(line), lines.size()) - 1;  // the text's end is behind its last line
   const std::string found = cause(lines, at, message);
   return found.empty() ? message : found + " (" + message + ")";
 }

@@ -11,6 +11,7 @@
 #include "step/attach.hpp"
 #include "step/impacts.hpp"
 #include "step/islands.hpp"
+#include "step/prescribed.hpp"
 #include "step/steadying.hpp"
 
 namespace unibody {
@@ -41,10 +42,11 @@ void predict_particles(const RankState& state, System& system) {
   Vec3 gain = Vec3::Zero();
   for (std::size_t i = 0; i < state.world.first_static(); ++i) {
     const BodyProperties& body = state.world.properties[i];
-    if (&body != kind && body.is_dynamic()) {
+    if (body.is_dynamic() && (&body != kind || !state.loaded.empty())) {
       kind = &body;
       inverse_mass = 1 / body.mass;
-      gain = state.step() * (state.scene.gravity + body.force / body.mass);
+      const Vec3 force = state.loaded.empty() ? body.force : properties_in_step(state, i).force;
+      gain = state.step() * (state.gravity + force / body.mass);
     }
     Eigen::Map<Vec3> v(system.bodies[i].v);
     v = state.world.velocity[i];
@@ -136,7 +138,9 @@ void predict(const RankState& state, System& system) {
   if (!world.has_rotations) predict_particles(state, system);
   for (std::size_t i = world.has_rotations ? 0 : world.first_static(); i < n; ++i) {
     const FreeMotion motion =
-        predict_motion(world.properties[i], world.state(i), state.scene.gravity, state.step(), state.scene.planar);
+        state.loaded.empty()
+            ? predict_motion(world.properties[i], world.state(i), state.gravity, state.step(), state.scene.planar)
+            : predict_motion(properties_in_step(state, i), world.state(i), state.gravity, state.step(), state.scene.planar);
     system.bodies[i] = motion.body;
     const bool held_in_plane = state.scene.planar && state.traits.has_joints;  // whose rows would tilt a disc of scalar inertia
     system.isotropic[i] = motion.isotropic && !held_in_plane;

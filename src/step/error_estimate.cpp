@@ -11,6 +11,7 @@
 #include "step/assemble.hpp"
 #include "step/build.hpp"
 #include "step/detect.hpp"
+#include "step/prescribed.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
 
@@ -150,6 +151,7 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
   other.steps_done = state.steps_done, other.time_in_step = state.time_in_step;
   other.traits.smallest_size = state.traits.smallest_size;
   other.collide_settings.margin = state.collide_settings.margin;
+  set_loads(other);
   make_constraints(other);
   take_history(state, solved, other);
   refresh_guests(other);

@@ -1,5 +1,7 @@
 #include "step/prescribed.hpp"
 
+#include <algorithm>
+
 #include "solve/free_motion.hpp"
 
 namespace unibody {
@@ -16,6 +18,23 @@ void set_prescribed_velocities(RankState& state) {
       world.angular_velocity[slot] = spin_of_turn(spin, state.step(), !state.is_tied(group->first + k));
     }
   }
+}
+
+void set_loads(RankState& state) {
+  const double from = state.time(), to = from + state.step();
+  if (!state.scene.gravity_in_time) return;
+  state.gravity = state.collide_settings.gravity = state.scene.gravity_in_time->mean(from, to);
+}
+
+BodyProperties properties_in_step(const RankState& state, std::size_t slot) {
+  BodyProperties body = state.world.properties[slot];
+  const Id id = state.world.id[slot];
+  const auto has = [id](const BodyGroup* group) { return id >= group->first && id < group->first + group->count; };
+  const auto group = std::ranges::find_if(state.loaded, has);
+  if (group == state.loaded.end()) return body;
+  const double from = state.time(), to = from + state.step();
+  body.force = (*group)->load->force.mean(from, to), body.torque = (*group)->load->torque.mean(from, to);
+  return body;
 }
 
 }  // namespace unibody

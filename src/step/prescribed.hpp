@@ -1,4 +1,4 @@
-// Kinematic bodies whose velocities change in time.
+// What the scene gives in time: velocities of kinematic bodies, gravity, and forces and torques on dynamic bodies.
 #pragma once
 
 #include "step/rank_state.hpp"
@@ -8,5 +8,12 @@ namespace unibody {
 // Gives them the mean velocities of the step that is to be taken, on every rank: it then ends where the scene says that they are.
 // Before contacts are sought for.
 void set_prescribed_velocities(RankState& state);
+
+// Sets RankState::gravity to its mean over the step that is to be taken. Before contacts are sought for.
+void set_loads(RankState& state);
+
+// A home's or guest's properties with the mean force and torque of the step that is to be taken: its velocity then ends at the
+// integral of what acts on it.
+BodyProperties properties_in_step(const RankState& state, std::size_t slot);
 
 }  // namespace unibody

@@ -20,13 +20,16 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
       halo(over),
       exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
   traits.frame = scene.time.frame, traits.step = whole_step;
-  traits.gravity = scene.gravity.norm();
+  traits.gravity = scene.gravity_in_time ? scene.gravity_in_time->largest() : scene.gravity.norm(), gravity = scene.gravity;
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
   for (const Joint& joint : scene.joints) tied.insert(tied.end(), joint.ids.begin(), joint.ids.end());
   for (const Attachment& attachment : scene.attachments) tied.push_back(attachment.node), tied.push_back(attachment.body);
   std::ranges::sort(tied);
   for (const BodyGroup& group : scene.groups)
-    if (group.motion) prescribed.push_back(&group);
+    if (group.motion)
+      prescribed.push_back(&group);
+    else if (group.load)
+      loaded.push_back(&group);
   collide_settings.step = traits.step;
   collide_settings.gravity = scene.gravity;
   collide_settings.planar = scene.planar;

@@ -35,6 +35,8 @@ struct RankState {
   std::int64_t steps_done = 0;  // since time 0; a run that goes on from a checkpoint sets it
   double time_in_step = 0;      // s, of a step that is taken in parts: how much of it is done
 
+  Vec3 gravity = Vec3::Zero();               // m/s^2, the mean over the step that is taken next; after set_loads()
+  std::vector<const BodyGroup*> loaded;      // dynamic bodies on which a force or torque changes in time
   std::vector<const BodyGroup*> prescribed;  // kinematic bodies whose velocities change in time
 
   World world;

@@ -36,6 +36,7 @@ void Simulation::detect() {
   if (detected_) return;
   if (!constraints_made_) make_constraints();
   set_prescribed_velocities(*this);
+  set_loads(*this);
   refresh_guests(*this);
   if (built_version_ != halo.version()) build_lasting(*this, system_);
   built_version_ = halo.version();

@@ -91,6 +91,19 @@ TEST(TimeValue, ASineAndItsMean) {
   }
 }
 
+TEST(TimeValue, NoValueIsAboveTheLargest) {
+  const TimeValue laws[] = {-3, TimeValue::sine(-1, 2, 3, 0.4),
+                            TimeValue::table({{0, 1}, {1, -7}, {2, 3}}, TimeValue::Between::smooth, true)};
+  const double expected[] = {3, 3, 7};
+  for (std::size_t k = 0; k < 3; ++k) {
+    double most = 0;
+    for (int i = 0; i < 4000; ++i) most = std::max(most, std::abs(laws[k].at(-2 + 0.001 * i)));
+    EXPECT_NEAR(most, expected[k], 1e-4);
+    EXPECT_GE(laws[k].largest(), most);
+    EXPECT_NEAR(laws[k].largest(), expected[k], 1e-14);
+  }
+}
+
 TEST(TimeValue, ItsTextTellsLawsApart) {
   const std::vector<std::array<double, 2>> points{{0, 0}, {2, 4}}, others{{0, 0}, {2, 4.0000000000000009}};
   const std::string text = TimeValue::table(points, Between::linear, false).text();

@@ -115,6 +115,54 @@ TEST_P(MotionInTime, AMotorFollowsItsTarget) {
   }
 }
 
+// Gravity, forces and torques that change: a free body's momenta are the integrals of what acts on it, whatever the step.
+TEST_P(MotionInTime, WhatActsOnAFreeBodyIsIntegrated) {
+  for (const int substeps : {1, 4}) {
+    Experiment run(scene_from_text(head(substeps) +
+                                   "gravity: [{sine: {amplitude: 3, frequency: 0.5}}, 0, [[0, 0], [1, -9.81]]]\nbodies:\n"
+                                   "  - {shape: {sphere: {radius: 0.1}}, mass: 2, force: [0, {table: [[0, 1], [1, 5]]}, 0],\n"
+                                   "     torque: [0, 0, {sine: {amplitude: 0.1, frequency: 1}}]}\n"
+                                   "  - {shape: {sphere: {radius: 0.1}}, mass: 2, position: [5, 0, 0]}\n"));
+    const double inertia = 0.4 * 2 * 0.01, w = 2 * M_PI;
+    for (int k = 1; k <= 150 * substeps; ++k) {
+      run.step();
+      const double t = k * run.h(), up = std::min(t, 1.0), after = t - up;
+      const Vec3 by_gravity(3 / M_PI * (1 - std::cos(M_PI * t)), 0, -9.81 * (0.5 * up * up + after));
+      const Vec3 by_force(0, 0.5 * (up + 2 * up * up + 5 * after), 0);  // over 2 kg
+      EXPECT_LT((run.velocity(0) - by_gravity - by_force).norm(), 1e-11) << t;
+      EXPECT_LT((run.velocity(1) - by_gravity).norm(), 1e-11) << t;
+      EXPECT_NEAR(run.state(0).angular_velocity.z(), 0.1 / w * (1 - std::cos(w * t)) / inertia, 1e-9) << t;
+    }
+  }
+}
+
+// On a floor that is tilted faster and faster, as gravity's direction says, a box begins to slide where a t = mu g: from then on
+// its velocity is the integral of a t - mu g.
+TEST_P(MotionInTime, ABoxSlidesWhereGravityHasTurnedFarEnough) {
+  const double a = 4, mu = 0.3, g = 9.81, start = mu * g / a;
+  Experiment run(scene_from_text(head(2) + "gravity: [[[0, 0], [2, 8]], 0, -9.81]\nmaterials: {m: {friction: 0.3}}\nbodies:\n"
+                                           "  - {shape: {plane: {normal: [0, 0, 1]}}}\n"
+                                           "  - {shape: {box: {size: [0.4, 0.4, 0.1]}}, mass: 3, position: [0, 0, 0.05]}\n"));
+  run.seconds(0.95 * start);
+  EXPECT_LT(std::abs(run.velocity(1).x()), 1e-3);
+  EXPECT_LT(std::abs(run.position(1).x()), 1e-3);
+  run.seconds(1.5 - 0.95 * start);
+  const double slid = std::round(0.95 * start / 0.01) * 0.01 + std::round((1.5 - 0.95 * start) / 0.01) * 0.01 - start;
+  EXPECT_NEAR(run.velocity(1).x(), 0.5 * a * slid * slid, 0.01 * a * slid);
+}
+
+// A body that is pressed on a floor by a force that lets go at 0.5 s, and pulls it up from then on.
+TEST_P(MotionInTime, AForceLetsGo) {
+  Experiment run(scene_from_text(head() + "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n"
+                                          "  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [0, 0, 0.1],\n"
+                                          "     force: [0, 0, {table: [[0, -50], [0.5, 14.81]], between: steps}]}\n"));
+  run.seconds(0.5);
+  EXPECT_NEAR(run.position(1).z(), 0.1, 1e-4);
+  EXPECT_LT(run.velocity(1).norm(), 1e-3);
+  run.seconds(0.5);
+  EXPECT_NEAR(run.velocity(1).z(), 5 * 0.5, 1e-3);
+}
+
 INSTANTIATE_TEST_SUITE_P(Solvers, MotionInTime, testing::Values("accelerated_jacobi", "gauss_seidel"));
 
 }  // namespace unibody::small_worlds

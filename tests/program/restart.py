@@ -14,6 +14,7 @@ from unibody_runs import SCENES, ProgramTest, command, comparable, contents, end
 PILE = """
     time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
+    gravity: [{sine: {amplitude: 2, frequency: 1.5}}, 0, -9.81]
     materials: {stone: {friction: 0.4}}
     bodies:
       - container: {size: [1, 1]}
@@ -30,6 +31,8 @@ PILE = """
         density: 2600
         position: [0, 0, 0.3]
         velocity: [0, 0, -3]
+        force: [0, {sine: {amplitude: 4, frequency: 2}}, 0]
+        torque: [0, 0, [[0.3, 0], [0.6, 0.2]]]
 """
 
 CLOTH = """

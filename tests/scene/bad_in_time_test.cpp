@@ -26,6 +26,18 @@ TEST_P(TimeRefuses, WithThisMessage) { EXPECT_EQ(fault_of(GetParam().text), GetP
 const std::vector<Fault> faults{
     {"two_components", moved("velocity: [1, 0]"),
      "FILE:2: key 'bodies[0].velocity': found [1, 0], expected a list of 3 numbers, or of values in time, or a table (m/s)"},
+    {"times_of_gravity", "gravity: [0, 0, [[1, -9], [1, -8]]]\n" + moved("velocity: [0, 0, 0]"),
+     "FILE:1: key 'gravity[2][1][0]': found 1, expected a time after that of the row before (s)"},
+    {"gravity_out_of_the_plane",
+     "planar: true\ngravity: [0, {sine: {amplitude: 1, frequency: 1}}, -9.81]\n" + moved("velocity: [0, 0, 0]"),
+     "FILE:2: key 'gravity': found a list of 3, expected 0 as the second component (planar "
+     "scene)"},
+    {"force_on_a_kinematic_body", moved("force: [0, 0, [[0, 1], [1, 2]]]"),
+     "FILE:2: key 'bodies[0].force': found a list of 3, expected no such key for a fixed or kinematic body"},
+    {"row_of_a_force", moved("mass: 1, force: {table: [[0, 1, 2]]}", "dynamic"),
+     "FILE:2: key 'bodies[0].force.table[0]': found [0, 1, 2], expected a row [time (s), x, y, z (N)]"},
+    {"unit_of_a_torque", moved("mass: 1, torque: [0, 0, {sine: {frequency: 1}}]", "dynamic"),
+     "FILE:2: key 'bodies[0].torque[2].sine.amplitude': found nothing, expected a number (N m)"},
     {"no_number", moved("velocity: [fast, 0, 0]"),
      "FILE:2: key 'bodies[0].velocity[0]': found fast, expected a finite number (m/s)"},
     {"short_row", moved("velocity: [[[0, 1], [2]], 0, 0]"),
