@@ -30,7 +30,7 @@ class FrameTimes {
     report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
     report.wall_halo = of(Phase::halo), report.wall_output = of(Phase::output);
   }
-  // Takes the totals of the ranks into `phases`. Collective.
+  // Writes into `phases` how the ranks' own totals compare: the least, the mean and the most of them. Collective.
   void finish() {
     std::array<double, phase_names.size()> least = own_, sum = own_, most = own_;
     const auto reduce = [&](auto& values, MPI_Op operation) {

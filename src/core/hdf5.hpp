@@ -65,7 +65,7 @@ Handle create_group(hid_t parent, const std::string& name);
 Handle open_file_to_extend(MPI_Comm comm, const std::string& path);
 // The numbers that a group's members have as names, ascending; other names are left out.
 std::vector<std::int64_t> member_numbers(hid_t parent, const std::string& group);
-// Takes a group or data set out of the file; its room is not used again. Collective.
+// Removes a group or a data set from the file, which does not become smaller by it. Collective.
 void remove_link(hid_t parent, const std::string& name);
 
 // Opens a file to read, each rank for itself. Not collective.

@@ -36,7 +36,8 @@ void put(const World& world, std::size_t slot, LiveSimulation::Field field, doub
   }
 }
 
-// Each place of `bits` is set on one rank, or the same on several, and 0 on the others.
+// Gives all ranks what each of them has found. Every entry of `bits` must be 0 on the ranks that don't know it, and the same on
+// those that do.
 void unite(MPI_Comm comm, std::span<std::uint64_t> bits) {
   constexpr std::size_t at_once = std::size_t{1} << 28;
   for (std::size_t first = 0; first < bits.size(); first += at_once)

@@ -127,7 +127,8 @@ std::vector<Id> ids_of(const py::object& ids) {
   return {array.data(), array.data() + array.size()};
 }
 
-// (3,), for all bodies, or (n, 3); None: no numbers.
+// Reads three numbers for each of `count` bodies. An array of the shape (3,) holds for all of them, one of the shape (count, 3)
+// has a row for each; None gives no numbers.
 std::vector<double> vectors_of(const py::object& values, std::size_t count, const char* what) {
   if (values.is_none()) return {};
   const Numbers array = Numbers::ensure(values);

@@ -142,7 +142,7 @@ TEST(RanksSummary, IsJson) {
   scene.path = "scenes/\"odd\" name.yaml";
   Summary summary;
   summary.overrides = {{"solver.iterations", "20"}};
-  summary.phases = {{"solve", {3, 1, 2}}, {"collide", {}}};
+  summary.phases = {{"solve", {3, 1, 2}, 0.5, 1, 1.5}, {"collide", {}}};
   summary.state_hash = 0x00ff00000000000a;
   summary.files = {"frames.h5"};
   const std::string path = folder / "summary.json";
@@ -150,7 +150,8 @@ TEST(RanksSummary, IsJson) {
   if (rank_of(MPI_COMM_WORLD) == 0) {
     const std::string check =
         "import json, sys; j = json.load(open(sys.argv[1])); p = j['timings']['phases']['solve']; "
-        "assert p == {'total (s)': 6, 'median a frame (s)': 2}, p; assert j['state_hash'] == '00ff00000000000a'; "
+        "assert p == {'total (s)': 6, 'median a frame (s)': 2, 'least of a rank (s)': 0.5, 'mean of the ranks (s)': 1, "
+        "'most of a rank (s)': 1.5}, p; assert j['state_hash'] == '00ff00000000000a'; "
         "assert j['scene']['path'] == 'scenes/\\\"odd\\\" name.yaml'; assert j['versions']['hdf5'].startswith('1.')";
     EXPECT_EQ(std::system(("/usr/bin/python3 -c \"" + check + "\" " + path).c_str()), 0) << contents(path);
   }
