@@ -36,8 +36,8 @@ void put(const World& world, std::size_t slot, LiveSimulation::Field field, doub
   }
 }
 
-// Gives all ranks what each of them has found. Every entry of `bits` must be 0 on the ranks that don't know it, and the same on
-// those that do.
+// Combines the entries of `bits` over all ranks, by their bits, so that every rank has them all. Before, each entry must be 0 on
+// the ranks that don't know it, and the same on all others.
 void unite(MPI_Comm comm, std::span<std::uint64_t> bits) {
   constexpr std::size_t at_once = std::size_t{1} << 28;
   for (std::size_t first = 0; first < bits.size(); first += at_once)
@@ -268,7 +268,7 @@ void LiveSimulation::check_ids(std::span<const Id> ids, bool dynamic_alone) cons
   }
 }
 
-void LiveSimulation::check_numbers(std::span<const Id> ids, std::span<const double> numbers, const char* what) const {
+void LiveSimulation::check_numbers(std::span<const Id> ids, std::span<const double> numbers, const char* what, bool turns) const {
   if (numbers.empty()) return;
   if (numbers.size() != 3 * ids.size())
     throw InputError(std::string(what) + ": found " + std::to_string(numbers.size()) + " numbers for " +
@@ -277,7 +277,6 @@ void LiveSimulation::check_numbers(std::span<const Id> ids, std::span<const doub
     if (!std::isfinite(number))
       throw InputError(std::string(what) + ": found " + std::to_string(number) + ", expected finite numbers");
   if (!scene_.planar) return;
-  const bool turns = std::string_view(what).starts_with("angular") || std::string_view(what).starts_with("torque");
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const Vec3 v = vector_at(numbers, k);
     if (turns ? v.x() != 0 || v.z() != 0 : v.y() != 0)
@@ -287,7 +286,7 @@ void LiveSimulation::check_numbers(std::span<const Id> ids, std::span<const doub
 
 void LiveSimulation::set_velocities(std::span<const Id> ids, std::span<const double> linear, std::span<const double> angular) {
   check_ids(ids, false);
-  check_numbers(ids, linear, "velocity"), check_numbers(ids, angular, "angular velocity");
+  check_numbers(ids, linear, "velocity", false), check_numbers(ids, angular, "angular velocity", true);
   World& world = running_->simulation.world;
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const Slot slot = world.find(ids[k]);
@@ -301,7 +300,7 @@ void LiveSimulation::set_velocities(std::span<const Id> ids, std::span<const dou
 
 void LiveSimulation::apply_forces(std::span<const Id> ids, std::span<const double> forces, std::span<const double> torques) {
   check_ids(ids, true);
-  check_numbers(ids, forces, "force"), check_numbers(ids, torques, "torque");
+  check_numbers(ids, forces, "force", false), check_numbers(ids, torques, "torque", true);
   World& world = running_->simulation.world;
   for (std::size_t k = 0; k < ids.size(); ++k) {
     const Slot slot = world.find(ids[k]);

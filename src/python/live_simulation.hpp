@@ -94,7 +94,8 @@ class LiveSimulation {
   void start(const std::string& checkpoint);
   void count_flows();
   void check_ids(std::span<const Id> ids, bool dynamic_alone) const;
-  void check_numbers(std::span<const Id> ids, std::span<const double> numbers, const char* what) const;
+  // turns: the numbers are about axes of turning.
+  void check_numbers(std::span<const Id> ids, std::span<const double> numbers, const char* what, bool turns) const;
   void check_open() const;
 
   MPI_Comm comm_ = MPI_COMM_NULL;

@@ -48,7 +48,7 @@ struct MotionInTime {
   }
 };
 
-// The force and the torque on the dynamic bodies of one entry, where these change in time.
+// How the force and the torque on the dynamic bodies of one entry change in time. An entry whose loads are constant has none.
 struct LoadInTime {
   TimeVector force;   // N
   TimeVector torque;  // N m, world axes
