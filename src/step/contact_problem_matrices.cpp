@@ -11,14 +11,14 @@ namespace unibody {
 namespace {
 
 using Contact = ContactProblem::Contact;
-using Body = ContactProblem::Body;
+using ProblemBody = ContactProblem::Body;
 using Block6x3 = Eigen::Matrix<double, 6, 3>;
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 
 Vec3 vector(const std::array<double, 3>& a) { return {a[0], a[1], a[2]}; }
 Vec6 vector(const std::array<double, 6>& a) { return Eigen::Map<const Vec6>(a.data()); }
 
-Mat3 inverse_inertia(const Body& b) {
+Mat3 inverse_inertia(const ProblemBody& b) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(b.inverse_inertia.data());
 }
 
@@ -31,7 +31,7 @@ Block6x3 impulses_on(const Contact& c, bool first) {
   return first ? block : Block6x3(-block);
 }
 
-Block6x3 times_inverse_mass(const Body& b, const Block6x3& block) {
+Block6x3 times_inverse_mass(const ProblemBody& b, const Block6x3& block) {
   Block6x3 moved;
   moved << b.inverse_mass * block.topRows<3>(), inverse_inertia(b) * block.bottomRows<3>();
   return moved;
@@ -47,7 +47,7 @@ std::vector<End> ends_of(const ContactProblem& p, const Contact& c) {
   std::vector<End> ends;
   for (const bool first : {true, false}) {
     const Id id = first ? c.id_a : c.id_b;
-    const auto it = std::lower_bound(p.bodies.begin(), p.bodies.end(), id, [](const Body& b, Id i) { return b.id < i; });
+    const auto it = std::lower_bound(p.bodies.begin(), p.bodies.end(), id, [](const ProblemBody& b, Id i) { return b.id < i; });
     if (it != p.bodies.end() && it->id == id)
       ends.push_back({static_cast<std::size_t>(it - p.bodies.begin()), impulses_on(c, first)});
   }
@@ -127,7 +127,7 @@ SparseMatrix ContactProblem::W() const {
 
 std::vector<double> ContactProblem::f() const {
   std::vector<double> f;
-  for (const Body& b : bodies) {
+  for (const ProblemBody& b : bodies) {
     const Vec6 predicted = vector(b.predicted);
     const Vec3 momentum = predicted.head<3>() / b.inverse_mass, spin = inverse_inertia(b).inverse() * predicted.tail<3>();
     f.insert(f.end(), momentum.begin(), momentum.end());
@@ -139,7 +139,7 @@ std::vector<double> ContactProblem::f() const {
 namespace {
 
 // H^T of the velocities, + w.
-std::vector<double> parting(const ContactProblem& p, std::array<double, 6> Body::*velocity) {
+std::vector<double> parting(const ContactProblem& p, std::array<double, 6> ProblemBody::*velocity) {
   std::vector<double> u;
   for (const Contact& c : p.contacts) {
     Vec3 parts = vector(c.offset);
@@ -151,8 +151,8 @@ std::vector<double> parting(const ContactProblem& p, std::array<double, 6> Body:
 
 }  // namespace
 
-std::vector<double> ContactProblem::q() const { return parting(*this, &Body::predicted); }
-std::vector<double> ContactProblem::u() const { return parting(*this, &Body::solved); }
+std::vector<double> ContactProblem::q() const { return parting(*this, &ProblemBody::predicted); }
+std::vector<double> ContactProblem::u() const { return parting(*this, &ProblemBody::solved); }
 
 std::vector<double> ContactProblem::w() const {
   std::vector<double> w;
@@ -168,7 +168,7 @@ std::vector<double> ContactProblem::mu() const {
 
 std::vector<double> ContactProblem::v() const {
   std::vector<double> v;
-  for (const Body& b : bodies) v.insert(v.end(), b.solved.begin(), b.solved.end());
+  for (const ProblemBody& b : bodies) v.insert(v.end(), b.solved.begin(), b.solved.end());
   return v;
 }
 
@@ -184,7 +184,7 @@ void ContactProblem::gather(MPI_Comm comm) {
     records = exchange<Record>(comm, std::vector<int>(records.size(), 0), records);
   };
   to_rank_0(bodies), to_rank_0(contacts);
-  std::sort(bodies.begin(), bodies.end(), [](const Body& a, const Body& b) { return a.id < b.id; });
+  std::sort(bodies.begin(), bodies.end(), [](const ProblemBody& a, const ProblemBody& b) { return a.id < b.id; });
   // A pair's points come from one rank, in their order.
   std::stable_sort(contacts.begin(), contacts.end(),
                    [](const Contact& a, const Contact& b) { return std::pair(a.id_a, a.id_b) < std::pair(b.id_a, b.id_b); });

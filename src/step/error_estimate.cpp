@@ -22,7 +22,7 @@ namespace {
 // A reference takes rounds of iterations, each twice as long as the one before, so that momentum may grow. It ends when the
 // natural residual is that share of the solver's tolerance, when two rounds one after the other have not halved it, not before
 // the fifth, or after the last round.
-constexpr int first_round = 100, least_rounds = 5, most_rounds = 8, idle_rounds = 2;
+constexpr int first_round = 100, least_rounds = 5, longest_round = 8, idle_rounds = 2;
 constexpr double share_of_tolerance = 1e-6;
 
 Vec3 linear(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
@@ -51,7 +51,7 @@ ConvergedStep converge(RankState& state, System& system, StepPlan plan, const St
   std::vector<ContactBatch::Impulse> impulses(state.contacts.points.size());
   system.contacts().get_impulses(impulses);
   int length = std::max(first_round, state.scene.solver.iterations);
-  for (int round = 0, idle = 0; round < most_rounds && (round < least_rounds || idle < idle_rounds) &&
+  for (int round = 0, idle = 0; round < longest_round && (round < least_rounds || idle < idle_rounds) &&
                                 converged.residual > share_of_tolerance * plan.tolerance;
        ++round, length *= 2) {
     converged.iterations += run_stage(state, system, plan, facts, Stage::Kind::position, solver, length, 0).iterations;

@@ -7,7 +7,7 @@
 #include "collide/collide.hpp"
 #include "collide/cores.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples {
 
 struct Random {
   std::mt19937_64 engine;
@@ -96,4 +96,4 @@ inline bool same_bits(const Contacts& a, const Contacts& b) {
   return true;
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples

@@ -7,10 +7,10 @@
 
 #include "collide/bodies.hpp"
 
-namespace unibody {
+namespace unibody::box_box_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 Vec3 half(const Body& b) { return b.properties.shape.size; }
 Mat3 axes(const Body& b) { return b.state.orientation.toRotationMatrix(); }
@@ -248,4 +248,4 @@ TEST(BoxBox, DegeneratePairsAreFinite) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::box_box_test

@@ -8,10 +8,10 @@
 
 #include "collide/bodies.hpp"
 
-namespace unibody {
+namespace unibody::broadphase_test {
 namespace {
 
-using testing::Random;
+using samples::Random;
 
 struct Input {
   std::vector<Bounds> bounds;
@@ -163,4 +163,4 @@ TEST(BroadPhase, TimeIsLinearWithVeryDifferentSizes) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::broadphase_test

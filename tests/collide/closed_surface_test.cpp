@@ -3,10 +3,10 @@
 
 #include "collide/surface_world.hpp"
 
-namespace unibody {
+namespace unibody::closed_surface_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 constexpr double r = 0.01;  // m, of the nodes
 const Vec3 half(0.5, 0.4, 0.3);
@@ -139,4 +139,4 @@ TEST(ClosedSurface, AThinSolidDoesNotTouchItself) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::closed_surface_test

@@ -5,10 +5,10 @@
 
 #include "collide/moving_query.hpp"
 
-namespace unibody {
+namespace unibody::continuous_random_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 TEST(ContinuousRandom, RandomMotionsAgreeWithSmallSteps) {
   Random random(2);
@@ -184,4 +184,4 @@ TEST(ContinuousRandom, CostPerQuery) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::continuous_random_test

@@ -3,10 +3,10 @@
 
 #include "collide/moving_query.hpp"
 
-namespace unibody {
+namespace unibody::continuous_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 MovingPoint still(const Vec3& x) { return {x, x}; }
 MovingPoint moving(const Vec3& from, const Vec3& to) { return {from, to}; }
@@ -233,4 +233,4 @@ TEST(Continuous, NoExactContactIsMissed) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::continuous_test

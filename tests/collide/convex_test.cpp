@@ -9,7 +9,7 @@
 #include "collide/convex_pairs.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples::convex_test {
 
 namespace {
 
@@ -252,4 +252,4 @@ TEST(Convex, FastBodiesMeetWhereTheyFirstTouch) {
   }
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples::convex_test

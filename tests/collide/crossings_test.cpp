@@ -10,13 +10,13 @@
 #include "collide/bodies.hpp"
 #include "collide/triangle_crossing.hpp"
 
-namespace unibody {
+namespace unibody::crossings_test {
 
 void PrintTo(const Crossing& c, std::ostream* out) { *out << c.edge << " through " << c.face; }
 
 namespace {
 
-using testing::Random;
+using samples::Random;
 
 struct Soup {
   std::vector<Vec3> positions;
@@ -219,4 +219,4 @@ TEST(Crossings, UniqueEdgesOfFaces) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::crossings_test

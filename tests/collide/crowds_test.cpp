@@ -11,7 +11,7 @@
 #include "collide/collide.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody {
+namespace unibody::crowds_test {
 namespace {
 
 using small_worlds::Experiment;
@@ -108,4 +108,4 @@ TEST(Crowds, GetApart) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::crowds_test

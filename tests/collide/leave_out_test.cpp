@@ -3,7 +3,7 @@
 
 #include "collide/contacts.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples::leave_out_test {
 
 namespace {
 
@@ -42,4 +42,4 @@ TEST(LeaveOut, WhereNothingBouncesNothingIsSaid) {
 }
 
 }  // namespace
-}  // namespace unibody::testing
+}  // namespace unibody::samples::leave_out_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace unibody {
+namespace unibody::merge_supports_test {
 namespace {
 
 constexpr double margin = 0.002;  // m
@@ -97,4 +97,4 @@ TEST(MergeSupports, OtherNormalsAndLaterTimesStay) {
   EXPECT_EQ(all[2].count, 1);
 }
 
-}  // namespace unibody
+}  // namespace unibody::merge_supports_test

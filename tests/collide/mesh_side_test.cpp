@@ -9,7 +9,7 @@
 #include "collide/triangle_distance.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples::mesh_side_test {
 
 namespace {
 
@@ -173,4 +173,4 @@ TEST(MeshSide, BehindAnOpenSheetBodiesAreLeftAlone) {
   EXPECT_TRUE(collide_two(sphere(0, 0.05, Vec3(1.2, 0, -0.1)), sheet, {}).points.empty());
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples::mesh_side_test

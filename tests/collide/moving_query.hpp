@@ -7,7 +7,7 @@
 #include "collide/continuous.hpp"
 #include "collide/reference_distance.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples {
 
 // Four moving nodes: a point and a triangle, or the ends of two edges.
 struct Query {
@@ -66,4 +66,4 @@ inline Query random_query(Random& random, bool edges, double reach) {
   return q;
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples

@@ -7,10 +7,10 @@
 
 #include "collide/bodies.hpp"
 
-namespace unibody {
+namespace unibody::narrowphase_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 CollideSettings still(double margin) {
   CollideSettings s;
@@ -284,4 +284,4 @@ TEST(NarrowPhase, PlanarScenesStayInTheirPlane) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::narrowphase_test

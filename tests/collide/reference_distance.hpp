@@ -6,7 +6,7 @@
 
 #include "core/types.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples {
 
 using Long = long double;               // 64 bits
 __extension__ typedef __float128 Quad;  // 113 bits, slow
@@ -66,4 +66,4 @@ Real reference_distance_of_segments(const Wide<Real>& p0, const Wide<Real>& p1, 
   return best;
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples

@@ -6,7 +6,7 @@
 #include "collide/sampled_surface.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples {
 
 constexpr double fineness = 1e-3;  // m, of samples where they matter
 
@@ -262,4 +262,4 @@ inline bool is_on_surface(const Placed& body, const Vec3& x, const Vec3& outward
   });
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples

@@ -10,7 +10,7 @@
 
 #include "core/types.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples {
 
 struct Patch {
   std::function<Vec3(double u, double v)> at;  // m, of the unit square
@@ -180,4 +180,4 @@ inline bool any_separates(const Cloud& a, const Cloud& b, double limit, double f
   return false;
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples

@@ -6,7 +6,7 @@
 
 #include "collide/sampled_solids.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples::shape_pairs_test {
 
 namespace {
 
@@ -207,4 +207,4 @@ TEST(ShapePairs, ContactsAreThoseOfSampledSurfaces) {
     }
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples::shape_pairs_test

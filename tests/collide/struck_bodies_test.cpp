@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace unibody {
+namespace unibody::struck_bodies_test {
 
 // The grid finds what a look at all of them finds, for balls of any size, in whatever order and pieces they were added.
 TEST(StruckBodies, FindsTheFastestThatReachesABall) {
@@ -41,4 +41,4 @@ TEST(StruckBodies, FindsTheFastestThatReachesABall) {
   EXPECT_TRUE(found.empty());
 }
 
-}  // namespace unibody
+}  // namespace unibody::struck_bodies_test

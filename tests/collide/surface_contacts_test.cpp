@@ -9,10 +9,10 @@
 #include "collide/surface_world.hpp"
 #include "collide/triangle_crossing.hpp"
 
-namespace unibody {
+namespace unibody::surface_contacts_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 Wide<Long> w(const Vec3& x) { return wide<Long>(x); }
 
@@ -357,4 +357,4 @@ TEST(SurfaceContacts, DegenerateShapesGiveFiniteContacts) {
   EXPECT_GT(found, 5000u);
 }
 
-}  // namespace unibody
+}  // namespace unibody::surface_contacts_test

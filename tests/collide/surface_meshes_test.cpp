@@ -5,7 +5,7 @@
 #include "collide/surface_world.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples::surface_meshes_test {
 
 namespace {
 
@@ -132,4 +132,4 @@ TEST(SurfaceMeshes, LevelGroundIsLeftToTheNodes) {
   EXPECT_GE(found.manifolds.size(), 25u);
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples::surface_meshes_test

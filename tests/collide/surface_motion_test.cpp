@@ -3,10 +3,10 @@
 
 #include "collide/surface_world.hpp"
 
-namespace unibody {
+namespace unibody::surface_motion_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 constexpr double h = 0.016, r = 0.01;  // s, m: the step and the radius of all nodes
 
@@ -252,4 +252,4 @@ TEST(SurfaceMotion, AFastFaceMeetsABallAtRest) {
   EXPECT_NEAR(found[0].gap, 1 - 0.05 - r, 1e-12);
 }
 
-}  // namespace unibody
+}  // namespace unibody::surface_motion_test

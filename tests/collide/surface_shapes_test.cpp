@@ -6,7 +6,7 @@
 #include "collide/surface_contacts.hpp"
 #include "collide/surface_world.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples::surface_shapes_test {
 
 namespace {
 
@@ -175,4 +175,4 @@ TEST(SurfaceShapes, BesideTrianglesTheLeastGapIsTheDistance) {
   EXPECT_GT(compared, 30);
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples::surface_shapes_test

@@ -7,7 +7,7 @@
 #include "collide/bodies.hpp"
 #include "collide/surfaces.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples {
 
 using Cells = std::vector<std::array<Id, 3>>;  // of node numbers; of segments the last two are equal
 
@@ -146,4 +146,4 @@ inline Sheet soup(Random& random, int triangles, const Vec3& centre, double spre
   return s;
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples

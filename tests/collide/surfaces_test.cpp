@@ -8,10 +8,10 @@
 #include "collide/surface_world.hpp"
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::surfaces_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 using Key = std::array<Id, 3>;  // ascending; of a segment two are equal
 Key sorted(Key ids) {
@@ -302,4 +302,4 @@ TEST(Surfaces, SharpEdges) {
   EXPECT_TRUE(sharp({1, 0, 0}, {0.7, 0.2, 1e-4}, false)) << "nearly so";
 }
 
-}  // namespace unibody
+}  // namespace unibody::surfaces_test

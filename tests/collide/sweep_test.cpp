@@ -6,10 +6,10 @@
 
 #include "collide/bodies.hpp"
 
-namespace unibody {
+namespace unibody::sweep_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 constexpr double h = 0.016;
 
@@ -138,4 +138,4 @@ TEST(Sweep, TouchingPairsKeepTheirContactsHoweverFast) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::sweep_test

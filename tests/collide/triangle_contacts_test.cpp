@@ -10,10 +10,10 @@
 #include "collide/triangle_crossing.hpp"
 #include "scene/grid_mesh.hpp"
 
-namespace unibody {
+namespace unibody::triangle_contacts_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 struct Block {
   Vec3 centre, half;
@@ -194,4 +194,4 @@ TEST(TriangleContacts, CostOfABox) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::triangle_contacts_test

@@ -7,10 +7,10 @@
 
 #include "collide/bodies.hpp"
 
-namespace unibody {
+namespace unibody::triangle_crossing_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 __extension__ typedef __int128 Wide;
 using Whole = std::array<std::int64_t, 3>;
@@ -136,4 +136,4 @@ TEST(TriangleCrossing, DifferencesThatDontFitADouble) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::triangle_crossing_test

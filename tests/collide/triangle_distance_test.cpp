@@ -6,10 +6,10 @@
 #include "collide/bodies.hpp"
 #include "collide/reference_distance.hpp"
 
-namespace unibody {
+namespace unibody::triangle_distance_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 // A corner of the unit cube or a random point in it, so that parallel, coincident and degenerate features are frequent.
 Vec3 random_node(Random& random) {
@@ -115,4 +115,4 @@ TEST(TriangleDistance, FeaturesByHand) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::triangle_distance_test

@@ -6,7 +6,7 @@
 
 #include "constraints/constraint_types.hpp"
 
-namespace unibody {
+namespace unibody::constraint_batch_test {
 namespace {
 
 std::vector<Vec4d> moved(std::span<const Vec4d> places, std::span<const SolverBody> bodies, double step) {
@@ -161,4 +161,4 @@ TEST(ConstraintBatch, AStiffConstraintIsTheSameBesideASoftOne) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::constraint_batch_test

@@ -8,11 +8,11 @@
 #include "collide/bodies.hpp"
 #include "constraints/sweep.hpp"
 
-namespace unibody {
+namespace unibody::constraint_types_test {
 
 namespace {
 
-using testing::Random;
+using samples::Random;
 
 template <class C>
 struct Case {
@@ -232,4 +232,4 @@ TEST(WholeUnits, FourAtOnceAreOneByOne) {
   }
 }
 
-}  // namespace unibody
+}  // namespace unibody::constraint_types_test

@@ -11,7 +11,7 @@
 #include "constraints/constraint_batch.hpp"
 #include "constraints/constraint_types.hpp"
 
-namespace unibody {
+namespace unibody::direction_sum_test {
 namespace {
 
 Vec3x4 same_in_all_lanes(const Vec3& d) { return {broadcast(d.x()), broadcast(d.y()), broadcast(d.z())}; }
@@ -155,4 +155,4 @@ TEST(DirectionSum, BoundsEveryNet) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::direction_sum_test

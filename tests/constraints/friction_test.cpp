@@ -7,7 +7,7 @@
 
 #include "collide/bodies.hpp"
 
-namespace unibody {
+namespace unibody::friction_test {
 
 namespace {
 
@@ -46,7 +46,7 @@ Triple nearest_on_cone(const Triple& y, double mu) {
 }  // namespace
 
 TEST(Friction, ConeIsTheNearestPoint) {
-  testing::Random random(5);
+  samples::Random random(5);
   for (int k = 0; k < 60; ++k) {
     const double mu = random(0.05, 2);
     const Triple y{random(-1, 1), random(-1, 1), random(-1, 1)};
@@ -59,7 +59,7 @@ TEST(Friction, ConeIsTheNearestPoint) {
 
 // What a projection on a closed convex cone is, to round-off: p in K, p - y in the dual cone, (p - y) . p = 0.
 TEST(Friction, ConeSatisfiesMoreausConditions) {
-  testing::Random random(6);
+  samples::Random random(6);
   for (int k = 0; k < 1000; ++k) {
     const double mu = random(0, 2);
     const Triple y{random(-1, 1), random(-1, 1), random(-1, 1)};
@@ -83,7 +83,7 @@ TEST(Friction, ConeAtItsEdges) {
 
 // Disc and box: the normal on its own, then the nearest tangent within mu n.
 TEST(Friction, DiscIsTheNearestTangentWithinTheLimit) {
-  testing::Random random(7);
+  samples::Random random(7);
   for (int k = 0; k < 1000; ++k) {
     const double mu = random(0, 2);
     const Triple y{random(-1, 1), random(-1, 1), random(-1, 1)};
@@ -97,7 +97,7 @@ TEST(Friction, DiscIsTheNearestTangentWithinTheLimit) {
 }
 
 TEST(Friction, BoxClampsEachTangent) {
-  testing::Random random(8);
+  samples::Random random(8);
   for (int k = 0; k < 1000; ++k) {
     const double mu = random(0, 2);
     const Triple y{random(-1, 1), random(-1, 1), random(-1, 1)};
@@ -111,7 +111,7 @@ TEST(Friction, BoxClampsEachTangent) {
 
 // Each lane on its own: four different triples give what each gives alone.
 TEST(Friction, LanesAreIndependent) {
-  testing::Random random(9);
+  samples::Random random(9);
   for (int k = 0; k < 200; ++k) {
     ConeForce y{};
     Vec4d mu{};
@@ -131,4 +131,4 @@ TEST(Friction, LanesAreIndependent) {
   }
 }
 
-}  // namespace unibody
+}  // namespace unibody::friction_test

@@ -9,7 +9,7 @@
 #include "constraints/friction.hpp"
 #include "constraints/random_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::kernels_test {
 
 namespace {
 
@@ -86,7 +86,7 @@ TEST(ContactKernels, ApplyImpulses) {
     const auto bench = random_bench(seed, FrictionModel::disc);
     bench->build_for_jacobi();
     const Dense dense(*bench);
-    unibody::testing::Random random(seed);
+    unibody::samples::Random random(seed);
     std::vector<ContactBatch::Impulse> impulses;
     Eigen::VectorXd lambda(3 * static_cast<Eigen::Index>(bench->contacts.points.size()));
     for (std::size_t p = 0; p < bench->contacts.points.size(); ++p) {
@@ -305,4 +305,4 @@ TEST(ContactRows, APointWithoutFrictionHasOne) {
       }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::kernels_test

@@ -10,7 +10,7 @@
 namespace unibody::small_worlds {
 
 inline std::unique_ptr<Bench> random_bench(std::uint64_t seed, FrictionModel model, int bodies = 9, int manifolds = 14) {
-  unibody::testing::Random random(seed);
+  unibody::samples::Random random(seed);
   auto bench = std::make_unique<Bench>();
   bench->settings.friction = model;
   bench->gravity = Vec3(0, 0, -9.81);

@@ -8,11 +8,11 @@
 #include "collide/bodies.hpp"
 #include "constraints/dense_system.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::surface_batch_test {
 
 namespace {
 
-using unibody::testing::Random;
+using unibody::samples::Random;
 
 constexpr double h = 0.016;
 
@@ -316,4 +316,4 @@ TEST(SurfaceBatch, FrictionAndWhatCountsAsSliding) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::surface_batch_test

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <random>
 
-namespace unibody {
+namespace unibody::exact_sum_test {
 namespace {
 
 __extension__ using Wide = __int128;
@@ -131,4 +131,4 @@ TEST(RanksExactSum, SameOnAnyNumberOfRanks) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::exact_sum_test

@@ -4,7 +4,7 @@
 
 #include <set>
 
-namespace unibody {
+namespace unibody::hash_test {
 namespace {
 
 TEST(Hash, EveryBitAndTheOrderCount) {
@@ -26,4 +26,4 @@ TEST(Hash, Texts) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::hash_test

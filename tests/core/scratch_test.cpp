@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <numeric>
 
-namespace unibody {
+namespace unibody::scratch_test {
 namespace {
 
 using Numbers = std::pmr::vector<std::int64_t>;
@@ -48,4 +48,4 @@ TEST(Scratch, KeepsToTheAlignmentAskedFor) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::scratch_test

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace unibody {
+namespace unibody::time_value_test {
 namespace {
 
 using Between = TimeValue::Between;
@@ -115,4 +115,4 @@ TEST(TimeValue, ItsTextTellsLawsApart) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::time_value_test

@@ -10,7 +10,7 @@
 #include "step/move_history.hpp"
 #include "step/simulation.hpp"
 
-namespace unibody {
+namespace unibody::spring_test {
 namespace {
 
 constexpr double h = 0.01, mass = 2;
@@ -115,4 +115,4 @@ TEST(ExtraBatch, GoesOnFromACheckpoint) {
   }
 }
 
-}  // namespace unibody
+}  // namespace unibody::spring_test

@@ -7,7 +7,7 @@
 
 #include "joints/joint_set.hpp"
 
-namespace unibody {
+namespace unibody::joint_trees_test {
 namespace {
 
 using Vector6 = JointTrees::Vector6;
@@ -92,4 +92,4 @@ TEST(JointTrees, LoopsAndRopesAreLeftOut) {
   EXPECT_EQ(held[2].tree, -1);
 }
 
-}  // namespace unibody
+}  // namespace unibody::joint_trees_test

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace unibody {
+namespace unibody::joint_types_test {
 namespace {
 
 struct Pose {
@@ -120,4 +120,4 @@ TEST(JointTypes, AHingesAngleIsThatOfTheFirstBodyAboutTheAxis) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::joint_types_test

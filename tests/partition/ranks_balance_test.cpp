@@ -10,7 +10,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_balance_test {
 
 namespace {
 
@@ -159,4 +159,4 @@ TEST(RanksBalance, CostsOfBodiesSumUpToTheWork) {
   EXPECT_NEAR(rigid - work_of({all.world, without, all.constraints}), 13 * 3 * work::of_a_joint_row, 1e-9 * whole);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_balance_test

@@ -6,7 +6,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_bitwise_test {
 
 namespace {
 
@@ -210,4 +210,4 @@ TEST(RanksBitwiseControl, BodiesAreOnAllTheRanksThatWereAskedFor) {
   EXPECT_EQ(run.world().guests > 0, size > 1);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_bitwise_test

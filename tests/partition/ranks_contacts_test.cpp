@@ -7,7 +7,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_contacts_test {
 
 namespace {
 
@@ -113,4 +113,4 @@ TEST_P(RanksContacts, SameBits) {
 
 INSTANTIATE_TEST_SUITE_P(All, RanksContacts, testing::Combine(testing::ValuesIn(cases), testing::ValuesIn(solvers)));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_contacts_test

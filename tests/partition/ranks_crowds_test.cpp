@@ -9,7 +9,7 @@
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_crowds_test {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST(RanksPartition, BisectionIsEvenAndCoversAll) {
 
 }  // namespace
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_crowds_test

@@ -8,7 +8,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_joints_test {
 
 namespace {
 
@@ -96,4 +96,4 @@ TEST(RanksJoints, ThePartitionKeepsJointedBodiesTogether) {
   EXPECT_EQ(s.world.guests, 0u) << "no joint is cut";
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_joints_test

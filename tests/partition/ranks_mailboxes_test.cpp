@@ -9,7 +9,7 @@
 #include "partition/mailboxes.hpp"
 #include "partition/ranks.hpp"
 
-namespace unibody {
+namespace unibody::ranks_mailboxes_test {
 
 namespace {
 
@@ -120,4 +120,4 @@ TEST(RanksMailboxes, WhatIsTooLongHasNoBox) {
   for (int other = 0; other < rank_count(); ++other) EXPECT_FALSE(large.carry(other, std::size_t{8} << 20));
 }
 
-}  // namespace unibody
+}  // namespace unibody::ranks_mailboxes_test

@@ -15,7 +15,7 @@
 #include "solve/colouring.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_parts_test {
 
 namespace {
 
@@ -295,4 +295,4 @@ TEST(RanksPartition, RandomHomesAreEvenAndDependOnTheSeed) {
   EXPECT_NEAR(moved, 7000, 150);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_parts_test

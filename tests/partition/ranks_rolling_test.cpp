@@ -5,7 +5,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_rolling_test {
 
 TEST(RanksRolling, AHeapHasTheBitsOfOneRank) {
   for (const char* solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"}) {
@@ -35,4 +35,4 @@ solver: {iterations: 16, name: )") +
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_rolling_test

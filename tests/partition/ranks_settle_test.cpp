@@ -5,7 +5,7 @@
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_settle_test {
 
 namespace {
 
@@ -81,4 +81,4 @@ TEST(RanksSettle, NoCentreIsEverBehindWhatDoesNotMove) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_settle_test

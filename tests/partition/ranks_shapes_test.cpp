@@ -6,7 +6,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_shapes_test {
 
 namespace {
 
@@ -63,4 +63,4 @@ TEST(RanksShapes, SameBitsOnAnyNumberOfRanks) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_shapes_test

@@ -7,7 +7,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ranks_surfaces_test {
 
 namespace {
 
@@ -215,4 +215,4 @@ INSTANTIATE_TEST_SUITE_P(Ranks, RanksSurfaces, ::testing::Combine(::testing::Val
                                   (param_of.index % 2 ? "_gauss_seidel" : "_jacobi");
                          });
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ranks_surfaces_test

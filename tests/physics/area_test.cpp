@@ -7,7 +7,7 @@
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::area_test {
 
 namespace {
 
@@ -109,4 +109,4 @@ TEST(Area, HangingTriangleBearsItsLoad) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::area_test

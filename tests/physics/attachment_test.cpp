@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::attachment_test {
 
 namespace {
 
@@ -316,4 +316,4 @@ threads:
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::attachment_test

@@ -7,7 +7,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::balanced_pairs_test {
 
 namespace {
 
@@ -93,4 +93,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, BalancedPairs,
                          testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(50, 400),
                                           testing::Values(1, 4)));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::balanced_pairs_test

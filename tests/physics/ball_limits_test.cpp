@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::ball_limits_test {
 
 namespace {
 
@@ -68,4 +68,4 @@ TEST(BallLimits, AFigureStandsWithinItsLimits) {
   for (const JointState& s : run.simulation->joint_states()) EXPECT_LT(s.turn, 1e-12);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::ball_limits_test

@@ -7,7 +7,7 @@
 #include "scene/scene_text.hpp"
 #include "solve/reference_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::bending_test {
 
 namespace {
 
@@ -140,4 +140,4 @@ TEST(Bending, DiagonalsInOneDirectionAreBiased) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::bending_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::carried_test {
 
 namespace {
 
@@ -73,4 +73,4 @@ TEST_P(Carried, NotWhatSlides) {
 INSTANTIATE_TEST_SUITE_P(Solvers, Carried,
                          testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(1, 4)));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::carried_test

@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::catalogue_test {
 
 namespace {
 
@@ -72,4 +72,4 @@ time: {frame: )" + std::to_string(h) + "}\n"));
   EXPECT_LT(std::abs(fine), std::abs(coarse) / 2) << coarse;
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::catalogue_test

@@ -7,7 +7,7 @@
 #include "report/stretch.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::cloth_energy_test {
 
 namespace {
 
@@ -206,4 +206,4 @@ TEST(ClothEnergy, DampingLeavesSwingingAlone) {
   EXPECT_LT(means[1], means[0]);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::cloth_energy_test

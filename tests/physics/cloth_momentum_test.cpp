@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::cloth_momentum_test {
 
 namespace {
 
@@ -100,4 +100,4 @@ TEST(ClothMomentum, DampingLeavesRotationAndTranslationAlone) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::cloth_momentum_test

@@ -6,7 +6,7 @@
 #include "report/surface_report.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::cloth_on_edge_test {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST(ClothOnEdge, TwoInOnePlacePart) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::cloth_on_edge_test

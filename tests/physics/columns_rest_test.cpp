@@ -7,7 +7,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::columns_rest_test {
 
 namespace {
 
@@ -96,4 +96,4 @@ TEST(ColumnsOfBoxes, LeaveAFarClothAsItIs) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::columns_rest_test

@@ -8,7 +8,7 @@
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::drape_test {
 
 namespace {
 
@@ -107,4 +107,4 @@ TEST(Drape, DependsOnOneRatio) {
   EXPECT_NEAR(large, small, 1e-6);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::drape_test

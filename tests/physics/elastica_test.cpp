@@ -6,7 +6,7 @@
 
 #include "solve/reference_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::elastica_test {
 
 namespace {
 
@@ -117,4 +117,4 @@ TEST(Elastica, SpacingAloneIsTheError) {
   EXPECT_GT(std::log2(errors[0] / errors[1]), 1.5);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::elastica_test

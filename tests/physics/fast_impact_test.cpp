@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::fast_impact_test {
 
 namespace {
 
@@ -92,4 +92,4 @@ TEST_P(FastImpact, OfABallOnAFreePlateBesideItsCentre) {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, FastImpact, testing::Values("accelerated_jacobi", "gauss_seidel"));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::fast_impact_test

@@ -7,7 +7,7 @@
 #include "collide/collide.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::fast_solids_test {
 
 namespace {
 
@@ -115,4 +115,4 @@ TEST(FastSolidsContacts, TheCoreIsAContactWhereTheCentreWouldGoIn) {
 
 }  // namespace
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::fast_solids_test

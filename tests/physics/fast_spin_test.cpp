@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::fast_spin_test {
 
 namespace {
 
@@ -74,4 +74,4 @@ TEST(FastSpin, WheelsAreFree) {
   EXPECT_NEAR(run.state(0).angular_velocity.z(), 300, 1e-6);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::fast_spin_test

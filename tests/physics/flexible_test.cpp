@@ -6,11 +6,11 @@
 #include "collide/bodies.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::flexible_test {
 
 namespace {
 
-using unibody::testing::Random;
+using unibody::samples::Random;
 
 Body particle(double mass, const Vec3& position) {
   Body b;
@@ -236,4 +236,4 @@ solver: {iterations: 200}
   EXPECT_GT(highest, 0.75);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::flexible_test

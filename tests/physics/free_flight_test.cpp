@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::free_flight_test {
 
 // Implicit Euler's own parabola: v_n = v0 + n h g, x_n = x0 + n h v0 + h^2 g n (n + 1) / 2.
 TEST(FreeFlight, IsTheDiscreteParabola) {
@@ -102,4 +102,4 @@ TEST(FreeFlight, QuaternionsStayUnit) {
   EXPECT_NEAR(run.state(0).orientation.norm(), 1, 1e-15);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::free_flight_test

@@ -6,7 +6,7 @@
 #include "report/elastic_energy.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::free_solid_test {
 
 namespace {
 
@@ -89,4 +89,4 @@ TEST(FreeSolid, DampingIsThatOfNewtonsSteps) {
   for (const std::string& solver : solver_list) EXPECT_LT(distance(exact, places(solver, 0.02)), 1e-12) << solver;
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::free_solid_test

@@ -9,7 +9,7 @@
 #include "constraints/dense_system.hpp"
 #include "constraints/random_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::friction_postprocess_test {
 
 namespace {
 
@@ -238,4 +238,4 @@ TEST(FrictionPostprocess, KeepsTheMomentumOfAFreeSheet) {
   EXPECT_LT(run.velocity(grain_id).x(), 1.9);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::friction_postprocess_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::granular_test {
 
 namespace {
 
@@ -140,4 +140,4 @@ TEST(Granular, APileDeeperThanFewSweepsReachDoesNotSway) {
   EXPECT_LT(energy, 1.7e-3);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::granular_test

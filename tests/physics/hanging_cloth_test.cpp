@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::hanging_cloth_test {
 
 namespace {
 
@@ -113,4 +113,4 @@ TEST(HangingSheet, SwingsWithThePeriodOfTheChain) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::hanging_cloth_test

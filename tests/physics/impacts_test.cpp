@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::impacts_test {
 
 class Impacts : public testing::TestWithParam<const char*> {};
 
@@ -120,4 +120,4 @@ TEST_P(Impacts, ACradlePassesItOn) {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, Impacts, testing::Values("accelerated_jacobi", "gauss_seidel"));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::impacts_test

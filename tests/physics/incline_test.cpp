@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::incline_test {
 
 namespace {
 
@@ -169,4 +169,4 @@ TEST(Incline, ThrownBallEndsUpRolling) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::incline_test

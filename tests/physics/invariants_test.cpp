@@ -7,7 +7,7 @@
 #include "collide/bodies.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::invariants_test {
 
 namespace {
 
@@ -15,7 +15,7 @@ namespace {
 Scene cluster(double mass_factor = 1) {
   Scene scene = scene_with(0.5);
   scene.gravity = Vec3::Zero();
-  unibody::testing::Random random(17);
+  unibody::samples::Random random(17);
   for (int k = 0; k < 27; ++k) {
     const Vec3 at = 0.26 * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1) + random.vector(-.01, .01);
     const double mass = std::pow(10, random(-1, 1)) * mass_factor;
@@ -235,4 +235,4 @@ TEST(Invariants, ThinRodsThatLandGainNoEnergy) {
       }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::invariants_test

@@ -7,7 +7,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::joint_drives_test {
 
 namespace {
 
@@ -232,4 +232,4 @@ TEST(JointDrive, AUniversalJointPassesOnTheMotionOfCardansShafts) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::joint_drives_test

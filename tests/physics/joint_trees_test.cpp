@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::joint_trees_test {
 
 namespace {
 
@@ -111,4 +111,4 @@ joints:
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::joint_trees_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::joints_test {
 
 namespace {
 
@@ -388,4 +388,4 @@ joints: [{type: fixed, bodies: [load, arm], anchor: [0.5, 0, 0]}]
   EXPECT_NEAR(run.state(1).angular_velocity.z(), 1, 1e-2);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::joints_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::leaning_test {
 
 namespace {
 
@@ -50,4 +50,4 @@ TEST(Leaning, CardsStandByTheFrictionThatTheyNeed) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::leaning_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::links_test {
 
 namespace {
 
@@ -261,4 +261,4 @@ TEST(Xpbd, DampsAThreadThatSwingsAsRhoDoes) {
   EXPECT_GT(error(0.001, 1.5, 0), 10 * fine) << "damping that does not show";
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::links_test

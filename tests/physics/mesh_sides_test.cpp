@@ -9,7 +9,7 @@
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::mesh_sides_test {
 
 namespace {
 
@@ -113,4 +113,4 @@ TEST(MeshSides, AnOpenSurfaceHoldsOnBoth) {
       }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::mesh_sides_test

@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::moduli_test {
 
 namespace {
 
@@ -152,4 +152,4 @@ TEST(Moduli, DependOnTheDirectionWithBothDiagonalsOnly) {
   EXPECT_NEAR(area.c12 / area.c11, (k + 2 * k_area) / (3 * k + 2 * k_area), tolerance);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::moduli_test

@@ -7,7 +7,7 @@
 #include "scene/scene.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::more_iterations_test {
 
 namespace {
 
@@ -44,4 +44,4 @@ TEST(MoreIterations, LeaveLessErrorInADrapedCloth) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::more_iterations_test

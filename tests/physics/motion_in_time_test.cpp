@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::motion_in_time_test {
 
 class MotionInTime : public testing::TestWithParam<const char*> {
  protected:
@@ -165,4 +165,4 @@ TEST_P(MotionInTime, AForceLetsGo) {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, MotionInTime, testing::Values("accelerated_jacobi", "gauss_seidel"));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::motion_in_time_test

@@ -11,7 +11,7 @@
 #include "solve/elastic_problem.hpp"
 #include "solve/reference.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::newton_test {
 
 namespace {
 
@@ -43,7 +43,7 @@ TEST(Newton, AFreeBlockKeepsItsMomentumAndGainsNoEnergy) {
       "gravity: [0, 0, 0]\n" + by_newton +
       block_text("[0.3, 0.2, 0.2]", "[3, 2, 2]", law + "\n    velocity: [1, 2, -1]\n    angular_velocity: [3, 8, 5]")));
   const ElasticMesh mesh = mesh_at_rest(run);
-  testing::Random random(3);
+  samples::Random random(3);
   for (Vec3& x : run.world().position) x += random.vector(-0.01, 0.01);
   const auto energy = [&] { return run.kinetic_energy() + mesh.energy(run.world().position); };
   const Vec3 momentum = run.momentum();
@@ -326,4 +326,4 @@ TEST(Newton, AnInvertedEquilibriumIsNoSolution) {
   EXPECT_FALSE(run.last.converged);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::newton_test

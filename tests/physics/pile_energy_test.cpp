@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::pile_energy_test {
 
 namespace {
 
@@ -61,4 +61,4 @@ INSTANTIATE_TEST_SUITE_P(
                     PileCase{50, 300, "iterations: 200, name: gauss_seidel"},
                     PileCase{100, 300, "iterations: 50, name: gauss_seidel"}));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::pile_energy_test

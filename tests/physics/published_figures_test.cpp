@@ -11,7 +11,7 @@
 #include "solve/elastic_bench.hpp"
 #include "solve/reference.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::published_figures_test {
 
 namespace {
 
@@ -77,12 +77,12 @@ std::vector<Vec3> equilibrium(const ElasticMesh& mesh, double young, double pois
   constexpr double step = 1e4;  // s, far longer than any period
   std::vector<Body> bodies;
   for (std::size_t i = 0; i < mesh.rest.size(); ++i) {
-    Body body = testing::body(static_cast<Id>(i), ShapeKind::particle, Vec3(1e-3, 0, 0), mesh.rest[i]);
+    Body body = samples::body(static_cast<Id>(i), ShapeKind::particle, Vec3(1e-3, 0, 0), mesh.rest[i]);
     body.properties.mass = 1e-9 * young;
     body.properties.force = force[i];
     bodies.push_back(body);
   }
-  World world = testing::world_of(bodies);
+  World world = samples::world_of(bodies);
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (!held(mesh.rest[i])) continue;
     BodyProperties properties = world.properties[i];
@@ -299,4 +299,4 @@ TEST(PublishedFigures, TorsionOfARoundBar) {
   EXPECT_GT(fine.longer, -1.5 * shorter);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::published_figures_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::reevaluated_gap_test {
 
 namespace {
 
@@ -72,4 +72,4 @@ TEST(ReevaluatedGap, ASpinningCubeTouchesWithItsCorner) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::reevaluated_gap_test

@@ -13,7 +13,7 @@
 #include "small_worlds.hpp"
 #include "step/contact_problem.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::restitution_energy_test {
 
 namespace {
 
@@ -152,4 +152,4 @@ TEST(RestitutionEnergy, BodiesInABoxGainNone) {
       }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::restitution_energy_test

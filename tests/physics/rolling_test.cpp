@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::rolling_test {
 
 namespace {
 
@@ -116,4 +116,4 @@ TEST(Rolling, WhatIsHeldIsAtRestAtTheDefaults) {
       }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::rolling_test

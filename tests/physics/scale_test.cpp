@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::scale_test {
 
 namespace {
 
@@ -92,4 +92,4 @@ TEST(Scale, SettingsOfTheSceneHold) {
   EXPECT_EQ(run.simulation->settings_used().recovery_speed, 0);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::scale_test

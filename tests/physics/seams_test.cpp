@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::seams_test {
 
 namespace {
 
@@ -158,4 +158,4 @@ TEST_P(Seams, WhatRisesStops) {
 INSTANTIATE_TEST_SUITE_P(Solvers, Seams,
                          testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(1, 4)));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::seams_test

@@ -8,7 +8,7 @@
 #include "small_worlds.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::shapes_test {
 
 namespace {
 
@@ -318,4 +318,4 @@ TEST(Restitution, PileGainsNoEnergyAndComesToRest) {
   EXPECT_LT(run.kinetic_energy(), 1e-4 * start);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::shapes_test

@@ -7,7 +7,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::sliding_test {
 
 namespace {
 
@@ -174,4 +174,4 @@ TEST(Sliding, FrictionOpposesTheVelocity) {
       }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::sliding_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::slip_test {
 
 namespace {
 
@@ -53,4 +53,4 @@ TEST(Slip, OfALeaningStackFallsWithTheStep) {
     EXPECT_LT(slip_of(5, "[0.3, 0, -9.8]", solver, 16), 1e-3 * side) << solver;
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::slip_test

@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::soft_contact_test {
 
 namespace {
 
@@ -133,4 +133,4 @@ TEST(SoftContact, ImpactsInFreeFlightKeepMomentum) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::soft_contact_test

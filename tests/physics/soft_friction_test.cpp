@@ -9,7 +9,7 @@
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::soft_friction_test {
 
 namespace {
 
@@ -180,4 +180,4 @@ TEST(SoftFriction, AnArmOfASolidComesToRestOnTheSolidItself) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::soft_friction_test

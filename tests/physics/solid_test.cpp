@@ -7,7 +7,7 @@
 #include "report/strain.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::solid_test {
 
 namespace {
 
@@ -157,7 +157,7 @@ TEST(Solid, RandomAndFlattenedStartsAreFinite) {
     Scene scene = scene_from_text("gravity: [0, 0, 0]\n" + block("    damping: 0.05\n    least_volume: 0.1\n"));
     scene.solver.name = flat ? "accelerated_jacobi" : "gauss_seidel", scene.solver.iterations = 100;
     Experiment run(std::move(scene));
-    testing::Random random(11);
+    samples::Random random(11);
     for (std::size_t i = 0; i < run.world().homes; ++i) {
       Vec3& x = run.world().position[i];
       flat ? void(x.z() = 0) : void(x = random.vector(-0.2, 0.2));
@@ -230,4 +230,4 @@ TEST(Solid, BigStepsAreBounded) {
 }
 
 }  // namespace
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::solid_test

@@ -8,7 +8,7 @@
 #include "small_worlds.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::soup_test {
 
 namespace {
 
@@ -187,4 +187,4 @@ TEST(Soup, PatchesAgree) {
   EXPECT_EQ(joined, 2 * (2 * n - 1));
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::soup_test

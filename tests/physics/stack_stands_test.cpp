@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::stack_stands_test {
 
 namespace {
 
@@ -49,4 +49,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, StackOfBoxes,
                          testing::Values(StackCase{"accelerated_jacobi", 1}, StackCase{"accelerated_jacobi", 4},
                                          StackCase{"gauss_seidel", 1}, StackCase{"gauss_seidel", 4}));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::stack_stands_test

@@ -11,7 +11,7 @@
 #include "small_worlds.hpp"
 #include "solve/momentum.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::stack_test {
 
 namespace {
 
@@ -406,7 +406,7 @@ TEST(Stack, ConvergedTowerStaysAtRest) {
 
 // Three towers, dropped a millimetre, their boxes turned by up to 1.4 degrees and a centimetre out of line, must come to rest.
 void expect_rest(int boxes, Scene scene) {
-  unibody::testing::Random random(1);
+  unibody::samples::Random random(1);
   for (int k = 0; k < 3 * boxes; ++k) {
     Body box = block(1, Vec3(0.12, 0.12, 0.15), Vec3(k / boxes, 0, 0.076 + 0.151 * (k % boxes)));
     box.state.position.head<2>() += random.vector(-0.01, 0.01).head<2>();
@@ -436,4 +436,4 @@ TEST(Stack, TowersOfFiveOutOfLineRestWithLongVelocityStages) {
   expect_rest(5, scene);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::stack_test

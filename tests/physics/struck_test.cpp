@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::struck_test {
 
 class Struck : public testing::TestWithParam<std::tuple<const char*, int>> {
  protected:
@@ -65,4 +65,4 @@ TEST_P(Struck, AWallBehindHoldsThem) {
 INSTANTIATE_TEST_SUITE_P(All, Struck,
                          testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(1, 4)));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::struck_test

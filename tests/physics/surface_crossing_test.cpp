@@ -9,11 +9,11 @@
 #include "report/surface_report.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::surface_crossing_test {
 
 namespace {
 
-using unibody::testing::Random;
+using unibody::samples::Random;
 
 std::string replaced(std::string text, const std::string& what, const std::string& with) {
   for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
@@ -239,4 +239,4 @@ TEST(SurfaceCrossing, AHeavyBallStaysOnItsSide) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::surface_crossing_test

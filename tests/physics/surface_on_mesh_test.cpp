@@ -12,7 +12,7 @@
 #include "small_worlds.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::surface_on_mesh_test {
 
 namespace {
 
@@ -150,4 +150,4 @@ TEST(SurfaceOnMesh, ATipThatSwingsTakesAClothAlong) {
   EXPECT_GT(velocity.x(), 1);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::surface_on_mesh_test

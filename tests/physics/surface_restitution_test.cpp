@@ -5,7 +5,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::surface_restitution_test {
 
 namespace {
 
@@ -99,4 +99,4 @@ TEST(SurfaceRestitution, BallOnAPinnedSheetComesToRest) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::surface_restitution_test

@@ -6,7 +6,7 @@
 #include "report/surface_report.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::surface_test {
 
 namespace {
 
@@ -214,4 +214,4 @@ cloths:
   EXPECT_LT(half, converged);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::surface_test

@@ -10,7 +10,7 @@
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::velocity_level_test {
 
 namespace {
 
@@ -325,4 +325,4 @@ TEST(VelocityLevel, MomentumOfAClosedSystem) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::velocity_level_test

@@ -15,7 +15,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::warm_start_test {
 namespace {
 
 constexpr int links = 20, iterations = 4, mode = 1;
@@ -85,4 +85,4 @@ TEST(WarmStart, DampsBelowOneHalfAndGainsEnergyAbove) {
 }
 
 }  // namespace
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::warm_start_test

@@ -6,11 +6,11 @@
 #include "collide/bodies.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::wind_test {
 
 namespace {
 
-using unibody::testing::Random;
+using unibody::samples::Random;
 
 // A sheet of 1 m x 0.8 m in the plane z = 0, of 0.2 kg/m^2.
 std::string sheet(const std::string& drag, const std::string& scene, const std::string& more = "links: {diagonals: both}") {
@@ -133,4 +133,4 @@ TEST(Wind, PinnedNodesStay) {
   EXPECT_GT(run.position(29).z(), 0.3);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::wind_test

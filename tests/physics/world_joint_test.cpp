@@ -3,7 +3,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::world_joint_test {
 
 // Bricks hit the ground at 12 m/s. The solver has so few iterations that the bricks would end a step below the ground, so that it
 // relaxes each of them once more against the ground alone. A brick has three different moments of inertia, and the contacts of
@@ -33,4 +33,4 @@ INSTANTIATE_TEST_SUITE_P(Solvers, JointsToTheWorld,
                                          "{name: accelerated_jacobi, iterations: 12, stages: two}",
                                          "{name: jacobi, iterations: 12, stages: joint}", "{name: gauss_seidel, iterations: 6}"));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::world_joint_test

@@ -5,7 +5,7 @@
 #include "report/state_hash.hpp"
 #include "report_worlds.hpp"
 
-namespace unibody {
+namespace unibody::checkpoint_test {
 namespace {
 
 History history_of(Multipliers multipliers) {
@@ -222,4 +222,4 @@ TEST(RanksCheckpoint, AFailedWriteKeepsTheOldOne) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::checkpoint_test

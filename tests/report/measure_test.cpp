@@ -6,7 +6,7 @@
 #include "report/report.hpp"
 #include "report_worlds.hpp"
 
-namespace unibody {
+namespace unibody::measure_test {
 namespace {
 
 using namespace testing_worlds;
@@ -109,4 +109,4 @@ TEST(RanksMeasure, NothingAtAll) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::measure_test

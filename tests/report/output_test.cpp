@@ -5,7 +5,7 @@
 #include "report/state_hash.hpp"
 #include "report_worlds.hpp"
 
-namespace unibody {
+namespace unibody::output_test {
 namespace {
 
 using namespace testing_worlds;
@@ -214,4 +214,4 @@ TEST(RanksStateHash, SameForEveryPartitionAndTellsOneBit) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::output_test

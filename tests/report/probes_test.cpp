@@ -10,7 +10,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::probes_test {
 namespace {
 
 using Row = std::map<std::string, double>;
@@ -139,4 +139,4 @@ const std::vector<Fault> faults{
 INSTANTIATE_TEST_SUITE_P(Faults, ProbeRefuses, testing::ValuesIn(faults), [](const auto& each) { return each.param.name; });
 
 }  // namespace
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::probes_test

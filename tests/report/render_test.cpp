@@ -4,7 +4,7 @@
 #include "report/output.hpp"
 #include "report_worlds.hpp"
 
-namespace unibody {
+namespace unibody::render_test {
 namespace {
 
 using namespace testing_worlds;
@@ -27,4 +27,4 @@ TEST(Render, DrawsWithoutADisplay) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::render_test

@@ -10,7 +10,7 @@
 #include "report/summary.hpp"
 #include "report_worlds.hpp"
 
-namespace unibody {
+namespace unibody::report_test {
 namespace {
 
 using namespace testing_worlds;
@@ -159,4 +159,4 @@ TEST(RanksSummary, IsJson) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::report_test

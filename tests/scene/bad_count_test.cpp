@@ -1,7 +1,7 @@
 // More bodies than there is room for are refused, before any is made, with the value that says how many.
 #include "scene/bad_input.hpp"
 
-namespace unibody {
+namespace unibody::bad_count_test {
 namespace {
 
 // Three ranks, with memory for 1000 bodies each.
@@ -76,4 +76,4 @@ TEST(ReadScene, FillsTheRoomThereIs) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::bad_count_test

@@ -1,7 +1,7 @@
 // Faults of cloths, threads and particles in a scene file, and of what the solver newton does not take: one message each.
 #include "scene/bad_input.hpp"
 
-namespace unibody {
+namespace unibody::bad_flexible_test {
 namespace {
 
 class FlexibleRefuses : public testing::TestWithParam<BadInput> {};
@@ -157,4 +157,4 @@ INSTANTIATE_TEST_SUITE_P(Flexibles, FlexibleRefuses, testing::ValuesIn(bad_flexi
 INSTANTIATE_TEST_SUITE_P(Newton, FlexibleRefuses, testing::ValuesIn(bad_for_newton), case_name);
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::bad_flexible_test

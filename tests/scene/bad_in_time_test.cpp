@@ -1,7 +1,7 @@
 // Faults of values in time in a scene file: one message each.
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::bad_in_time_test {
 namespace {
 
 std::string moved(const std::string& keys, const std::string& motion = "kinematic") {
@@ -82,4 +82,4 @@ const std::vector<Fault> faults{
 INSTANTIATE_TEST_SUITE_P(Faults, TimeRefuses, testing::ValuesIn(faults), [](const auto& each) { return each.param.name; });
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::bad_in_time_test

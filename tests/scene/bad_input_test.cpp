@@ -1,7 +1,7 @@
 // What the reader refuses: every fault names file and line (or the -set), the key, the value found and what was expected.
 #include "scene/bad_input.hpp"
 
-namespace unibody {
+namespace unibody::bad_input_test {
 namespace {
 
 class ReadSceneRefuses : public testing::TestWithParam<BadInput> {};
@@ -314,4 +314,4 @@ TEST(ReadSceneFails, AnAliasThatHoldsItself) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::bad_input_test

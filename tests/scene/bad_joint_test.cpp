@@ -3,7 +3,7 @@
 #include "scene/scene_text.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody {
+namespace unibody::bad_joint_test {
 namespace {
 
 std::string with_joint(const std::string& joint) {
@@ -227,4 +227,4 @@ TEST(BodyPoints, OfAHullAreItsCorners) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::bad_joint_test

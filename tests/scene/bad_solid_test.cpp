@@ -1,7 +1,7 @@
 // Faults of solids in a scene file: one message each.
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::bad_solid_test {
 namespace {
 
 std::string with_solid(const std::string& rest, const std::string& cells = "[1, 1, 1]") {
@@ -99,4 +99,4 @@ TEST(SolidRefuses, NoTotalFormThatConverges) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::bad_solid_test

@@ -6,7 +6,7 @@
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody {
+namespace unibody::block_solid_test {
 namespace {
 
 constexpr Id nx = 3, ny = 2, nz = 4;  // cells
@@ -231,4 +231,4 @@ TEST(MeshSolid, TwoPartsAreTwoBodies) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::block_solid_test

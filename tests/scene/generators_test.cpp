@@ -8,7 +8,7 @@
 #include "scene/random.hpp"
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::generators_test {
 namespace {
 
 TEST(Lcg, FirstNumbersAndTheTwelveThousandth) {
@@ -258,4 +258,4 @@ TEST(Hopper, OfAPlanarSceneIsTurnedAboutYAlone) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::generators_test

@@ -9,7 +9,7 @@
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody {
+namespace unibody::mesh_cloth_test {
 namespace {
 
 constexpr std::array<std::int32_t, 2> size{7, 6};  // nodes
@@ -263,4 +263,4 @@ TEST(MeshCloth, FaultsAreNamed) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::mesh_cloth_test

@@ -12,7 +12,7 @@
 #include "core/errors.hpp"
 #include "scene/grid_mesh.hpp"
 
-namespace unibody {
+namespace unibody::mesh_topology_test {
 namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
@@ -184,4 +184,4 @@ TEST(MeshTopology, FaultsAreNamed) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::mesh_topology_test

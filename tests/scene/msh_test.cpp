@@ -7,7 +7,7 @@
 
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::msh_test {
 namespace {
 
 using Tet = std::array<std::int32_t, 4>;
@@ -234,4 +234,4 @@ TEST(ReadMsh, MissingFileAndFolder) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::msh_test

@@ -3,7 +3,7 @@
 
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::obj_test {
 namespace {
 
 using Triangle = std::array<std::int32_t, 3>;
@@ -124,4 +124,4 @@ TEST(ReadObj, MissingFileAndFolder) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::obj_test

@@ -3,7 +3,7 @@
 
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::read_test {
 namespace {
 
 TEST(ReadScene, DefaultsHoldWhereTheFileIsSilent) {
@@ -257,4 +257,4 @@ TEST(ReadScene, AllScenesOfTheProjectAreGood) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::read_test

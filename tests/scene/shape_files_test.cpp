@@ -7,7 +7,7 @@
 #include "scene/scene_text.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody {
+namespace unibody::shape_files_test {
 
 namespace {
 
@@ -121,4 +121,4 @@ TEST(ShapeFiles, BadShapesAreRefused) {
             "FILE:4: key 'materials.a.rolling_friction': found -1, expected a number >= 0 (m)");
 }
 
-}  // namespace unibody
+}  // namespace unibody::shape_files_test

@@ -8,7 +8,7 @@
 #include "scene/scene_text.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody {
+namespace unibody::stl_test {
 namespace {
 
 using Corners = std::array<Vec3, 3>;
@@ -167,4 +167,4 @@ TEST(ReadStl, ShapesAndClothsTakeIt) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::stl_test

@@ -9,7 +9,7 @@
 
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::tet_topology_test {
 namespace {
 
 using Tet = std::array<std::int32_t, 4>;
@@ -228,4 +228,4 @@ TEST(ReadTetMesh, PicksTheFormatByTheNamesEnd) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::tet_topology_test

@@ -8,7 +8,7 @@
 
 #include "scene/scene_text.hpp"
 
-namespace unibody {
+namespace unibody::vtu_test {
 namespace {
 
 using Tet = std::array<std::int32_t, 4>;
@@ -282,4 +282,4 @@ TEST(ReadVtu, MissingFileAndFolder) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::vtu_test

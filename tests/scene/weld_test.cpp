@@ -8,7 +8,7 @@
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody {
+namespace unibody::weld_test {
 namespace {
 
 TEST(Weld, NodesGoToTheFirstThatStaysWithinTheDistance) {
@@ -147,4 +147,4 @@ TEST(Weld, IsRefusedWhereThereIsNoMesh) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::weld_test

@@ -6,7 +6,7 @@
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::acceleration_test {
 
 namespace {
 
@@ -59,4 +59,4 @@ TEST(Acceleration, IsNesterovsWhereRowsTurnOrTheirBoundIsPassed) {
   expect_automatic(boxes + light_cloth + "    bending: {model: dihedral, stiffness: 0.01}\n", Is::nesterov, ", stages: position");
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::acceleration_test

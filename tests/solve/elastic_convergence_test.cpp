@@ -7,7 +7,7 @@
 #include "solve/elastic_problem.hpp"
 #include "solve/reference.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::elastic_convergence_test {
 
 namespace {
 
@@ -126,4 +126,4 @@ TEST(ElasticConvergence, AManufacturedSolutionHasTheOrdersOfLinearElements) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::elastic_convergence_test

@@ -11,14 +11,14 @@
 #include "solve/elastic_bench.hpp"
 #include "solve/reference_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::elastic_problem_test {
 
 namespace {
 
-using testing::Random;
+using samples::Random;
 
 Body node(Id id, double mass, const Vec3& position, const Vec3& velocity = Vec3::Zero(), Motion motion = Motion::dynamic) {
-  Body b = testing::body(id, ShapeKind::particle, Vec3(0.001, 0, 0), position, motion);
+  Body b = samples::body(id, ShapeKind::particle, Vec3(0.001, 0, 0), position, motion);
   b.properties.mass = mass;
   b.state.velocity = velocity;
   return b;
@@ -47,7 +47,7 @@ std::vector<Case> elastic_cases() {
   return cases;
 }
 
-double largest_difference(const ConstraintMultipliers& a, const ConstraintMultipliers& b, double& size) {
+double multiplier_difference(const ConstraintMultipliers& a, const ConstraintMultipliers& b, double& size) {
   double worst = 0;
   for_each_type(a, [&](auto type, const auto& list) {
     const auto& other = std::get<type.value>(b);
@@ -79,7 +79,7 @@ TEST(ElasticProblem, IsTheFullSystemWithoutItsImpulses) {
       EXPECT_LT(largest_difference(step.velocity, velocity), 1e-10 * largest(velocity)) << of.name;
       EXPECT_LT(step.correction, 1e-10 * largest(velocity)) << of.name;
       double size = 0;
-      const double gap = largest_difference(full.multipliers(expected.unknowns), step.multipliers, size);
+      const double gap = multiplier_difference(full.multipliers(expected.unknowns), step.multipliers, size);
       EXPECT_LT(gap, 1e-10 * size) << of.name;
     }
   }
@@ -104,7 +104,7 @@ TEST(ElasticProblem, JacobianIsTheDerivativeOfTheResidual) {
         c.damping = damped && first != 2 ? random(0, 0.2) : 0;
       }
     });
-    const World world = testing::world_of(bodies);
+    const World world = samples::world_of(bodies);
     const ElasticProblem problem(world, set, predict_bodies(world, Vec3(0, 0, -9.81), 0.1), 0.1);
     Eigen::VectorXd u = problem.start();
     for (double& entry : u) entry += random(-1, 1);
@@ -153,7 +153,7 @@ TEST(ElasticProblem, OneTetrahedronIsTheExactStep) {
   const std::vector<Vec3> v{Vec3::Zero(), Vec3(0, 2, 0), Vec3(0, 0, 1), Vec3(-3, 0, 0)};
   std::vector<Body> bodies;
   for (int i = 0; i < 4; ++i) bodies.push_back(node(i, 0.25, stretch.cwiseProduct(mesh.rest[i]), v[i]));
-  const World world = testing::world_of(bodies);
+  const World world = samples::world_of(bodies);
   const ReferenceStep step = reference_step(world, constraints_of(mesh, 1e4, 0.3), Vec3(0, 0, -9.8), 0.016);
   const Vec3 expected[] = {{.08525434575660, -.02293222799951, -.006418645220846},
                            {1.157823498691, .03714567900670, .03077268643718},
@@ -185,7 +185,7 @@ TEST(ElasticProblem, CantileverIsTheExactStep) {
 }
 
 TEST(ElasticProblem, UnilateralConstraintsAreRefused) {
-  const World world = testing::world_of(
+  const World world = samples::world_of(
       {node(0, 1, Vec3::Zero()), node(1, 1, Vec3::UnitX()), node(2, 1, Vec3::UnitY()), node(3, 1, Vec3::UnitZ())});
   ConstraintSet set;
   Constraint<InversionGuard>& guard = std::get<ConstraintList<InversionGuard>>(set).emplace_back();
@@ -199,4 +199,4 @@ TEST(ElasticProblem, UnilateralConstraintsAreRefused) {
   EXPECT_THROW(ElasticProblem(world, set, predict_bodies(world, Vec3::Zero(), 0.016), 0.016), RunError);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::elastic_problem_test

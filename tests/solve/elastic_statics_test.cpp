@@ -9,7 +9,7 @@
 #include "solve/elastic_problem.hpp"
 #include "solve/reference.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::elastic_statics_test {
 
 namespace {
 
@@ -25,7 +25,7 @@ ElasticMesh distorted_block() {
   run.simulation->make_constraints();
   ElasticMesh mesh = mesh_of(run.simulation->constraints, run.world().position, lame(young, poisson));
   const Vec3 half(0.3, 0.2, 0.25);
-  testing::Random random(31);
+  samples::Random random(31);
   for (Vec3& x : mesh.rest) {
     const Vec3 shift = random.vector(-0.03, 0.03);
     for (int k = 0; k < 3; ++k)
@@ -56,8 +56,8 @@ std::vector<Vec3> areas(const ElasticMesh& mesh) {
 World world_of(const std::vector<Vec3>& places) {
   std::vector<Body> bodies;
   for (std::size_t i = 0; i < places.size(); ++i)
-    bodies.push_back(testing::body(static_cast<Id>(i), ShapeKind::particle, Vec3(0.001, 0, 0), places[i]));
-  return testing::world_of(bodies);
+    bodies.push_back(samples::body(static_cast<Id>(i), ShapeKind::particle, Vec3(0.001, 0, 0), places[i]));
+  return samples::world_of(bodies);
 }
 
 struct Uniform {
@@ -125,7 +125,7 @@ TEST(ElasticStatics, OneHugeStepGivesTheUniformEquilibrium) {
       if (dead && of.P.trace() < 0) continue;  // a compressed block may turn away from dead forces
       const std::vector<Vec3> expected = deformed(mesh, of.F);
       World world = world_of(expected);
-      testing::Random random(7);
+      samples::Random random(7);
       std::size_t held = 0;
       for (std::size_t i = 0; i < area.size(); ++i) {
         const Vec3 shift = random.vector(-0.02, 0.02);
@@ -150,4 +150,4 @@ TEST(ElasticStatics, OneHugeStepGivesTheUniformEquilibrium) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::elastic_statics_test

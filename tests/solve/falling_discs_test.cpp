@@ -7,7 +7,7 @@
 
 #include "solve/discs_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::falling_discs_test {
 
 namespace {
 
@@ -55,4 +55,4 @@ TEST(FallingDiscs, AcceleratedJacobi) {
   expect_shares(fall(.3, [](Discs& discs) { return discs.errors(accelerated_jacobi); }), {.777, .529, .404, .292, .082});
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::falling_discs_test

@@ -7,7 +7,7 @@
 #include "collide/surface_world.hpp"
 #include "solve/surface_guard.hpp"
 
-namespace unibody::testing {
+namespace unibody::samples {
 
 // A world with velocities as the solve leaves them, and what the guard makes of them.
 struct GuardedWorld : SurfaceWorld {
@@ -114,4 +114,4 @@ inline bool edges_pass(const GuardedWorld& w, const std::vector<Vec3>& v, const 
   return false;
 }
 
-}  // namespace unibody::testing
+}  // namespace unibody::samples

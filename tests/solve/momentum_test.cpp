@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace unibody {
+namespace unibody::momentum_test {
 
 namespace {
 SweepSums sums(std::int64_t gradient, std::int64_t progress) {
@@ -125,4 +125,4 @@ TEST(Momentum, IgnoresSumsThatAreNotValid) {
   EXPECT_EQ(m.restarts(), 0);
 }
 
-}  // namespace unibody
+}  // namespace unibody::momentum_test

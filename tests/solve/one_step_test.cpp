@@ -7,7 +7,7 @@
 
 #include "solve/discs_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::one_step_test {
 
 namespace {
 
@@ -58,4 +58,4 @@ TEST(OneStep, GaussSeidel) {
              {1.505463902e-1, 1.311665912e-1, 1.167830407e-1, 1.029419297e-1, 8.074531198e-2, 3.809218850e-2, 2.103641405e5});
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::one_step_test

@@ -7,7 +7,7 @@
 #include "collide/cores.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::recall_test {
 
 namespace {
 
@@ -29,7 +29,7 @@ struct Faces {
   explicit Faces(const std::vector<Vec3>& points, const Vec3& normal = -Vec3::UnitZ()) {
     Body a = block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5)), b = block(1, Vec3(1, 1, 1), Vec3(0, 0, 1.5));
     a.id = 4, b.id = 9;
-    world = unibody::testing::world_of({a, b});
+    world = unibody::samples::world_of({a, b});
     set(points, normal);
   }
   void set(const std::vector<Vec3>& points, const Vec3& normal = -Vec3::UnitZ()) {
@@ -119,7 +119,7 @@ TEST(Recall, ARollingBallKeepsItsContact) {
   Contacts contacts;
   contacts.manifolds.push_back({0, 1, 0, 1, Vec3::UnitZ(), 0.5, 0, 1});
   contacts.points.push_back({Vec3::Zero(), 0, 0});
-  World world = unibody::testing::world_of({b, floor});
+  World world = unibody::samples::world_of({b, floor});
   Multipliers multipliers;
   const std::vector<ContactBatch::Impulse> one{{5, 0, 0}};
   remember(multipliers, world, contacts, one, h);
@@ -133,7 +133,7 @@ TEST(Recall, ARollingBallKeepsItsContact) {
 TEST(Recall, ACoreBesideTheOnePointIsNotRemembered) {
   Body b = ball(1, 0.5, Vec3(0, 0, 0.5)), slab = block(1, Vec3(1, 1, 0.1), Vec3(0, 0, -0.05));
   b.id = 0, slab.id = 1;
-  const World world = unibody::testing::world_of({b, slab});
+  const World world = unibody::samples::world_of({b, slab});
   Contacts contacts;
   contacts.manifolds.push_back({0, 1, 0, 1, Vec3::UnitZ(), 0.5, 0, 1});
   contacts.manifolds.push_back({0, 1, 0, 1, Vec3::UnitZ(), 0.5, 1, 1});
@@ -151,4 +151,4 @@ TEST(Recall, ACoreBesideTheOnePointIsNotRemembered) {
   EXPECT_EQ(recalled(multipliers, world, contacts, h)[1].n, 0) << "the core alone";
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::recall_test

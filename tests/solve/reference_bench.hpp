@@ -31,7 +31,7 @@ inline Scene cloth(const ClothCase& of, int nodes, double step) {
 
 // Velocities (m/s) and displacements (m) of up to these sizes along each axis; what is pinned stays.
 inline void shake(World& world, double speed, double displacement, std::uint64_t seed) {
-  testing::Random random(seed);
+  samples::Random random(seed);
   for (std::size_t i = 0; i < world.homes; ++i) {
     const Vec3 v = random.vector(-speed, speed), d = random.vector(-displacement, displacement);
     if (world.properties[i].motion == Motion::dynamic) world.velocity[i] += v, world.position[i] += d;

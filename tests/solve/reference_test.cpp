@@ -5,14 +5,14 @@
 
 #include "solve/reference_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::reference_test {
 
 namespace {
 
-using testing::Random;
+using samples::Random;
 
 Body particle(Id id, double mass, const Vec3& position, const Vec3& velocity, Motion motion = Motion::dynamic) {
-  Body b = testing::body(id, ShapeKind::particle, Vec3(0.001, 0, 0), position, motion);
+  Body b = samples::body(id, ShapeKind::particle, Vec3(0.001, 0, 0), position, motion);
   b.properties.mass = mass;
   b.state.velocity = velocity;
   return b;
@@ -57,7 +57,7 @@ constexpr double spacing = 1.0 / 7;  // m, of the cloths' nodes
 TEST(Reference, OneLinkIsTheClosedForm) {
   const double m = 2, k = 100, rho = 0.05, h = 0.01, g = 9.8, v = 0.3;
   for (const bool stiff : {false, true}) {
-    const World world = testing::world_of(
+    const World world = samples::world_of(
         {particle(0, m, Vec3(0, 0, -1.1), Vec3(0, 0, -v)), particle(1, 1, Vec3::Zero(), Vec3::Zero(), Motion::fixed)});
     ConstraintSet set;
     std::get<ConstraintList<Distance>>(set).push_back(stiff ? link(1, 0, 1) : link(1, 0, 1, 1 / k, rho));
@@ -93,7 +93,7 @@ TEST(Reference, LinearChainIsTheDenseSolve) {
     b[row] = -(bodies[i + 1].state.position.x() - bodies[i].state.position.x() - 3);
   }
   const Eigen::VectorXd exact = A.fullPivLu().solve(b);
-  const ReferenceStep step = reference_step(testing::world_of(bodies), set, Vec3::Zero(), h);
+  const ReferenceStep step = reference_step(samples::world_of(bodies), set, Vec3::Zero(), h);
   EXPECT_TRUE(step.converged) << step.reason;
   for (int i = 0; i < n; ++i) EXPECT_NEAR(step.velocity[i].x(), exact[i], 1e-11 * exact.head(n).lpNorm<Eigen::Infinity>());
   for (int i = 0; i + 1 < n; ++i)
@@ -119,7 +119,7 @@ TEST(Reference, JacobianIsTheDerivativeOfTheResidual) {
         c.damping = first == 2 ? 0 : random(0, 0.2);
       }
     });
-    const World world = testing::world_of(bodies);
+    const World world = samples::world_of(bodies);
     const ReferenceProblem problem(world, set, Vec3(0, 0, -9.81), 0.1);
     Eigen::VectorXd u = problem.start();
     for (double& entry : u) entry += random(-1, 1);
@@ -147,7 +147,7 @@ TEST(Reference, JacobianIsTheDerivativeOfTheResidual) {
 // shared between the two.
 TEST(Reference, SofteningSolvesRedundantLinks) {
   const World world =
-      testing::world_of({particle(0, 1, Vec3::Zero(), Vec3(0, 1, 0)), particle(1, 2, Vec3(1, 0, 0), Vec3::Zero())});
+      samples::world_of({particle(0, 1, Vec3::Zero(), Vec3(0, 1, 0)), particle(1, 2, Vec3(1, 0, 0), Vec3::Zero())});
   ConstraintSet once, twice;
   std::get<ConstraintList<Distance>>(once) = {link(0, 1, 1)};
   std::get<ConstraintList<Distance>>(twice) = {link(0, 1, 1), link(0, 1, 1)};
@@ -170,7 +170,7 @@ TEST(Reference, SaysWhereItDoesNotConverge) {
     bodies.push_back(particle(i, 1, Vec3(i, 0, 0), Vec3::Zero(), i % 4 ? Motion::dynamic : Motion::fixed));
     if (i > 0) std::get<ConstraintList<Distance>>(set).push_back(link(i - 1, i, 0.9));
   }
-  const ReferenceStep step = reference_step(testing::world_of(bodies), set, Vec3(0, 0, -9.81), 0.016);
+  const ReferenceStep step = reference_step(samples::world_of(bodies), set, Vec3(0, 0, -9.81), 0.016);
   EXPECT_FALSE(step.converged);
   EXPECT_GT(step.residual, 1e-3);
 }
@@ -284,4 +284,4 @@ TEST(Reference, ReapplicationUnderHighTensionNeedsAShare) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::reference_test

@@ -7,7 +7,7 @@
 #include "solve/elastic_bench.hpp"
 #include "solve/reference_bench.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::scaling_test {
 
 namespace {
 
@@ -68,7 +68,7 @@ TEST(Scaling, ColumnOfTenBoxes) {
 }
 
 TEST(Scaling, GridOfBoxesOfMixedMasses) {
-  unibody::testing::Random random(3);
+  unibody::samples::Random random(3);
   std::vector<double> mixed;
   for (int k = 0; k < 27; ++k) mixed.push_back(std::pow(10, random(-1.5, 1.5)));
   for (const auto model : models)
@@ -155,4 +155,4 @@ TEST(Scaling, SolidsSoftAndStiff) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::scaling_test

@@ -6,7 +6,7 @@
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::step_error_test {
 
 namespace {
 
@@ -235,4 +235,4 @@ TEST(RanksStepError, IsTheSameOnAnyNumberOfRanks) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::step_error_test

@@ -7,7 +7,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::stop_test_test {
 
 namespace {
 
@@ -57,4 +57,4 @@ TEST_P(StopAndVerdict, WhatStopsEarlyIsConverged) {
 INSTANTIATE_TEST_SUITE_P(Scenes, StopAndVerdict,
                          testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(heap, machine)));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::stop_test_test

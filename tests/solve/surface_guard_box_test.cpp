@@ -3,10 +3,10 @@
 #include "solve/guarded_world.hpp"
 #include "world/shape_library.hpp"
 
-namespace unibody {
+namespace unibody::surface_guard_box_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 constexpr double h = GuardedWorld::h, r = 0.01;  // s, m: the step and the radius of all nodes
 const std::array<Id, 3> face{0, 1, 2};
@@ -16,7 +16,7 @@ struct BoxOverFace : GuardedWorld {
   Id box, bystander;
   BoxOverFace(const Quat& turn, double above) {
     add_surface({{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}}, {{0, 1, 2}}, r);
-    Body body = testing::body(0, ShapeKind::box, Vec3(0.15, 0.1, 0.075), Vec3(0.1, 0.2, above));
+    Body body = samples::body(0, ShapeKind::box, Vec3(0.15, 0.1, 0.075), Vec3(0.1, 0.2, above));
     body.state.orientation = turn;
     box = add(body);
     bystander = add_surface({{30, 0, 0}, {31, 0, 0}, {30, 1, 0}}, {{0, 1, 2}}, r);
@@ -121,4 +121,4 @@ TEST(SurfaceGuardBox, WhatStaysApartIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::surface_guard_box_test

@@ -3,10 +3,10 @@
 
 #include "solve/guarded_world.hpp"
 
-namespace unibody {
+namespace unibody::surface_guard_test {
 namespace {
 
-using namespace testing;
+using namespace samples;
 
 constexpr double h = GuardedWorld::h, r = 0.01;  // s, m: the step and the radius of all nodes
 
@@ -348,4 +348,4 @@ TEST(SurfaceGuard, HoldsASheetThrownAtASheet) {
   }
 }
 
-}  // namespace unibody
+}  // namespace unibody::surface_guard_test

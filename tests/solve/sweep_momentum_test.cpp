@@ -10,7 +10,7 @@
 #include "scene/scene.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::sweep_momentum_test {
 
 namespace {
 
@@ -81,4 +81,4 @@ TEST(SweepMomentum, TakesNoMoreSweepsWhereTheyAreFast) {
   EXPECT_LE(iterations("nesterov"), 1.1 * iterations("none"));
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::sweep_momentum_test

@@ -8,7 +8,7 @@
 #include "scene/scene_text.hpp"
 #include "scene/stiffness.hpp"
 
-namespace unibody {
+namespace unibody::tetrahedron_test {
 namespace {
 
 using namespace small_worlds;
@@ -171,4 +171,4 @@ TEST(Tetrahedron, StiffRubberNeedsHundredsOfIterations) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::tetrahedron_test

@@ -5,7 +5,7 @@
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::total_form_test {
 
 namespace {
 
@@ -103,4 +103,4 @@ TEST(RanksTotalForm, HasTheSameStepsOnAnyNumberOfRanks) {
   }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::total_form_test

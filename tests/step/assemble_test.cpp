@@ -6,7 +6,7 @@
 
 #include "small_worlds.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::assemble_test {
 
 namespace {
 
@@ -70,4 +70,4 @@ TEST(Assemble, FinaliseMovesByTheVelocities) {
   EXPECT_EQ(found.run.position(0), Vec3::Zero());
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::assemble_test

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace unibody {
+namespace unibody::first_touch_test {
 namespace {
 
 constexpr double step = 0.1;
@@ -40,4 +40,4 @@ TEST(FirstTouch, OfAParabolaItIsTheRoot) {
   EXPECT_EQ(first_touch_of_plane(0, -1, 0, step, 0.03, step), 0.03);
 }
 
-}  // namespace unibody
+}  // namespace unibody::first_touch_test

@@ -12,7 +12,7 @@
 #include "step/detect.hpp"
 #include "step/steadying.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::islands_test {
 
 namespace {
 
@@ -72,4 +72,4 @@ TEST(RanksIslands, SolvedApartTheyEndWithTheSameBits) {
     }
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::islands_test

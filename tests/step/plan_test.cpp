@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace unibody {
+namespace unibody::plan_test {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -276,4 +276,4 @@ TEST(StepPlan, Stages) {
   EXPECT_DOUBLE_EQ(unibody::plan(linear, grains()).stage(Stage::Kind::position, linear, 0.005).bias(-1), -0.4 / 0.005);
 }
 
-}  // namespace unibody
+}  // namespace unibody::plan_test

@@ -6,7 +6,7 @@
 #include "small_worlds.hpp"
 #include "step/assemble.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::stages_test {
 
 class StagesOf : public testing::TestWithParam<const char*> {
  protected:
@@ -73,4 +73,4 @@ TEST_P(StagesOf, AStepAtRestStartsWhereTheLastEnded) {
 
 INSTANTIATE_TEST_SUITE_P(Solvers, StagesOf, testing::Values("accelerated_jacobi", "gauss_seidel"));
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::stages_test

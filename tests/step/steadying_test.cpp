@@ -6,7 +6,7 @@
 #include "small_worlds.hpp"
 #include "step/assemble.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::steadying_test {
 
 namespace {
 
@@ -64,4 +64,4 @@ TEST(Steadying, TakesTheStepAgainForItsOwnForces) {
   EXPECT_NEAR(turning[run.slot(0)], 5 * moment, 1e-12);
 }
 
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::steadying_test

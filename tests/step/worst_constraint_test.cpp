@@ -7,7 +7,7 @@
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
 
-namespace unibody::small_worlds {
+namespace unibody::small_worlds::worst_constraint_test {
 namespace {
 
 // Rolling spheres, boxes, a chain with a motor, a cloth that is held by a body and touched by others: far from converged.
@@ -109,4 +109,4 @@ TEST(RanksWorstConstraint, OfEqualsIsTheFirst) {
 }
 
 }  // namespace
-}  // namespace unibody::small_worlds
+}  // namespace unibody::small_worlds::worst_constraint_test

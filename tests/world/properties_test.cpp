@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace unibody {
+namespace unibody::properties_test {
 namespace {
 
 BodyProperties of_mass(double mass) {
@@ -49,4 +49,4 @@ TEST(PropertyTable, WhatNoBodyHasAnyMoreIsDropped) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::properties_test

@@ -7,10 +7,10 @@
 
 #include "collide/bodies.hpp"
 
-namespace unibody {
+namespace unibody::shapes_test {
 namespace {
 
-using testing::Random;
+using samples::Random;
 
 bool inside(const Shape& s, const Vec3& p) {
   if (s.kind == ShapeKind::box) return (p.cwiseAbs().array() <= s.size.array()).all();
@@ -76,4 +76,4 @@ TEST(Shapes, SmallestSizeAndPlanes) {
 }
 
 }  // namespace
-}  // namespace unibody
+}  // namespace unibody::shapes_test

@@ -7,7 +7,7 @@
 
 #include "world/shape_library.hpp"
 
-namespace unibody {
+namespace unibody::solid_moments_test {
 
 namespace {
 
@@ -129,4 +129,4 @@ TEST(MeshSurface, FindsTrianglesInABox) {
 
 }  // namespace
 
-}  // namespace unibody
+}  // namespace unibody::solid_moments_test
