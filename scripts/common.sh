@@ -1,14 +1,32 @@
 # Sourced by the bash scripts: where the project is, what a machine needs, how MPI is started.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 
-packages=(g++ cmake make ninja-build ccache clang-format pkgconf
+packages=(g++ cmake make ninja-build pkgconf
   libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libhdf5-openmpi-dev libeigen3-dev libyaml-cpp-dev
-  libpugixml-dev zlib1g-dev libgtest-dev libfclib0 libxdmf-dev libxml2-dev
+  libpugixml-dev zlib1g-dev)
+tool_packages=(ccache clang-format libgtest-dev libfclib0 libxdmf-dev libxml2-dev
   procps python3 python3-numpy python3-h5py python3-matplotlib python3-jsonschema python3-yaml python3-vtk9 xvfb)
 python_packages=(python3-dev pybind11-dev python3-numpy python3-mpi4py python3-pytest)
 slurm_packages=(slurmctld slurmd slurm-client munge)
 docs_packages=(mkdocs)
 bench_packages=(libbullet-dev libode-dev libdart-dev libdart-collision-bullet-dev libdart-external-ikfast-dev liggghts lammps python3-siconos)
+
+# Tells each line of its input that is another one than before: on a terminal in place of the one before, else of those that end
+# in '%' each tenth percent.
+progress() {
+  local line last='' number
+  while IFS= read -r line; do
+    number=${line//[!0-9]/}
+    if [[ $line == "$last" ]]; then continue; fi
+    if [[ -t 2 ]]; then
+      printf '\r%s: %s\e[K' "$(basename "$0")" "$line" >&2
+    elif [[ $line != *%* || $((10#${number:-0} % 10)) == 0 ]]; then
+      say "$line"
+    fi
+    last=$line
+  done
+  if [[ -t 2 && -n $last ]]; then echo >&2; fi
+}
 
 say() { echo "$(basename "$0"): $*" >&2; }
 die() { say "${@:2}"; exit "$1"; }

@@ -144,7 +144,7 @@ def make(maker):
                 'Within the tolerance: Siconos says so, and so does the natural map of what it found. Where its finest solution is not,'
                 ' the differences from it are known no better than that one is. In jammed piles of spheres with friction the velocities are not unique either, and all solvers creep: what tells'
                 ' then is the natural map. With two stages (the default) what a step leaves undone is split between its stages,'
-                ' so that its residual is not meant to vanish with few iterations; joint stages converge to the problem\'s'
+                ' so that its residual is not meant to vanish with few iterations; stages together converge to the problem\'s'
                 ' solution.'
             ),
         ],

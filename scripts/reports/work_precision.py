@@ -14,7 +14,7 @@ WINDOW = 2                   # frames to the comparison with the fine reference;
 VARIANTS = {
     'position stage alone': ['solver.stages=position'], 'cold': ['solver.stages=position', 'solver.warm_start=0'],
     'warm .5': ['solver.stages=position', 'solver.warm_start=0.5'],
-    'joint': ['solver.stages=joint'], 'velocity share .9': ['solver.velocity_share=0.9'], 'direct': ['solver.joints=direct'], 'as shipped': DEFAULTS,
+    'joint': ['solver.stages=together'], 'velocity share .9': ['solver.velocity_share=0.9'], 'direct': ['solver.joints=direct'], 'as shipped': DEFAULTS,
     '': []}
 
 
@@ -354,7 +354,7 @@ def make(maker):
             (
                 'Every setting starts from one state of each scene, in the middle of its motion, which an accurate run made. The'
                 ' solver\'s error is the distance of its first frame to the same frame with the same substeps, solved until it'
-                ' converges: contacts by joint stages with up to 20,000 iterations, the chain directly, the cloth by Newton\'s'
+                ' converges: contacts by stages together with up to 20,000 iterations, the chain directly, the cloth by Newton\'s'
                 ' method. How far that is known is the distance between two ways to it (AJ and GS, direct and AJ; of Newton\'s'
                 ' its residual; with solids, or cloth and joints at once, AJ and GS end at points of their own): with friction a step'
                 ' has no unique solution, and jammed piles creep towards one.'

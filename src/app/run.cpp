@@ -8,6 +8,7 @@
 #include <iterator>
 #include <optional>
 
+#include "app/end_events.hpp"
 #include "app/frame_times.hpp"
 #include "app/machine_memory.hpp"
 #include "app/overview.hpp"
@@ -17,6 +18,7 @@
 #include "app/wishes.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "report/contact_file.hpp"
 #include "report/elastic_energy.hpp"
 #include "report/folder_lock.hpp"
 #include "report/joint_report.hpp"
@@ -55,7 +57,7 @@ class Run {
         options_(options),
         running_(comm, scene, options),
         times_(comm, running_.clock),
-        probes_(scene.probes) {
+        probes_(scene.probes, scene.time.frame) {
     check_mpi(MPI_Comm_rank(comm, &rank_));
   }
 
@@ -68,6 +70,7 @@ class Run {
     start_world();
     check_wishes(comm_, scene_, options_, summary_.first_frame);
     tell_overview();
+    check_end_events(scene_, further_columns({}, {}));
     if (options_.check) return {state_hash(comm_, simulation_.world), false};
     const FolderLock lock(comm_, options_.output);
     prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart, options_.appends);
@@ -88,14 +91,14 @@ class Run {
       checkpoint_in_turn(frame);  // last: a run that goes on from it finds the rest of the frame written
       progress.frame_done(report);
       summary_.add(report), last_frame_ = frame;
-      if (frame == scene_.time.frames) break;
+      if (frame == scene_.time.frames || ends_by_event(report)) break;
       if (const std::string reason = stop.reason(); !reason.empty()) {
         stop_at(frame, reason);
         break;
       }
     }
     finish();
-    return {summary_.state_hash, summary_.status != Summary().status};
+    return {summary_.state_hash, stopped_};
   }
 
  private:
@@ -106,7 +109,9 @@ class Run {
   void open_files();
   void write(std::int64_t frame);
   void checkpoint_in_turn(std::int64_t frame);
+  bool is_due_by_wall(std::int64_t frame);
   void checkpoint(std::int64_t frame);
+  bool ends_by_event(const FrameReport& report);
   void stop_at(std::int64_t frame, const std::string& reason);
   void dump(std::int64_t frame);
   void finish();
@@ -145,6 +150,10 @@ class Run {
     return every > 0 && (frame % every == 0 || frame == scene_.time.frames);
   }
 
+  bool writes_contacts(std::int64_t frame) const {
+    return contact_file_ && frame > summary_.first_frame && frame % scene_.output.contacts == 0;
+  }
+
   // Of the frame whose last step is to be written as a problem; -1: none.
   std::int64_t dumped_frame() const {
     if (options_.dump_fclib.empty()) return -1;
@@ -164,8 +173,11 @@ class Run {
   std::optional<ReportFile> report_file_;
   std::optional<Output> frames_;
   std::optional<JointFiles> joint_files_;
+  std::optional<ContactFile> contact_file_;
+  std::vector<ContactImpulse> contact_impulses_;  // of the frame's last step, where they are to be written
   ContactProblem problem_;
-  bool dumped_ = false, warned_of_crowds_ = false;
+  double checkpoint_wall_ = start_;  // s, when the last checkpoint was written, or the run began
+  bool dumped_ = false, warned_of_crowds_ = false, stopped_ = false;
   std::int64_t checkpointed_ = -1, last_frame_ = 0;  // the last frame of which there is a checkpoint; that has been computed
 };
 
@@ -203,8 +215,13 @@ FrameReport Run::do_frame(std::int64_t frame) {
   for (int s = 0; s < scene_.time.substeps; ++s) {
     const bool last_step = s + 1 == scene_.time.substeps;
     const bool dumps = last_step && frame == dumped_frame();
-    const StepRequest request{last_step && wants_error(frame), dumps ? &problem_ : nullptr, name_above(report)};
-    const StepReport step = last = running_.step(request, frame, s);
+    const bool writes = last_step && writes_contacts(frame);
+    const StepRequest request{last_step && wants_error(frame), dumps ? &problem_ : nullptr, name_above(report),
+                              writes || probes_.wants_impulses()};
+    StepReport step = running_.step(request, frame, s);
+    probes_.add_step(step.impulses);
+    if (writes) contact_impulses_ = std::move(step.impulses);
+    step.impulses.clear(), last = step;
     held.pairs += step.guard.pairs, impacts += step.impacts;
     stop_if_strict(step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
@@ -221,6 +238,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   if (!scene_.constraint_groups.empty())
     report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
   last.guard = held, last.impacts = impacts;
+  summary_.plans = last.plans;
   report.constraint_columns = further_columns(last, report);
   report.imbalance = running_.imbalance();
   return report;
@@ -255,6 +273,7 @@ void Run::open_files() {
     frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces, kept_to);
   report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, {}), kept_to);
   if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints, kept_to);
+  if (scene_.output.contacts > 0) contact_file_.emplace(comm_, options_.output, kept_to);
 }
 
 void Run::write(std::int64_t frame) {
@@ -263,18 +282,37 @@ void Run::write(std::int64_t frame) {
   if (frames_ && frame % scene_.output.every == 0 && !frames_->holds(frame)) frames_->write(frame, time, simulation_.world);
   if (joint_files_ && frame % std::max(1, scene_.output.every) == 0 && !joint_files_->holds(frame))
     joint_files_->write(frame, time, simulation_.joints, simulation_.joint_slots, simulation_.joint_states());
+  if (writes_contacts(frame)) contact_file_->write(frame, time, std::exchange(contact_impulses_, {}), simulation_.whole_step);
 }
 
 void Run::checkpoint_in_turn(std::int64_t frame) {
   const PhaseClock::Scope scope(running_.clock, Phase::output);
   const int every = scene_.output.checkpoint_every;
   const bool in_turn = every > 0 && frame % every == 0 && frame > summary_.first_frame;
-  if (every >= 0 && (in_turn || frame == scene_.time.frames)) checkpoint(frame);
+  if (every >= 0 && (in_turn || frame == scene_.time.frames || is_due_by_wall(frame))) checkpoint(frame);
+}
+
+// By the clock of rank 0: the ranks' clocks differ.
+bool Run::is_due_by_wall(std::int64_t frame) {
+  const double seconds = 60 * scene_.output.checkpoint_minutes;
+  if (seconds == 0 || frame == summary_.first_frame) return false;
+  int due = MPI_Wtime() - checkpoint_wall_ >= seconds ? 1 : 0;
+  check_mpi(MPI_Bcast(&due, 1, MPI_INT, 0, comm_));
+  return due != 0;
 }
 
 void Run::checkpoint(std::int64_t frame) {
   running_.write_checkpoint(options_.output + "/checkpoint.h5", frame);
-  checkpointed_ = frame;
+  checkpointed_ = frame, checkpoint_wall_ = MPI_Wtime();
+}
+
+bool Run::ends_by_event(const FrameReport& report) {
+  const EndEvent* event = end_event_of(scene_, report);
+  if (event == nullptr) return false;
+  if (scene_.output.checkpoint_every >= 0 && checkpointed_ != report.step) checkpoint(report.step);
+  summary_.status = "ended by the scene: " + told(*event);
+  if (rank_ == 0) std::printf("\n%s, after frame %lld\n", summary_.status.c_str(), static_cast<long long>(report.step));
+  return true;
 }
 
 // With a checkpoint of this frame, unless the scene wants none at all.
@@ -282,7 +320,7 @@ void Run::stop_at(std::int64_t frame, const std::string& reason) {
   const PhaseClock::Scope scope(running_.clock, Phase::output);
   const bool keeps = scene_.output.checkpoint_every >= 0;
   if (keeps && checkpointed_ != frame) checkpoint(frame);
-  summary_.status = "stopped as asked by " + reason;
+  summary_.status = "stopped as asked by " + reason, stopped_ = true;
   if (rank_ != 0) return;
   std::printf("\nstopped as asked by %s after frame %lld of %lld: %s\n", reason.c_str(), static_cast<long long>(frame),
               static_cast<long long>(scene_.time.frames),
@@ -298,6 +336,7 @@ void Run::finish() {
   report_file_->close();
   if (frames_) frames_->close();
   if (joint_files_) joint_files_->close();
+  if (contact_file_) contact_file_->close();
   summary_.state_hash = state_hash(comm_, simulation_.world);
   summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
   summary_.restarted_from = options_.restart;
@@ -308,19 +347,13 @@ void Run::finish() {
   summary_.files = {"report.csv"};
   if (frames_) summary_.files.insert(summary_.files.end(), {"frames.h5", "frames.xdmf"});
   if (joint_files_) summary_.files.insert(summary_.files.end(), {"joints.csv", "joints.h5"});
+  if (contact_file_) summary_.files.insert(summary_.files.end(), {"contacts.h5", "contacts.xdmf"});
   if (scene_.output.checkpoint_every >= 0) summary_.files.push_back("checkpoint.h5");
   if (dumped_) summary_.files.push_back(options_.dump_fclib);
   summary_.files.push_back("summary.json");
   write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
   if (rank_ != 0) return;
-  std::fputs(told(summary_.convergence, scene_).c_str(), stdout);
-  if (const ErrorSamples& e = summary_.errors; e.count > 0)
-    std::printf("error of a step, estimated in %lld frames: at worst %.2e m (frame %lld), in the last %.2e m (frame %lld)\n",
-                static_cast<long long>(e.count), e.worst.distance, static_cast<long long>(e.worst_frame), e.last.distance,
-                static_cast<long long>(e.last_frame));
-  if (summary_.form_left > 0)
-    std::printf("form: %lld of %lld steps were taken in the incremental form, edges moved too far in them for the total one\n",
-                static_cast<long long>(summary_.form_left), static_cast<long long>(summary_.frames() * scene_.time.substeps));
+  std::fputs(told(summary_, scene_).c_str(), stdout);
   std::printf("wrote in %s:", options_.output.c_str());
   for (const std::string& file : summary_.files) std::printf(" %s", file.c_str());
   std::printf("\n");

@@ -175,8 +175,8 @@ class ContactBatch : public BatchDefaults {
   void add_impulses(std::span<Wrench> wrenches) const;  // in key order
 
   // Between the stages: keeps the velocity stage's multipliers; the position stage then starts from zero and adds to them, or, if
-  // `joint`, from them.
-  void keep_impulses(bool joint);
+  // `together`, from them.
+  void keep_impulses(bool together);
 
   void join_stages();
 
@@ -289,8 +289,8 @@ class ContactBatch : public BatchDefaults {
   double scaling_ = 1, step_ = 0.016;
   Stage stage_;
   bool is_gauss_seidel_ = false;
-  bool bias_is_gap_ = false;                                        // just built: Point::bias holds the gap
-  enum class Kept { nothing, apart, joint } kept_ = Kept::nothing;  // joint: lambda holds both stages' multipliers
+  bool bias_is_gap_ = false;                                           // just built: Point::bias holds the gap
+  enum class Kept { nothing, apart, together } kept_ = Kept::nothing;  // together: lambda holds both stages' multipliers
 };
 
 }  // namespace unibody

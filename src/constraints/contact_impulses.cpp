@@ -58,13 +58,13 @@ void ContactBatch::get_impulses(std::span<Impulse> impulses) const {
       [&](std::size_t, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) { impulses[contact] = row(l, p, t); });
 }
 
-void ContactBatch::keep_impulses(bool joint) {
+void ContactBatch::keep_impulses(bool together) {
   if (kept_ == Kept::nothing) kept_impulses_.assign(contacts_->points.size(), {0, 0, 0});
-  kept_ = joint ? Kept::joint : Kept::apart;
+  kept_ = together ? Kept::together : Kept::apart;
   for_each_row([&](std::size_t m, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     if (!is_selected(m)) return;
     kept_impulses_[contact] = row(l, p, t);
-    if (joint) return;
+    if (together) return;
     normals[p].lambda[l] = 0;
     if (t != no_tangent) tangent_impulses[t].lambda_s[l] = tangent_impulses[t].lambda_t[l] = 0;
   });
@@ -73,7 +73,7 @@ void ContactBatch::keep_impulses(bool joint) {
 
 void ContactBatch::join_stages() {
   const std::vector<Impulse> total = total_impulses();
-  kept_ = Kept::joint;
+  kept_ = Kept::together;
   set_impulses(total);
 }
 

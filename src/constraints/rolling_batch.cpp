@@ -156,12 +156,12 @@ double RollingBatch::relax(std::size_t colour, bool, SolveState& state) {
   return change;
 }
 
-void RollingBatch::keep_impulses(bool joint) {
-  kept_ = joint ? Kept::joint : Kept::apart;
+void RollingBatch::keep_impulses(bool together) {
+  kept_ = together ? Kept::together : Kept::apart;
   for (Row& row : rows_) {
     if (!contacts_->is_selected(row.manifold)) continue;
     row.kept = row.lambda;
-    if (!joint) row.lambda = Torque{};
+    if (!together) row.lambda = Torque{};
     row.y = row.lambda;
   }
 }

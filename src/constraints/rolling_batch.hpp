@@ -53,7 +53,7 @@ class RollingBatch : public BatchDefaults {
     for (Row& row : rows_) f(std::span<double>(row.lambda));
   }
 
-  void keep_impulses(bool joint);
+  void keep_impulses(bool together);
   void join_stages();
 
   void start_from(const NoHistory&, const WarmStart& warm);
@@ -97,7 +97,7 @@ class RollingBatch : public BatchDefaults {
   std::vector<std::size_t> group_end_;
   Multipliers* history_ = nullptr;
   double step_ = 0.016;
-  enum class Kept { nothing, apart, joint } kept_ = Kept::nothing;  // as ContactBatch's
+  enum class Kept { nothing, apart, together } kept_ = Kept::nothing;  // as ContactBatch's
 };
 
 template <class F>

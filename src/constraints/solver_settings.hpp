@@ -20,8 +20,8 @@ inline constexpr std::array<std::string_view, 6> friction_model_names{"disc", "c
 enum class Gap { frozen, reevaluated };
 inline constexpr std::array<std::string_view, 2> gap_names{"frozen", "reevaluated"};
 
-enum class Stages { automatic, two, joint, position };
-inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "joint", "position"};
+enum class Stages { automatic, two, together, position };
+inline constexpr std::array<std::string_view, 4> stages_names{"auto", "two", "together", "position"};
 
 // How sweeps are extrapolated: optimized, the optimized gradient method of Kim and Fessler (2016), which takes the step itself
 // further as well; nesterov, the paper's, and Gauss-Seidel's; automatic: optimized in stages of accelerated_jacobi whose rows are
@@ -95,12 +95,12 @@ struct SolverSettings {
   Level level = Level::position;
   double stabilisation = 0.4;  // velocity level: gamma, share of an error of position that a step takes out; [0, 1]
   // two: a velocity stage with leak, then a position stage that only adds to it: least penetration at few iterations.
-  // joint: the position stage works on both stages' multipliers together: converges to the step's exact solution.
+  // together: the position stage works on both stages' multipliers together: converges to the step's exact solution.
   // position: the position stage alone. auto: two, but position for Jacobi solvers in scenes with constraints beside contacts,
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
-  // Of two stages (also joint) the share of the iterations that the velocity stage does, (0, 1); open: by solver and iterations.
-  // What stands rests the sooner the more they are; what is left of penetration is the work of the others.
+  // Of two stages (also together) the share of the iterations that the velocity stage does, (0, 1); open: by solver and
+  // iterations. What stands rests the sooner the more they are; what is left of penetration is the work of the others.
   std::optional<double> velocity_share;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
   // contacts where it is the only stage. Open: automatic_share (less of many iterations), but nothing of

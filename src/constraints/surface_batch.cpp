@@ -137,9 +137,9 @@ void SurfaceBatch::start_stage(const Stage& stage) {
   }
 }
 
-void SurfaceBatch::keep_impulses(bool joint) {
+void SurfaceBatch::keep_impulses(bool together) {
   for (Block& block : blocks_) {
-    if (!joint) block.kept = block.lambda, block.lambda = Impulse{};
+    if (!together) block.kept = block.lambda, block.lambda = Impulse{};
     block.y = block.lambda;
   }
 }
@@ -244,6 +244,16 @@ void SurfaceBatch::normal_impulses(std::span<double> normal) const {
   for (std::size_t i = 0; i < normal.size(); ++i) {
     const Block& block = blocks_[i / lanes];
     normal[i] = (block.kept.n + block.lambda.n)[i % lanes];
+  }
+}
+
+void SurfaceBatch::total_impulses(std::span<Vec3> impulses) const {
+  for (std::size_t i = 0; i < impulses.size(); ++i) {
+    const Block& block = blocks_[i / lanes];
+    const std::size_t l = i % lanes;
+    const Vec3x4 all = block.n * (block.kept.n + block.lambda.n) + block.s * (block.kept.s + block.lambda.s) +
+                       cross(block.n, block.s) * (block.kept.t + block.lambda.t);
+    impulses[i] = {all.x[l], all.y[l], all.z[l]};
   }
 }
 

@@ -40,7 +40,7 @@ class SurfaceBatch : public BatchDefaults {
   bool bounces() const { return any_bounce_; }
   void renew(const SolveState& state);  // as ContactBatch's
 
-  void keep_impulses(bool joint);
+  void keep_impulses(bool together);
   void join_stages();
 
   void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
@@ -55,6 +55,9 @@ class SurfaceBatch : public BatchDefaults {
 
   // Normal multipliers of all stages together: index = that of the contact in Contacts::surface.
   void normal_impulses(std::span<double> normal) const;
+
+  // N s, world axes, on the first side of each contact: of all stages together, with the same index.
+  void total_impulses(std::span<Vec3> impulses) const;
 
   std::int64_t sliding() const;
   std::size_t bytes() const { return 0; }  // in the solve's scratch memory, which is counted as a whole

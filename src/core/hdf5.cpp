@@ -121,6 +121,12 @@ Handle open_file_to_extend(MPI_Comm comm, const std::string& path) {
   return file;
 }
 
+std::string numbered(std::int64_t number) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%06lld", static_cast<long long>(number));
+  return text.data();
+}
+
 std::vector<std::int64_t> member_numbers(hid_t parent, const std::string& group) {
   std::vector<std::int64_t> numbers;
   const Handle opened(H5Gopen2(parent, group.c_str(), H5P_DEFAULT), H5Gclose, "open group " + group);

@@ -61,6 +61,9 @@ void avoid_shared_semaphores();
 Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block = 0);
 Handle create_group(hid_t parent, const std::string& name);
 
+// The name of a member that has a number: of six digits, or more where it needs them.
+std::string numbered(std::int64_t number);
+
 // Opens a file to write more into it. Collective.
 Handle open_file_to_extend(MPI_Comm comm, const std::string& path);
 // The numbers that a group's members have as names, ascending; other names are left out.

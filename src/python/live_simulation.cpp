@@ -94,8 +94,8 @@ void LiveSimulation::start(const std::string& checkpoint) {
   }
   scene_.joints = joints;
   running_ = std::move(other);
-  probes_.emplace(scene_.probes);
-  flows_.clear(), report_.clear();
+  probes_.emplace(scene_.probes, step_length());
+  flows_.clear(), latest_.clear(), impulses_.clear(), report_.clear();
 }
 
 int LiveSimulation::rank() const {
@@ -124,8 +124,11 @@ void LiveSimulation::step() {
   const std::int64_t frame = simulation.steps_done / substeps + 1;
   const int substep = static_cast<int>(simulation.steps_done % substeps);
   probes_->start_frame(simulation.world);
-  const StepReport step = running_->step({}, frame, substep);
-  count_flows();
+  StepRequest request;
+  request.impulses = true;
+  StepReport step = running_->step(request, frame, substep);
+  impulses_ = std::move(step.impulses);
+  tell_probes(impulses_);
   report_.push_back({simulation.steps_done, step.iterations, step.sliding, step.impacts, time(), step.residual, step.converged});
   if (substep + 1 < substeps) return;
   simulation.detect();
@@ -133,12 +136,26 @@ void LiveSimulation::step() {
   running_->rebalance();
 }
 
-void LiveSimulation::count_flows() {
+void LiveSimulation::tell_probes(std::span<const ContactImpulse> impulses) {
   if (scene_.probes.empty()) return;
-  const std::vector<NamedValue> columns = probes_->columns(comm_, running_->simulation.world);
+  probes_->add_step(impulses);
+  latest_ = probes_->columns(comm_, running_->simulation.world);
   if (flows_.empty())
-    for (const NamedValue& column : columns) flows_.emplace_back(column.name, 0);
-  for (std::size_t k = 0; k < columns.size(); ++k) flows_[k].second += columns[k].value;
+    for (const NamedValue& column : latest_) flows_.emplace_back(column.name, 0);
+  for (std::size_t k = 0; k < latest_.size(); ++k) flows_[k].second += latest_[k].value;
+}
+
+std::vector<ForceRow> LiveSimulation::contact_forces() const {
+  check_open();
+  std::vector<ForceRow> rows;
+  for (const ContactImpulse& c : impulses_) {
+    ForceRow& row = rows.emplace_back();
+    const Vec3 force = c.impulse / step_length();
+    std::ranges::copy(c.ids, row.bodies), std::ranges::copy(c.shares, row.shares);
+    std::copy_n(c.point.data(), 3, row.point), std::copy_n(c.normal.data(), 3, row.normal);
+    std::copy_n(force.data(), 3, row.force), row.friction = c.friction;
+  }
+  return rows;
 }
 
 std::vector<std::pair<std::string, double>> LiveSimulation::probe(const std::string& name) const {
@@ -151,13 +168,18 @@ std::vector<std::pair<std::string, double>> LiveSimulation::probe(const std::str
     throw InputError("found probe '" + name + "', expected " +
                      (names.empty() ? "none: the scene has no probes" : "one of " + names));
   }
-  const bool sums = probe->kind == Probe::Kind::flow;
-  Probes alone(std::span(&*probe, 1));
+  const bool sums = probe->kind == Probe::Kind::flow,
+             latest = probe->kind == Probe::Kind::force || probe->kind == Probe::Kind::stress;
+  Probes alone(std::span(&*probe, 1), step_length());
   alone.start_frame(running_->simulation.world);
   Totals values;
   for (const NamedValue& column : alone.columns(comm_, running_->simulation.world)) {
     const auto total = std::ranges::find_if(flows_, [&](const auto& f) { return f.first == column.name; });
-    const double now = column.known ? column.value : std::nan("");
+    double now = column.known ? column.value : std::nan("");
+    if (latest) {
+      const auto last = std::ranges::find(latest_, column.name, &NamedValue::name);
+      now = last == latest_.end() ? std::nan("") : last->value;
+    }
     values.emplace_back(column.name.substr(name.size() + 1), sums ? (total == flows_.end() ? 0 : total->second) : now);
   }
   return values;

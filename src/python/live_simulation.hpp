@@ -34,6 +34,16 @@ struct ContactRow {
   double friction;    // Coulomb's mu
 };
 
+// What a point of contact did in the last step (contact_impulse.hpp).
+struct ForceRow {
+  Id bodies[4];      // -1: none
+  double shares[4];  // of the force that each takes
+  double point[3];   // m, world
+  double normal[3];  // unit, from the second side to the first
+  double force[3];   // N, world, on the first side, the mean over the step
+  double friction;   // Coulomb's mu
+};
+
 // All members but those that only tell something of this rank are collective, with the same arguments on every rank. Bodies
 // are named by their ids. Members throw InputError where an argument is wrong, before anything has changed.
 class LiveSimulation {
@@ -70,9 +80,13 @@ class LiveSimulation {
 
   // Of this rank's pairs: a pair belongs to the rank whose home its first moving body is. The contacts at the present state.
   std::vector<ContactRow> contacts();
+  // Of this rank's pairs, where a force acted: what contacts of bodies, cloths, threads and solids did in the last step. Not
+  // collective.
+  std::vector<ForceRow> contact_forces() const;
   Measures measures();
   // What the scene's probe of this name tells (probes.hpp): of a flow what has passed since the simulation was made, of a box
-  // what is in it now. Throws InputError where no probe has that name.
+  // what is in it now, of a force or stress its mean over the last step (NaN before the first). Throws InputError where no probe has that
+  // name.
   std::vector<std::pair<std::string, double>> probe(const std::string& name) const;
   std::vector<JointState> joint_states() const;  // of each joint of the scene, after a step
   std::uint64_t state_hash() const;              // of the program's last line
@@ -92,7 +106,7 @@ class LiveSimulation {
   using Totals = std::vector<std::pair<std::string, double>>;
 
   void start(const std::string& checkpoint);
-  void count_flows();
+  void tell_probes(std::span<const ContactImpulse> impulses);
   void check_ids(std::span<const Id> ids, bool dynamic_alone) const;
   // turns: the numbers are about axes of turning.
   void check_numbers(std::span<const Id> ids, std::span<const double> numbers, const char* what, bool turns) const;
@@ -104,7 +118,9 @@ class LiveSimulation {
   Options options_;
   std::unique_ptr<RunningScene> running_;
   std::optional<Probes> probes_;
-  Totals flows_;
+  Totals flows_;                          // of all steps
+  std::vector<NamedValue> latest_;        // all probes' columns, of the last step
+  std::vector<ContactImpulse> impulses_;  // of the last step
   std::vector<StepRow> report_;
 };
 

@@ -251,6 +251,12 @@ void add_state(py::class_<LiveSimulation, Holder>& simulation) {
           "faces "
           "of solids are not among them. Collective.")
       .def(
+          "contact_forces", [](const LiveSimulation& s) { return list(s.contact_forces()); },
+          "What contacts did in the last step, of the pairs of this process: a structured array with bodies (4, -1: none), "
+          "shares "
+          "(of the force, of each body), point (m), normal, force (N, on the first side, the mean over the step) and friction. "
+          "Contacts of cloths, threads and solids are among them. Not collective.")
+      .def(
           "joints", joint_rows,
           "Each joint's state after a step, in the order of the scene: a structured array with coordinate (rad or m), drift (m), "
           "turn (rad), force (N), torque (N m), and what limit, motor and friction give (N m or N). Collective.")
@@ -268,7 +274,8 @@ void add_state(py::class_<LiveSimulation, Holder>& simulation) {
           py::arg("name"),
           "What the scene's probe tells: a dict of its columns, with their units. Of a flow what has passed since the simulation "
           "was "
-          "made or restored, of a box what is in it now. Collective. Raises InputError for another name.")
+          "made or restored, of a box what is in it now, of a force or stress its mean over the last step. Collective. Raises InputError "
+          "for another name.")
       .def_property_readonly(
           "report", [](const LiveSimulation& s) { return list(s.report()); },
           "One row a step since the simulation was made or restored: a structured array with step, iterations, "
@@ -340,6 +347,7 @@ PYBIND11_MODULE(unibody, m) {
   m.doc() = "Unibody: rigid and flexible bodies in one solver, on as many processes as mpirun starts. Units are SI.";
   PYBIND11_NUMPY_DTYPE(StepRow, step, iterations, sliding_contacts, impacts, time, natural_residual, converged);
   PYBIND11_NUMPY_DTYPE(ContactRow, body_a, body_b, point, normal, gap, friction);
+  PYBIND11_NUMPY_DTYPE(ForceRow, bodies, shares, point, normal, force, friction);
   PYBIND11_NUMPY_DTYPE(JointRow, coordinate, drift, turn, force, torque, limit, motor, friction);
   add_errors(m);
   m.def(

@@ -13,11 +13,7 @@ namespace {
 
 constexpr hsize_t any = HSIZE_UNDEF;
 
-std::string numbered(const std::string& group, std::int64_t number) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%06lld", static_cast<long long>(number));
-  return group + "/" + text.data();
-}
+std::string numbered(const std::string& group, std::int64_t number) { return group + "/" + h5::numbered(number); }
 
 bool has_attribute(hid_t object, const std::string& name) {
   const htri_t found = H5Aexists(object, name.c_str());

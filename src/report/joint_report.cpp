@@ -23,12 +23,6 @@ constexpr const char* column_names =
     "coordinate (rad or m),drift (m),turn (rad),force_x (N),force_y (N),force_z (N),torque_x (N m),torque_y (N m),torque_z (N m),"
     "limit (N m or N),motor (N m or N),friction (N m or N)";
 
-std::string frame_name(std::int64_t frame) {
-  std::array<char, 32> name{};
-  std::snprintf(name.data(), name.size(), "%06lld", static_cast<long long>(frame));
-  return name.data();
-}
-
 }  // namespace
 
 std::vector<NamedValue> joint_columns(MPI_Comm comm, std::size_t joint_count, std::span<const JointSlots> slots,
@@ -95,7 +89,7 @@ void JointFiles::open_file(std::int64_t kept_to) {
   frames_ = h5::Handle(H5Gopen2(h5_, "frames", H5P_DEFAULT), H5Gclose, "open group frames");
   for (const std::int64_t frame : h5::member_numbers(h5_, "frames"))
     if (frame > kept_to)
-      h5::remove_link(frames_, frame_name(frame));
+      h5::remove_link(frames_, h5::numbered(frame));
     else
       kept_.push_back(frame);
 }
@@ -151,7 +145,7 @@ void JointFiles::write_rows(std::int64_t frame, double time, const std::vector<R
     good = std::fputc('\n', csv_) != EOF && good;
     values.insert(values.end(), row.value.begin(), row.value.end());
   }
-  const auto table = h5::create_dataset(frames_, frame_name(frame), H5T_IEEE_F64LE, rows.size(), columns);
+  const auto table = h5::create_dataset(frames_, h5::numbered(frame), H5T_IEEE_F64LE, rows.size(), columns);
   h5::write_attribute(table, "time", time);
   good = h5::write_rows(table, H5T_NATIVE_DOUBLE, 0, rows.size(), values.data()) && good;
   good = H5Fflush(h5_, H5F_SCOPE_GLOBAL) >= 0 && std::fflush(csv_) == 0 && good;

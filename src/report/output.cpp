@@ -1,6 +1,5 @@
 #include "report/output.hpp"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
@@ -19,9 +18,8 @@ namespace unibody {
 
 namespace {
 
-constexpr std::array result_files{"frames.h5",     "frames.xdmf", "report.csv", "summary.json",
-                                  "checkpoint.h5", "joints.csv",  "joints.h5"};
-constexpr std::string_view xdmf_tail = "  </Grid>\n</Domain>\n</Xdmf>\n";
+constexpr std::array result_files{"frames.h5",  "frames.xdmf", "report.csv",  "summary.json", "checkpoint.h5",
+                                  "joints.csv", "joints.h5",   "contacts.h5", "contacts.xdmf"};
 
 std::string prepare_on_one_rank(const std::string& directory, bool overwrite, const std::string& keep, bool appends) {
   namespace fs = std::filesystem;
@@ -41,12 +39,6 @@ std::string prepare_on_one_rank(const std::string& directory, bool overwrite, co
 }
 
 std::string cannot_write(const std::string& path) { return "cannot write " + path + ": is the disk full?"; }
-
-std::string frame_name(std::int64_t frame) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%06lld", static_cast<long long>(frame));
-  return text.data();
-}
 
 // Columns [column, column + width) of the rows, packed.
 template <class T, std::size_t Columns>
@@ -82,14 +74,11 @@ struct BlockWriter {
 };
 
 std::string data_item(const std::string& path, Id rows, int columns, const char* type, int precision) {
-  std::string dimensions = std::to_string(rows);
-  if (columns > 1) dimensions.append(" ").append(std::to_string(columns));
-  return "<DataItem Dimensions=\"" + dimensions + "\" NumberType=\"" + type + "\" Precision=\"" + std::to_string(precision) +
-         "\" Format=\"HDF\">frames.h5:" + path + "</DataItem>";
+  return xdmf_item("frames.h5", path, rows, columns, type, precision);
 }
 
 std::string attribute(const std::string& name, const char* kind, const std::string& item) {
-  return "      <Attribute Name=\"" + name + "\" AttributeType=\"" + kind + "\" Center=\"Node\">" + item + "</Attribute>\n";
+  return xdmf_attribute(name, kind, "Node", item);
 }
 
 }  // namespace
@@ -138,8 +127,7 @@ void Output::create(const World& world) {
     fault = e.what();
   }
   throw_if_any(fault);
-  if (rank_ == 0) start_xdmf();
-  throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ : "");
+  throw_if_any(rank_ == 0 && !xdmf_.start(xdmf_path_) ? "cannot write " + xdmf_path_ : "");
 }
 
 void Output::extend(std::int64_t kept_to) {
@@ -157,7 +145,7 @@ void Output::extend(std::int64_t kept_to) {
     file_ = h5::open_file_to_extend(comm_, path_);
     frames_ = h5::Handle(H5Gopen2(file_, "frames", H5P_DEFAULT), H5Gclose, "open group frames");
     for (const std::int64_t frame : kept_)
-      if (frame > kept_to) h5::remove_link(frames_, frame_name(frame));
+      if (frame > kept_to) h5::remove_link(frames_, h5::numbered(frame));
     std::erase_if(kept_, [&](std::int64_t frame) { return frame > kept_to; });
     if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_;
   } catch (const std::exception& e) {
@@ -166,20 +154,20 @@ void Output::extend(std::int64_t kept_to) {
   throw_if_any(fault);
   std::vector<double> times;
   for (const std::int64_t frame : kept_) {
-    const h5::Handle group(H5Gopen2(frames_, frame_name(frame).c_str(), H5P_DEFAULT), H5Gclose,
-                           "open group " + frame_name(frame));
+    const h5::Handle group(H5Gopen2(frames_, h5::numbered(frame).c_str(), H5P_DEFAULT), H5Gclose,
+                           "open group " + h5::numbered(frame));
     times.push_back(h5::read_double(group, "time"));
   }
-  if (rank_ == 0) start_xdmf();
-  for (std::size_t k = 0; k < kept_.size() && rank_ == 0 && xdmf_ >= 0; ++k) append_xdmf(kept_[k], times[k]);
-  throw_if_any(rank_ == 0 && xdmf_ < 0 ? "cannot write " + xdmf_path_ : "");
+  bool good = rank_ != 0 || xdmf_.start(xdmf_path_);
+  for (std::size_t k = 0; k < kept_.size() && rank_ == 0 && good; ++k) good = append_xdmf(kept_[k], times[k]);
+  throw_if_any(good ? "" : "cannot write " + xdmf_path_);
 }
 
 void Output::close() {
   const h5::Quiet quiet;
   bool good = frames_.close() >= 0;
   good = file_.close() >= 0 && good;
-  if (xdmf_ >= 0) good = ::close(std::exchange(xdmf_, -1)) == 0 && good;
+  good = xdmf_.close() && good;
   throw_if_any(good ? "" : cannot_write(path_));
 }
 
@@ -187,7 +175,6 @@ Output::~Output() {
   const h5::Quiet quiet;
   frames_.close();
   file_.close();
-  if (xdmf_ >= 0) ::close(xdmf_);
 }
 
 void Output::throw_if_any(const std::string& fault) const {
@@ -252,7 +239,7 @@ void Output::write_surfaces() {
   bool good = true;
   for (std::size_t n = 0; n < surfaces_.size(); ++n) {
     const Surface& surface = surfaces_[n];
-    const auto own = h5::create_group(group, frame_name(static_cast<std::int64_t>(n)));
+    const auto own = h5::create_group(group, h5::numbered(static_cast<std::int64_t>(n)));
     const auto write_cells = [&](const char* name, Id count, int corners, const auto& cell_at) {
       const IdBlocks blocks = id_blocks(comm_, count);
       std::vector<std::int64_t> ids;
@@ -315,7 +302,7 @@ void Output::write(std::int64_t frame, double time, const World& world) {
   const h5::Quiet quiet;
   std::string fault;
   try {
-    const auto group = h5::create_group(frames_, frame_name(frame));
+    const auto group = h5::create_group(frames_, h5::numbered(frame));
     BlockWriter writer{group, count_, id_blocks(comm_, count_).first(rank_)};
     writer.reals("position", single_, rows, 0, 3);
     writer.reals("orientation", single_, rows, 3, 4);
@@ -328,19 +315,7 @@ void Output::write(std::int64_t frame, double time, const World& world) {
     fault = e.what();
   }
   throw_if_any(fault);
-  if (rank_ == 0) append_xdmf(frame, time);
-  throw_if_any(rank_ == 0 && xdmf_ < 0 ? cannot_write(xdmf_path_) : "");
-}
-
-void Output::start_xdmf() {
-  const std::string head =
-      "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
-      "  <Grid Name=\"frames\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  xdmf_ = ::open(xdmf_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0644);
-  xdmf_end_ = static_cast<std::int64_t>(head.size());
-  const std::string text = head + std::string(xdmf_tail);
-  if (xdmf_ >= 0 && ::write(xdmf_, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
-    ::close(std::exchange(xdmf_, -1));
+  throw_if_any(rank_ == 0 && !append_xdmf(frame, time) ? cannot_write(xdmf_path_) : "");
 }
 
 // The bodies of the frame at this path in the file, as points.
@@ -369,7 +344,7 @@ std::string Output::xdmf_surfaces(const std::string& at) const {
     const Id count = solid ? surface.tetrahedron_count : surface.count;
     const int corners = solid ? 4 : surface.corners;
     const std::string kind = solid ? "Tetrahedron" : corners == 3 ? "Triangle" : "Polyline\" NodesPerElement=\"2";
-    const std::string cells = "/surfaces/" + frame_name(static_cast<std::int64_t>(n)) + (solid ? "/tetrahedra" : "/cells");
+    const std::string cells = "/surfaces/" + h5::numbered(static_cast<std::int64_t>(n)) + (solid ? "/tetrahedra" : "/cells");
     grids += "    <Grid Name=\"surface " + std::to_string(n) + "\" GridType=\"Uniform\">\n";
     grids += "      <Topology TopologyType=\"" + kind + "\" NumberOfElements=\"" + std::to_string(count) + "\">" +
              data_item(cells, count, corners, "Int", 8) + "</Topology>\n";
@@ -381,20 +356,14 @@ std::string Output::xdmf_surfaces(const std::string& at) const {
 }
 
 // One write puts the new frame and the closing tags over the old closing tags, so that the file is whole before and after.
-void Output::append_xdmf(std::int64_t frame, double time) {
-  const std::string at = "/frames/" + frame_name(frame) + "/";
-  std::array<char, 40> seconds{};
-  std::snprintf(seconds.data(), seconds.size(), "%.17g", time);
-  const std::string clock = "      <Time Value=\"" + std::string(seconds.data()) + "\"/>\n";
+bool Output::append_xdmf(std::int64_t frame, double time) {
+  const std::string at = "/frames/" + h5::numbered(frame) + "/", clock = xdmf_time(time);
   const std::string bodies = "    <Grid Name=\"bodies\" GridType=\"Uniform\">\n";
   std::string grid = bodies + clock + xdmf_bodies(at) + "    </Grid>\n";
   if (!surfaces_.empty())
     grid = "    <Grid Name=\"scene\" GridType=\"Collection\" CollectionType=\"Spatial\">\n" + clock + bodies + xdmf_bodies(at) +
            "    </Grid>\n" + xdmf_surfaces(at) + "    </Grid>\n";
-  const std::string text = grid + std::string(xdmf_tail);
-  if (::pwrite(xdmf_, text.data(), text.size(), xdmf_end_) != static_cast<ssize_t>(text.size()))
-    ::close(std::exchange(xdmf_, -1));
-  xdmf_end_ += static_cast<std::int64_t>(grid.size());
+  return xdmf_.append(grid);
 }
 
 }  // namespace unibody

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/hdf5.hpp"
+#include "report/xdmf_file.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
 
@@ -48,8 +49,7 @@ class Output {
   void write_bodies(const World& world);
   void write_surfaces();
   void write_shapes();
-  void start_xdmf();
-  void append_xdmf(std::int64_t frame, double time);
+  bool append_xdmf(std::int64_t frame, double time);
   std::string xdmf_bodies(const std::string& at) const;
   std::string xdmf_surfaces(const std::string& at) const;
   void throw_if_any(const std::string& fault) const;
@@ -62,8 +62,7 @@ class Output {
   int rank_ = 0;
   std::vector<std::int64_t> kept_;  // frames, ascending
   h5::Handle file_, frames_;
-  int xdmf_ = -1;              // rank 0: file descriptor
-  std::int64_t xdmf_end_ = 0;  // where the closing tags start
+  XdmfFile xdmf_;  // of rank 0
 };
 
 }  // namespace unibody

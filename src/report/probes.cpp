@@ -1,15 +1,15 @@
 #include "report/probes.hpp"
 
 #include <algorithm>
-
-#include "core/exact_sum.hpp"
+#include <array>
 
 namespace unibody {
 
 namespace {
 
-constexpr std::size_t sums_of_one =
-    5;  // count, mass, and of a flow the momentum along its normal, of a box the momentum's vector
+// Of a flow: count, mass, momentum along its normal. Of a box: count, mass, momentum, mass times squared speed, volume. Of a
+// force: impulse and its moment. Of a stress: the six sums of impulse times branch.
+constexpr std::size_t sums_of_one = 7;
 
 bool is_probed(const ProbedBodies& bodies, const World& world, std::size_t slot) {
   const BodyProperties& body = world.properties[slot];
@@ -46,14 +46,98 @@ void add_box(const Probe& probe, const World& world, std::span<ExactSum> sums) {
     const double mass = world.properties[i].mass;
     sums[0] += 1, sums[1] += mass;
     for (int k = 0; k < 3; ++k) sums[static_cast<std::size_t>(2 + k)] += mass * world.velocity[i][k];
+    sums[5] += mass * world.velocity[i].squaredNorm(), sums[6] += volume(world.properties[i].shape);
   }
 }
 
+// The part of the contact's impulse that the probe's bodies take.
+double share_of(const Probe& probe, const ContactImpulse& contact) {
+  double share = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!probe.on.holds(contact.ids[k])) continue;
+    bool by_those = false;  // an end of the other side is one of them
+    for (std::size_t l = 0; l < 4; ++l)
+      by_those = by_those || (contact.shares[k] * contact.shares[l] < 0 && probe.by.holds(contact.ids[l]));
+    if (by_those) share += contact.shares[k];
+  }
+  return share;
+}
+
+void add_force(const Probe& probe, std::span<const ContactImpulse> impulses, std::span<ExactSum> sums) {
+  for (const ContactImpulse& contact : impulses) {
+    const double share = share_of(probe, contact);
+    if (share == 0) continue;
+    const Vec3 impulse = share * contact.impulse, moment = (contact.point - probe.point).cross(impulse);
+    for (int k = 0; k < 3; ++k)
+      sums[static_cast<std::size_t>(k)] += impulse[k], sums[static_cast<std::size_t>(3 + k)] += moment[k];
+  }
+}
+
+// The symmetric part of impulse times branch, the way from the second side's centre to the first's: xx, yy, zz, yz, xz, xy.
+void add_stress(const Probe& probe, std::span<const ContactImpulse> impulses, std::span<ExactSum> sums) {
+  for (const ContactImpulse& contact : impulses) {
+    if (!contains(probe, contact.point)) continue;
+    const Vec3 branch = contact.sides[0] - contact.sides[1], &f = contact.impulse;
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      sums[static_cast<std::size_t>(k)] += f[k] * branch[k];
+      sums[static_cast<std::size_t>(3 + k)] += 0.5 * (f[i] * branch[j] + f[j] * branch[i]);
+    }
+  }
+}
+
+void add_box_columns(const Probe& probe, const double* of, std::vector<NamedValue>& columns) {
+  const double mass = of[1];
+  const bool known = mass > 0;
+  Vec3 mean = Vec3::Zero();
+  for (int k = 0; k < 3 && known; ++k) mean[k] = of[2 + k] / mass;
+  for (int k = 0; k < 3; ++k) columns.push_back({probe.name + "_velocity_" + "xyz"[k] + " (m/s)", mean[k], known});
+  const double spread = known ? std::max(0.0, of[5] / mass - mean.squaredNorm()) : 0;
+  columns.push_back({probe.name + "_temperature (m^2/s^2)", spread / 3, known});
+  columns.push_back({probe.name + "_solid_fraction (1)", of[6] / (probe.high - probe.low).prod()});
+}
+
+void add_columns(const Probe& probe, double frame, const double* of, std::vector<NamedValue>& columns) {
+  if (probe.kind == Probe::Kind::stress) {
+    const double volume = (probe.high - probe.low).prod();
+    constexpr std::array parts{"xx", "yy", "zz", "yz", "xz", "xy"};
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      columns.push_back({probe.name + "_stress_" + parts[k] + " (Pa)", of[k] / (frame * volume)});
+    return;
+  }
+  const auto axes = [&](const std::string& name, const std::string& unit, const double* values) {
+    for (std::size_t k = 0; k < 3; ++k) columns.push_back({probe.name + name + "xyz"[k] + unit, values[k] / frame});
+  };
+  if (probe.kind == Probe::Kind::force) {
+    axes("_force_", " (N)", of);
+    axes("_torque_", " (N m)", of + 3);
+    return;
+  }
+  columns.push_back({probe.name + "_count (1)", of[0]}), columns.push_back({probe.name + "_mass (kg)", of[1]});
+  if (probe.kind == Probe::Kind::flow)
+    columns.push_back({probe.name + "_momentum (kg m/s)", of[2]});
+  else
+    add_box_columns(probe, of, columns);
+}
+
+bool is_of_contacts(const Probe& probe) { return probe.kind == Probe::Kind::force || probe.kind == Probe::Kind::stress; }
+
 }  // namespace
+
+bool Probes::wants_impulses() const { return std::ranges::any_of(probes_, is_of_contacts); }
+
+void Probes::add_step(std::span<const ContactImpulse> impulses) {
+  for (std::size_t p = 0; p < probes_.size() && !impulses_.empty(); ++p) {
+    const auto own = std::span(impulses_).subspan(sums_of_one * p, sums_of_one);
+    if (probes_[p].kind == Probe::Kind::force) add_force(probes_[p], impulses, own);
+    if (probes_[p].kind == Probe::Kind::stress) add_stress(probes_[p], impulses, own);
+  }
+}
 
 void Probes::start_frame(const World& world) {
   if (std::ranges::any_of(probes_, [](const Probe& probe) { return probe.kind == Probe::Kind::flow; }))
     start_.assign(world.position.begin(), world.position.begin() + static_cast<std::ptrdiff_t>(world.homes));
+  if (wants_impulses()) impulses_.assign(sums_of_one * probes_.size(), ExactSum{});
 }
 
 std::vector<NamedValue> Probes::columns(MPI_Comm comm, const World& world) const {
@@ -62,25 +146,12 @@ std::vector<NamedValue> Probes::columns(MPI_Comm comm, const World& world) const
   std::vector<ExactSum> sums(sums_of_one * probes_.size());
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const auto own = std::span(sums).subspan(sums_of_one * p, sums_of_one);
-    if (probes_[p].kind == Probe::Kind::flow)
-      add_flow(probes_[p], world, start_, own);
-    else
-      add_box(probes_[p], world, own);
+    if (probes_[p].kind == Probe::Kind::flow) add_flow(probes_[p], world, start_, own);
+    if (probes_[p].kind == Probe::Kind::box) add_box(probes_[p], world, own);
+    if (is_of_contacts(probes_[p]) && !impulses_.empty()) std::copy_n(&impulses_[sums_of_one * p], sums_of_one, own.begin());
   }
   const std::vector<double> totals = all_sums(comm, sums);
-  for (std::size_t p = 0; p < probes_.size(); ++p) {
-    const double* of = &totals[sums_of_one * p];
-    const std::string& name = probes_[p].name;
-    columns.push_back({name + "_count (1)", of[0]}), columns.push_back({name + "_mass (kg)", of[1]});
-    if (probes_[p].kind == Probe::Kind::flow) {
-      columns.push_back({name + "_momentum (kg m/s)", of[2]});
-      continue;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const bool known = of[1] > 0;
-      columns.push_back({name + "_velocity_" + "xyz"[k] + " (m/s)", known ? of[2 + k] / of[1] : 0, known});
-    }
-  }
+  for (std::size_t p = 0; p < probes_.size(); ++p) add_columns(probes_[p], frame_, &totals[sums_of_one * p], columns);
   return columns;
 }
 

@@ -6,8 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "core/exact_sum.hpp"
 #include "report/stretch.hpp"
 #include "scene/probe.hpp"
+#include "step/contact_impulse.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -16,18 +18,29 @@ namespace unibody {
 // where the straight way between the two crosses it; what goes back counts as negative.
 class Probes {
  public:
-  explicit Probes(std::span<const Probe> probes) : probes_(probes) {}
+  // frame: s, its length.
+  Probes(std::span<const Probe> probes, double frame) : probes_(probes), frame_(frame) {}
 
   // Between this and columns() bodies keep their ranks.
   void start_frame(const World& world);
 
-  // Of each probe count (1) and mass (kg); of a flow also the momentum along its normal (kg m/s), all per frame; of a box the
-  // mean velocity by mass (m/s), no value where nothing is in it. The same bits on any number of ranks. Collective.
+  // Whether add_step() is to be called after each step, with the impulses of its contacts.
+  bool wants_impulses() const;
+  void add_step(std::span<const ContactImpulse> impulses);
+
+  // Of each flow and box count (1) and mass (kg); of a flow also the momentum along its normal (kg m/s), all per frame; of a box
+  // the mean velocity by mass (m/s) and the granular temperature, a third of the mean square of velocities about it by mass
+  // (m^2/s^2), no values where nothing is in it, and the share of its room that bodies with their centres in it take; of a force
+  // its mean over the frame (N), and the mean torque (N m); of a stress its mean over the frame (Pa), positive in compression:
+  // the sum of force times branch over the contacts whose points are in the box, over its volume.
+  // The same bits on any number of ranks. Collective.
   std::vector<NamedValue> columns(MPI_Comm comm, const World& world) const;
 
  private:
   std::span<const Probe> probes_;
-  std::vector<Vec3> start_;  // m, of home bodies; empty where no probe is a flow
+  double frame_;
+  std::vector<Vec3> start_;         // m, of home bodies; empty where no probe is a flow
+  std::vector<ExactSum> impulses_;  // of this frame, as probes.cpp has them; empty where no probe is of contacts
 };
 
 }  // namespace unibody

@@ -56,6 +56,10 @@ const std::array columns{
 };
 #undef COLUMN
 
+std::string without_unit(const std::string& name) { return name.substr(0, name.find(" (")); }
+
+bool is_named(const std::string& column, const std::string& name) { return column == name || without_unit(column) == name; }
+
 // What is wrong with the first number that is not finite; empty where all are.
 std::string infinite_column(const FrameReport& report) {
   const auto fault = [](const std::string& name, double value) {
@@ -75,6 +79,21 @@ std::string report_header(std::span<const NamedValue> constraint_columns) {
   for (const Column& c : columns) line.append(line.empty() ? "" : ",").append(c.name);
   for (const NamedValue& c : constraint_columns) line.append(",").append(c.name);
   return line;
+}
+
+std::vector<std::string> report_names(std::span<const NamedValue> constraint_columns) {
+  std::vector<std::string> names;
+  for (const Column& c : std::span(columns).first(report_comparable_columns)) names.push_back(without_unit(c.name));
+  for (const NamedValue& c : constraint_columns) names.push_back(without_unit(c.name));
+  return names;
+}
+
+std::optional<double> report_value(const FrameReport& report, const std::string& name) {
+  for (const Column& c : std::span(columns).first(report_comparable_columns))
+    if (is_named(c.name, name)) return c.value(report);
+  for (const NamedValue& c : report.constraint_columns)
+    if (is_named(c.name, name)) return c.known ? std::optional(c.value) : std::nullopt;
+  return std::nullopt;
 }
 
 std::string report_row(const FrameReport& report) {

@@ -39,6 +39,11 @@ inline constexpr int report_comparable_columns = 21;
 std::string report_header(std::span<const NamedValue> constraint_columns = {});
 std::string report_row(const FrameReport& report);
 
+// The names of the columns that are the same on any machine, without their units; and the value of one, with or without its unit:
+// none where the report has no such column, or an empty cell.
+std::vector<std::string> report_names(std::span<const NamedValue> constraint_columns);
+std::optional<double> report_value(const FrameReport& report, const std::string& name);
+
 // Throws RunError that names the column on every rank where a number of the report is not finite. Collective.
 void stop_if_not_finite(MPI_Comm comm, const FrameReport& report);
 

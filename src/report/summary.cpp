@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <fstream>
 #include <numeric>
 #include <stdexcept>
@@ -15,6 +16,7 @@
 #include "core/hash.hpp"
 #include "core/hdf5.hpp"
 #include "core/json.hpp"
+#include "report/plan_json.hpp"
 #include "report/version.hpp"
 #include "scene/settings.hpp"
 
@@ -115,6 +117,25 @@ void Summary::add(const FrameReport& report) {
   convergence.add(report);
 }
 
+std::string told(const Summary& summary, const Scene& scene) {
+  std::string text = told(summary.convergence, scene);
+  std::array<char, 256> line{};
+  if (const ErrorSamples& e = summary.errors; e.count > 0) {
+    std::snprintf(line.data(), line.size(),
+                  "error of a step, estimated in %lld frames: at worst %.2e m (frame %lld), in the last %.2e m (frame %lld)\n",
+                  static_cast<long long>(e.count), e.worst.distance, static_cast<long long>(e.worst_frame), e.last.distance,
+                  static_cast<long long>(e.last_frame));
+    text += line.data();
+  }
+  if (summary.form_left > 0) {
+    std::snprintf(line.data(), line.size(),
+                  "form: %lld of %lld steps were taken in the incremental form, edges moved too far in them for the total one\n",
+                  static_cast<long long>(summary.form_left), static_cast<long long>(summary.frames() * scene.time.substeps));
+    text += line.data();
+  }
+  return text;
+}
+
 std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary) {
   int ranks = 1;
   check_mpi(MPI_Comm_size(comm, &ranks));
@@ -122,7 +143,9 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   for (const auto& file : summary.files) files.push(file);
   Json j = Json::object();
   j.set("status", summary.status).set("scene", scene_json(scene, summary)).set("settings", settings_json(scene, summary.solver));
-  j.set("versions", versions_json()).set("ranks", ranks);
+  Json plans = Json::array();
+  for (const StepPlan& plan : summary.plans) plans.push(json_of(plan));
+  j.set("plans", plans).set("versions", versions_json()).set("ranks", ranks);
   j.set("first_frame", summary.first_frame).set("last_frame", summary.last_frame);
   if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);
   j.set("convergence", json_of(summary.convergence, scene));

@@ -9,6 +9,7 @@
 #include "report/convergence.hpp"
 #include "report/report.hpp"
 #include "scene/scene.hpp"
+#include "step/plan.hpp"
 
 namespace unibody {
 
@@ -30,8 +31,9 @@ struct ErrorSamples {
 
 struct Summary {
   std::vector<Override> overrides;
-  SolverSettings solver;       // as used: with what "auto" came to
-  std::string restarted_from;  // path of the checkpoint; empty: none
+  SolverSettings solver;        // as used: with what "auto" came to
+  std::vector<StepPlan> plans;  // of the last step: one, or one of each kind of islands
+  std::string restarted_from;   // path of the checkpoint; empty: none
   std::int64_t first_frame = 0, last_frame = 0;
   double wall_total = 0;  // s, of the whole run
   std::vector<PhaseTimes> phases;
@@ -47,6 +49,10 @@ struct Summary {
   std::int64_t frames() const { return last_frame - first_frame; }
   void add(const FrameReport& report);
 };
+
+// How far the run is from solved and, where this was asked for or happened, what its steps' errors were estimated to be and how
+// many were taken in the other form: lines for the run's end.
+std::string told(const Summary& summary, const Scene& scene);
 
 std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summary);
 

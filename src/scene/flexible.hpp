@@ -39,10 +39,9 @@ inline const std::vector<std::string> node_keys{"name", "position", "orientation
 Nodes read_nodes(const Value& entry, double radius, const Scene& scene);
 
 // Adds the nodes as bodies first .. first + count - 1, with their constraints; returns the first id.
-Id add_flexible(
-    Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
-    std::function<void(Id first, Id node, ConstraintSet& out)> touching,
-    std::function<Id(Id node)> patch = [](Id node) { return node / 256; });
+Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
+                std::function<void(Id first, Id node, ConstraintSet& out)> touching,
+                std::function<Id(Id node)> patch = patch_by_number);
 
 // Reads `pins` of a flexible body whose nodes are bodies first .. first + count - 1, the last ones so far, where the entry has
 // it: a list of {node: ..., to: body, release: s} or {near: [x, y, z], ...}. `number(value)` reads a node as the entry names it.
@@ -53,12 +52,12 @@ void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::
 struct MeshShape {
   Id count = 0;
   std::function<Vec3(Id node)> place;
-  std::function<double(Id node)> mass;                                    // kg
-  std::function<void(Id first, Id node, ConstraintSet& out)> touching;    // ids from `first` on
-  std::function<Id(Id node)> patch = [](Id node) { return node / 256; };  // what a partition moves as one
-  std::function<Id(const Value&)> number;                                 // of a node as pins name it
-  Id triangle_count = 0;                                                  // to be touched and drawn
-  bool closed = false;                                                    // they bound a solid
+  std::function<double(Id node)> mass;                                  // kg
+  std::function<void(Id first, Id node, ConstraintSet& out)> touching;  // ids from `first` on
+  std::function<Id(Id node)> patch = patch_by_number;                   // what a partition moves as one
+  std::function<Id(const Value&)> number;                               // of a node as pins name it
+  Id triangle_count = 0;                                                // to be touched and drawn
+  bool closed = false;                                                  // they bound a solid
   std::function<std::array<Id, 3>(Id triangle)> triangle;
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> triangles_of;  // those at a node
   Id tetrahedron_count = 0;                                                        // of a solid, for the output

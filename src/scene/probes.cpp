@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 
+#include "core/text.hpp"
 #include "scene/body_entry.hpp"
 
 namespace unibody {
@@ -48,9 +50,9 @@ void read_flow(const Value& flow, const Scene& scene, Probe& probe) {
   if (const Value* radius = flow.find("radius")) probe.radius = radius->number(positive, "m");
 }
 
-void read_box_probe(const Value& box, Probe& probe) {
+void read_box_of(const Value& box, Probe::Kind kind, Probe& probe) {
   box.map({"low", "high"});
-  probe.kind = Probe::Kind::box;
+  probe.kind = kind;
   probe.low = box.need("low", "a corner (m)").vector(any_number, "m");
   const Value& high = box.need("high", "the other corner (m)");
   probe.high = high.vector(any_number, "m");
@@ -58,9 +60,67 @@ void read_box_probe(const Value& box, Probe& probe) {
     high.fail_expected("a corner that is above the other one along each axis (m)");
 }
 
+// The bodies of an entry, of any section, that has this name; NAME[k]: one of them, from 0.
+IdRange read_named(const Value& value, const Scene& scene) {
+  const std::string expected = "the name of an entry of bodies, cloths, threads or solids, or one of its bodies as name[0]";
+  std::string name = value.string(expected);
+  Id number = -1;
+  if (const auto bracket = name.find('['); bracket != std::string::npos && name.back() == ']') {
+    const char *first = name.data() + bracket + 1, *last = name.data() + name.size() - 1;
+    const auto result = std::from_chars(first, last, number);
+    if (result.ec != std::errc() || result.ptr != last || number < 0) value.fail_expected(expected);
+    name.resize(bracket);
+  }
+  const auto is_named = [&](const BodyGroup& g) { return !name.empty() && g.name == name; };
+  const auto group = std::ranges::find_if(scene.groups, is_named);
+  if (group == scene.groups.end()) {
+    std::vector<std::string> names;
+    for (const BodyGroup& g : scene.groups) names.push_back(g.name);
+    value.fail(value.found() + ", a name that no entry has" + did_you_mean(name, names), expected);
+  }
+  if (const auto others = std::count_if(std::next(group), scene.groups.end(), is_named); others > 0)
+    value.fail(value.found() + ", the name of " + std::to_string(others + 1) + " entries", expected);
+  if (number >= group->count)
+    value.fail(value.found() + " of " + std::to_string(group->count), "a number below " + std::to_string(group->count));
+  return number < 0 ? IdRange{group->first, group->first + group->count}
+                    : IdRange{group->first + number, group->first + number + 1};
+}
+
+void refuse_bodies(const Value& entry, const std::string& beside) {
+  for (const char* key : {"of", "material"})
+    if (const Value* other = entry.find(key)) other->fail_expected("no such key beside " + beside);
+}
+
+void read_force(const Value& entry, const Value& force, const Scene& scene, Probe& probe) {
+  force.map({"on", "by", "about"});
+  refuse_bodies(entry, "force, which has on and by");
+  probe.kind = Probe::Kind::force;
+  probe.on = read_named(force.need("on", "the name of an entry"), scene);
+  if (const Value* by = force.find("by")) probe.by = read_named(*by, scene);
+  if (const Value* about = force.find("about")) probe.point = read_vector(*about, scene, "m");
+}
+
+void read_stress(const Value& entry, const Value& stress, Probe& probe) {
+  refuse_bodies(entry, "stress, which is that of all contacts in its box");
+  read_box_of(stress, Probe::Kind::stress, probe);
+}
+
+// The one value that says what the probe measures.
+const Value* kind_of(const Value& entry) {
+  const Value* found = nullptr;
+  for (const char* key : {"flow", "box", "force", "stress"}) {
+    const Value* value = entry.find(key);
+    if (value && found) value->fail(std::string(key) + " beside another measurement", "only one of flow, box, force and stress");
+    if (value) found = value;
+  }
+  if (!found)
+    entry.fail_missing("flow", "a map with point and normal, or box or stress: one with low and high, or force: one with on");
+  return found;
+}
+
 }  // namespace
 
-std::vector<std::string> probe_keys() { return {"name", "of", "material", "flow", "box"}; }
+std::vector<std::string> probe_keys() { return {"name", "of", "material", "flow", "box", "force", "stress"}; }
 
 void read_probes(const Value& list, Scene& scene) {
   for (const Value& entry : list.list("probes")) {
@@ -68,13 +128,11 @@ void read_probes(const Value& list, Scene& scene) {
     Probe probe;
     probe.name = read_name(entry.need("name", "a name"), scene);
     probe.bodies = read_probed(entry, scene);
-    const Value *flow = entry.find("flow"), *box = entry.find("box");
-    if (flow && box) box->fail("a box beside a flow", "only one of them");
-    if (!flow && !box) entry.fail_missing("flow", "a map with point and normal, or box: one with low and high");
-    if (flow)
-      read_flow(*flow, scene, probe);
-    else
-      read_box_probe(*box, probe);
+    const Value* kind = kind_of(entry);
+    if (kind == entry.find("flow")) read_flow(*kind, scene, probe);
+    if (kind == entry.find("box")) read_box_of(*kind, Probe::Kind::box, probe);
+    if (kind == entry.find("force")) read_force(entry, *kind, scene, probe);
+    if (kind == entry.find("stress")) read_stress(entry, *kind, probe);
     scene.probes.push_back(std::move(probe));
   }
 }

@@ -8,6 +8,7 @@
 
 #include "joints/joint_set.hpp"
 #include "scene/body_entry.hpp"
+#include "scene/events.hpp"
 #include "scene/flexible.hpp"
 #include "scene/in_time.hpp"
 #include "scene/joints.hpp"
@@ -163,6 +164,7 @@ const Field<Scene> sections[] = {
     {"solids", read_solids},
     {"joints", read_joints},
     {"probes", read_probes},
+    {"events", read_events},
 };
 
 // newton solves equations between the nodes of one flexible body, and knows no contacts.

@@ -14,6 +14,7 @@
 #include "constraints/solver_settings.hpp"
 #include "core/time_value.hpp"
 #include "joints/joint.hpp"
+#include "scene/event.hpp"
 #include "scene/probe.hpp"
 #include "world/body.hpp"
 #include "world/surface.hpp"
@@ -29,10 +30,12 @@ struct TimeSettings {
 };
 
 struct OutputSettings {
-  int every = 1;               // frames between written frames; 0: none
-  int checkpoint_every = 100;  // frames between checkpoints; 0: at the end only; -1: none at all
+  int every = 1;                  // frames between written frames; 0: none
+  int checkpoint_every = 100;     // frames between checkpoints; 0: at the end only; -1: none at all
+  double checkpoint_minutes = 0;  // wall time between checkpoints, beside those; 0: no matter
   bool single_precision = false;
   bool joints = false;    // write what each joint does
+  int contacts = 0;       // frames between those whose contacts are written; 0: none
   bool crossings = true;  // count, in every frame, the edges that go through faces
 };
 
@@ -69,6 +72,12 @@ struct BodyGroup {
   std::shared_ptr<const LoadInTime> load;      // of dynamic bodies; null: it is constant
 };
 
+// The patch of neighbours that a node belongs to, where nothing is known of its neighbours: a run of numbers.
+inline Id patch_by_number(Id number) {
+  constexpr Id nodes_of_patch = 256;
+  return number / nodes_of_patch;
+}
+
 // The constraints inside a run of bodies of consecutive ids, such as the nodes of a cloth. `touching(id, out)` adds every one
 // that touches body `id`: a pure function, so that each rank makes only those of its own bodies.
 struct ConstraintGroup {
@@ -76,8 +85,8 @@ struct ConstraintGroup {
   Id count = 0;
   std::function<void(Id id, ConstraintSet& out)> touching;
 
-  // The patch of neighbours that a body belongs to: what a partition moves as one. By default a run of ids.
-  std::function<Id(Id id)> patch_of = [](Id id) { return id / 256; };
+  // The patch of neighbours that a body belongs to: what a partition moves as one.
+  std::function<Id(Id id)> patch_of = patch_by_number;
 };
 
 // A node that is held until a time: where it is, or at the point of a fixed or kinematic body at which it is at the start.
@@ -133,6 +142,7 @@ struct Scene {
   std::vector<Joint> joints;
   std::int32_t joint_colours = 0, joint_trees = 0;
   std::vector<Probe> probes;
+  std::vector<EndEvent> end_events;
   std::vector<std::string> notes;  // what a person should know of what was read
 
   Vec3 gravity_at(double t) const { return gravity_in_time ? gravity_in_time->at(t) : gravity; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/events.hpp"
 #include "scene/flexible.hpp"
 #include "scene/joints.hpp"
 #include "scene/probes.hpp"
@@ -93,7 +94,8 @@ std::string scene_schema() {
       .set("threads", list_of(map_of(thread_keys(), {"points", "segments"}), "threads"))
       .set("solids", list_of(map_of(solid_keys(), {"thickness"}), "soft solids"))
       .set("joints", list_of(joint(), "joints between bodies"))
-      .set("probes", list_of(map_of(probe_keys(), {"name"}), "what report.csv measures beside its usual columns"));
+      .set("probes", list_of(map_of(probe_keys(), {"name"}), "what report.csv measures beside its usual columns"))
+      .set("events", list_of(map_of(event_keys(), event_keys()), "what happens when something else has happened"));
   return Json::object()
              .set("$schema", "http://json-schema.org/draft-07/schema#")
              .set("title", "A scene of Unibody")

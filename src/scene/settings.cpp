@@ -112,8 +112,12 @@ const SettingList<OutputSettings>& output_settings() {
       integer("every", "frames", 0, 1'000'000'000, &T::every, "frames from one written frame to the next; 0: none is written"),
       flag("crossings", &T::crossings, "count in every frame the edges of cloths and threads that go through faces of cloths"),
       flag("joints", &T::joints, "write what each joint does, in the frames that are written"),
+      integer("contacts", "frames", 0, 1'000'000'000, &T::contacts,
+              "frames from one to the next whose contacts and forces are written; 0: none"),
       integer("checkpoint_every", "frames", -1, 1'000'000'000, &T::checkpoint_every,
               "frames from one checkpoint to the next; 0: one at the end; -1: none"),
+      number("checkpoint_minutes", "min", not_negative, &T::checkpoint_minutes,
+             "wall time after which a frame is followed by a checkpoint, whatever checkpoint_every says; 0: no matter"),
       precision(),
   };
   return list;

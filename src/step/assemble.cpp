@@ -153,7 +153,7 @@ void predict(const RankState& state, System& system) {
   if (state.drag.any()) state.drag.apply(world, state.step(), world.homes, system.bodies);
 }
 
-void assemble(RankState& state, System& system, std::span<double> turning) {
+void assemble(RankState& state, System& system, std::span<double> geometric_stiffness) {
   state.attached = attached_nodes(state.scene, state.world, state.time());
   if (state.scene.solver.level == Level::velocity)
     for (AttachedNode& a : state.attached) a.gap *= state.scene.solver.stabilisation;
@@ -166,7 +166,7 @@ void assemble(RankState& state, System& system, std::span<double> turning) {
   state.exchange.finish_step();
   if (state.drag.any()) state.exchange.refresh(system.bodies);
   state.impacts = resolve_impacts(state, system);
-  steady_turning(state, system, turning);
+  steady_by_stiffness(state, system, geometric_stiffness);
 
   std::pmr::vector<std::uint32_t> order(state.contacts.manifolds.size(), &state.scratch);
   std::vector<std::uint32_t> groups;

@@ -15,8 +15,8 @@ BuildContext build_context(RankState& state, const System& system);
 void predict(const RankState& state, System& system);
 
 // Lays out this step's constraints: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow
-// it. turning: see steadying.hpp; empty: no joints. Collective.
-void assemble(RankState& state, System& system, std::span<double> turning);
+// it. geometric_stiffness: see steadying.hpp; empty: no joints. Collective.
+void assemble(RankState& state, System& system, std::span<double> geometric_stiffness);
 
 // What the plan needs to know of the step. After the warm start's multipliers of the constraints have been set. Collective.
 StepFacts facts_of(const RankState& state, System& system);

@@ -41,9 +41,9 @@ bool has_iterative_joints(const RankState& state) {
   return state.traits.has_joints && state.scene.solver.joints == JointSolve::iterative;
 }
 
-// Solves the rows of the position stage, on the multipliers of both stages together (Stages::joint): what a step with any number
-// of iterations is after. What follows on a solve, the guard of surfaces and friction after the solve, the converged step has
-// too. Starts from the system as it is.
+// Solves the rows of the position stage, on the multipliers of both stages together (Stages::together): what a step with any
+// number of iterations is after. What follows on a solve, the guard of surfaces and friction after the solve, the converged step
+// has too. Starts from the system as it is.
 ConvergedStep converge(RankState& state, System& system, StepPlan plan, const StepFacts& facts, SolveFunction solver) {
   plan.islands = Islands::all;
   ConvergedStep converged;
@@ -142,7 +142,7 @@ void take_history(const RankState& state, const SolvedStep& solved, RankState& o
 }
 
 // The same step on a system of its own, from the multipliers that the step ended with.
-ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::span<const double> turning) {
+ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::span<const double> geometric_stiffness) {
   const Scene scene = scene_of_reference(state);
   PhaseClock clock;
   RankState other(state.comm(), scene, clock, state.shares_memory);
@@ -157,13 +157,13 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
   refresh_guests(other);
   build_lasting(other, system);
   find_contacts(other);
-  std::vector<double> own_turning(other.world.size() + 1, 0.0);
-  if (!turning.empty()) std::copy_n(turning.begin(), state.world.homes, own_turning.begin());
+  std::vector<double> own_stiffness(other.world.size() + 1, 0.0);
+  if (!geometric_stiffness.empty()) std::copy_n(geometric_stiffness.begin(), state.world.homes, own_stiffness.begin());
   ConvergedStep converged;
   const Scratch::Frame frame(other.scratch);
-  take_steadily(other, system, own_turning, [&] {
+  take_steadily(other, system, own_stiffness, [&] {
     predict(other, system);
-    assemble(other, system, own_turning);
+    assemble(other, system, own_stiffness);
     const StepFacts facts = facts_of(other, system);
     const StepPlan plan = unibody::plan(scene.solver, other.traits, facts);
     warm_start(other, system, plan);
@@ -184,9 +184,10 @@ ConvergedStep converged_step(RankState& state, System& system, const StepPlan& p
     best.iterations = iterations;
   };
   const bool other = has_other_reference(state);
-  if (other && has_iterative_joints(state)) take(solve_anew(state, solved, state.turning));
+  if (other && has_iterative_joints(state)) take(solve_anew(state, solved, state.geometric_stiffness));
   if (!(best.residual <= solved_to)) take(solve_on(state, system, plan, facts, solved));
-  if (other && !has_iterative_joints(state) && !(best.residual <= solved_to)) take(solve_anew(state, solved, state.turning));
+  if (other && !has_iterative_joints(state) && !(best.residual <= solved_to))
+    take(solve_anew(state, solved, state.geometric_stiffness));
   return best;
 }
 

@@ -8,6 +8,7 @@
 #include "collide/collide.hpp"
 #include "constraints/friction.hpp"
 #include "step/blow.hpp"
+#include "step/contact_forces.hpp"
 #include "step/first_touch.hpp"
 
 namespace unibody {
@@ -296,9 +297,19 @@ class Impacts {
     for (std::uint32_t k = 0; k < touch.count; ++k) {
       const Vec3 f = axes * blow.impulse[k];
       force += f, torque_a += touch.points[k].arm_a.cross(f), torque_b += touch.points[k].arm_b.cross(f);
+      record(pair, touch, k, f);
     }
     push(i, force, turn_a * torque_a, pair.time);
     push(j, -force, -(turn_b * torque_b), pair.time);
+  }
+
+  // For those who measure forces: what moves has its arm from where it is at the start of the step.
+  void record(const Pair& pair, const Touch& touch, std::uint32_t k, const Vec3& impulse) {
+    const Manifold& m = contacts_.manifolds[pair.manifold];
+    if (!counts_here(world_, m)) return;
+    const Vec3 point = moves(pair.a) ? world_.position[static_cast<std::size_t>(pair.a)] + touch.points[k].arm_a
+                                     : world_.position[static_cast<std::size_t>(pair.b)] + touch.points[k].arm_b;
+    add_impulse(world_, m, point, touch.normal, impulse, state_.impact_impulses);
   }
 
   void push(std::size_t i, const Vec3& impulse, const Vec3& turning, double time) {
@@ -390,7 +401,7 @@ std::int64_t resolve_impacts(RankState& state, System& system) {
   for (Manifold& m : state.contacts.manifolds) m.displaced = 0;
   if (!state.gaps_found.empty())  // the step is taken once more
     for (std::size_t p = 0; p < state.contacts.points.size(); ++p) state.contacts.points[p].gap = state.gaps_found[p];
-  state.displaced.clear(), state.turned.clear(), state.gaps_found.clear();
+  state.displaced.clear(), state.turned.clear(), state.gaps_found.clear(), state.impact_impulses.clear();
   return Impacts(state, system).run();
 }
 

@@ -15,6 +15,7 @@
 #include "scene/scene.hpp"
 #include "solve/drag.hpp"
 #include "solve/solver.hpp"
+#include "step/contact_impulse.hpp"
 #include "step/history.hpp"
 #include "step/plan.hpp"
 #include "world/world.hpp"
@@ -52,15 +53,16 @@ struct RankState {
   Surfaces surfaces;                           // where they may touch anything, or feel the air; else empty
   Drag drag;
   CollideSettings collide_settings;
-  std::vector<std::int32_t> crowd_ranks;     // by slot (crowds.hpp); empty where nothing is crowded
-  std::vector<double> turning;               // h^2 K of each slot (kg m^2) that the step is steadied for; empty: no joints
-  std::vector<Vec3> displaced;               // m, by slot: where a body that was hit seems to start the step; empty: none was hit
-  std::vector<Vec3> turned;                  // rad, the same of its turn
-  std::int64_t impacts = 0;                  // of the step, which this rank counts
-  std::vector<double> gaps_found;            // m, of contact points, before impacts were taken into them; empty: they were not
-  Form form = Form::incremental;             // in which this step solves constraints between centres
-  ConstraintColours colours{};               // of each type, over all ranks
-  std::vector<std::int32_t> lasting_counts;  // for the Jacobi solvers, of each slot: constraints of the batches that last
+  std::vector<std::int32_t> crowd_ranks;    // by slot (crowds.hpp); empty where nothing is crowded
+  std::vector<double> geometric_stiffness;  // h^2 K of each slot (kg m^2) that the step is steadied for; empty: no joints
+  std::vector<Vec3> displaced;              // m, by slot: where a body that was hit seems to start the step; empty: none was hit
+  std::vector<Vec3> turned;                 // rad, the same of its turn
+  std::int64_t impacts = 0;                 // of the step, which this rank counts
+  std::vector<ContactImpulse> impact_impulses;  // of these
+  std::vector<double> gaps_found;               // m, of contact points, before impacts were taken into them; empty: they were not
+  Form form = Form::incremental;                // in which this step solves constraints between centres
+  ConstraintColours colours{};                  // of each type, over all ranks
+  std::vector<std::int32_t> lasting_counts;     // for the Jacobi solvers, of each slot: constraints of the batches that last
 
   Halo halo;
   Exchange exchange;

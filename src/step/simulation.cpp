@@ -55,7 +55,7 @@ StepReport Simulation::step(const StepRequest& request) {
   }
   StepReport all;
   StepRequest within;  // of a part before the last
-  within.name_above = request.name_above;
+  within.name_above = request.name_above, within.impulses = request.impulses;
   set_length(whole_step / parts);
   for (int k = 0; k < parts; ++k) {
     time_in_step = k * RankState::step();
@@ -79,7 +79,7 @@ StepReport Simulation::take_part(const StepRequest& request) {
     detect();
     const PhaseClock::Scope scope(clock, Phase::solve);
     const Scratch::Frame frame(scratch);
-    if (traits.has_joints) turning = turning_of_joints(*this);
+    if (traits.has_joints) geometric_stiffness = geometric_stiffness_of_joints(*this);
     StepRequest asked = request;
     asked.may_be_outrun = tries < most_searches;
     report = take_in_form(asked);
@@ -95,7 +95,7 @@ StepReport Simulation::take_part(const StepRequest& request) {
 // One way of taking the step; there may be another one, from the same origin.
 StepReport Simulation::attempt(const StepRequest& request) {
   predict(*this, system_);
-  assemble(*this, system_, turning);
+  assemble(*this, system_, geometric_stiffness);
   if (leaves_total_form(*this, system_)) set_form(*this, system_, Form::incremental);
   const StepFacts facts = facts_of(*this, system_);
   const StepPlan plan = unibody::plan(scene.solver, traits, facts);
@@ -106,7 +106,7 @@ StepReport Simulation::attempt(const StepRequest& request) {
 // taken in the incremental form, which is bounded there. It is not the step that was asked for, and so not converged.
 StepReport Simulation::take_in_form(const StepRequest& request) {
   StepReport report;
-  const auto take = [&] { take_steadily(*this, system_, turning, [&] { report = attempt(request); }); };
+  const auto take = [&] { take_steadily(*this, system_, geometric_stiffness, [&] { report = attempt(request); }); };
   if (scene.solver.form != Form::total || !traits.has_centre_constraints) {
     take();
     return report;

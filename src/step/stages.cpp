@@ -6,6 +6,7 @@
 #include "core/checked.hpp"
 #include "solve/friction_postprocess.hpp"
 #include "solve/surface_guard.hpp"
+#include "step/contact_forces.hpp"
 #include "step/contact_problem.hpp"
 #include "step/error_estimate.hpp"
 #include "step/struck.hpp"
@@ -141,7 +142,7 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
     if (plan.stages == Stages::two) done.left_by_velocities = std::ranges::max(residuals(system));
     if (done.left_by_velocities > name_above) done.worst = worst_constraint(system, state.world);
     for_each_batch(system.batches, [&]<class B>(auto, B& batch) {
-      if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::joint);
+      if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::together);
     });
   }
   done.iterations += run(Stage::Kind::position, state.scene.solver.iterations - done.iterations).iterations;
@@ -166,14 +167,16 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
 
   const StagesDone done = run_stages(state, system, plan, facts, request.name_above);
   StagesDone free;
+  StepReport report;
+  report.plans = {plan};
   if (plan.islands == Islands::constrained) {
     const StepPlan of_free = plan_of_free_islands(state.scene.solver, state.traits, facts);
+    report.plans.push_back(of_free);
     free = run_stages(state, system, of_free, facts, request.name_above);
     system.contacts().set_free_leak(free.leak);
     take_all_islands(system);
     if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
   }
-  StepReport report;
   report.iterations = std::max(done.iterations, free.iterations);
   measure_solution(state, system, plan, report, std::max(done.left_by_velocities, free.left_by_velocities));
   if (request.may_be_outrun && find_struck(state, system)) {
@@ -185,6 +188,7 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
         worst_over_ranks(state.comm(), worse_of(worst_constraint(system, state.world), worse_of(done.worst, free.worst)));
   if (wanted) solved = solved_step(system, std::move(solved));
   if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
+  if (request.impulses) report.impulses = contact_impulses(state, system);
   follow_up(state, system, done.leak, report);
   if (request.error) report.error = estimate_error(state, system, plan, facts, solved);
   return report;

@@ -18,11 +18,11 @@ double least_moment(const RankState& state, std::size_t slot) {
 }
 
 // Whether the step's own forces exceed what it was steadied for.
-bool turns_too_fast(const RankState& state, std::span<const double> turning, std::span<const double> found) {
+bool turns_too_fast(const RankState& state, std::span<const double> geometric_stiffness, std::span<const double> found) {
   bool here = false;
   for (std::size_t i = 0; i < state.world.homes; ++i)
     if (state.world.properties[i].shape.kind != ShapeKind::particle)
-      here |= !(found[i] <= 2 * std::max(turning[i], least_moment(state, i)));
+      here |= !(found[i] <= 2 * std::max(geometric_stiffness[i], least_moment(state, i)));
   return state.any_over_ranks(here);
 }
 
@@ -30,23 +30,24 @@ bool has_turning_joints(const RankState& state) { return state.traits.has_joints
 
 }  // namespace
 
-std::vector<double> turning_of_joints(const RankState& state) {
-  std::vector<double> turning(state.world.size() + 1, 0.0);
+std::vector<double> geometric_stiffness_of_joints(const RankState& state) {
+  std::vector<double> geometric_stiffness(state.world.size() + 1, 0.0);
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.joints[i])];
     const Slot ends[2] = {state.joint_slots[i].a, state.joint_slots[i].b};
     for (std::size_t e = 0; e < 2; ++e)
-      turning[static_cast<std::size_t>(ends[e])] += state.step() * turning_stiffness(joint, e, state.history.joints()[i]);
+      geometric_stiffness[static_cast<std::size_t>(ends[e])] +=
+          state.step() * turning_stiffness(joint, e, state.history.joints()[i]);
   }
-  return turning;
+  return geometric_stiffness;
 }
 
-void steady_turning(RankState& state, System& system, std::span<double> turning) {
+void steady_by_stiffness(RankState& state, System& system, std::span<double> geometric_stiffness) {
   if (!has_turning_joints(state)) return;
   const World& world = state.world;
-  state.exchange.refresh(turning);
+  state.exchange.refresh(geometric_stiffness);
   for (std::size_t i = 0; i < world.first_static(); ++i) {
-    const double missing = turning[i] - least_moment(state, i);
+    const double missing = geometric_stiffness[i] - least_moment(state, i);
     SolverBody& body = system.bodies[i];
     if (!(missing > 0) || world.properties[i].shape.kind == ShapeKind::particle) continue;
     if (system.isotropic[i]) {
@@ -59,16 +60,18 @@ void steady_turning(RankState& state, System& system, std::span<double> turning)
   }
 }
 
-void take_steadily(RankState& state, System& system, std::vector<double>& turning, const std::function<void()>& attempt) {
+void take_steadily(RankState& state, System& system, std::vector<double>& geometric_stiffness,
+                   const std::function<void()>& attempt) {
   if (!has_turning_joints(state)) return attempt();
   constexpr int most_repeats = 3;
   const StepOrigin origin = origin_of(state);
   for (int repeats = 0;; ++repeats) {
     attempt();
-    const std::vector<double> found = turning_of_joints(state);
-    if (repeats == most_repeats || !turns_too_fast(state, turning, found)) return;
+    const std::vector<double> found = geometric_stiffness_of_joints(state);
+    if (repeats == most_repeats || !turns_too_fast(state, geometric_stiffness, found)) return;
     for (std::size_t i = 0; i < found.size(); ++i)
-      turning[i] = std::isfinite(found[i]) ? std::max(turning[i], found[i]) : std::numeric_limits<double>::max();
+      geometric_stiffness[i] =
+          std::isfinite(found[i]) ? std::max(geometric_stiffness[i], found[i]) : std::numeric_limits<double>::max();
     go_back(state, system, origin);
   }
 }

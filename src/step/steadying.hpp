@@ -17,14 +17,16 @@
 namespace unibody {
 
 // h^2 K of each slot (kg m^2), by the last step's impulses of the joints: right for home bodies, whose joints are all here.
-std::vector<double> turning_of_joints(const RankState& state);
+std::vector<double> geometric_stiffness_of_joints(const RankState& state);
 
-// Raises the inertia of the bodies that turn too fast. turning: h^2 K, of home bodies; that of guests is filled in. Collective.
-void steady_turning(RankState& state, System& system, std::span<double> turning);
+// Raises the inertia of the bodies that turn too fast. geometric_stiffness: h^2 K, of
+// home bodies; that of guests is filled in. Collective.
+void steady_by_stiffness(RankState& state, System& system, std::span<double> geometric_stiffness);
 
 // Takes the step, by `attempt`, and again for the step's own forces where they turned bodies faster than it was steadied for; at
-// an impact they come from nothing. turning: as the last step has left it; raised. Collective.
-void take_steadily(RankState& state, System& system, std::vector<double>& turning, const std::function<void()>& attempt);
+// an impact they come from nothing. geometric_stiffness: as the last step has left it; raised. Collective.
+void take_steadily(RankState& state, System& system, std::vector<double>& geometric_stiffness,
+                   const std::function<void()>& attempt);
 
 // What a step starts from; and back to it, with an empty system.
 StepOrigin origin_of(const RankState& state);

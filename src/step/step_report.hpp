@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "solve/batches.hpp"
 #include "solve/surface_guard.hpp"
+#include "step/contact_impulse.hpp"
+#include "step/plan.hpp"
 #include "step/step_error.hpp"
 #include "step/worst_constraint.hpp"
 
@@ -21,6 +24,7 @@ struct StepRequest {
   bool error = false;                 // StepReport::error; iterative solvers only
   ContactProblem* problem = nullptr;  // filled in, on rank 0, with the frictional contact problem of the rigid bodies
   double name_above = std::numeric_limits<double>::infinity();  // m: StepReport::worst, where the residual is larger
+  bool impulses = false;                                        // StepReport::impulses
   bool may_be_outrun = false;  // the step may end with StepReport::outrun, nothing but the velocities having changed
 };
 
@@ -29,11 +33,13 @@ struct StepReport {
   double residual = 0;                                     // m, natural residual, of two stages the larger; max over ranks
   bool converged = false;                                  // the residual is within the tolerance
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
-  SurfaceGuard::Held guard;  // pairs that would have passed through each other, had they not been held
-  bool outrun = false;       // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
-  bool form_left = false;    // taken in the incremental form, not the total one that the scene asks for
-  std::int64_t impacts = 0;  // that were resolved by themselves (impacts.hpp), over all ranks
-  std::int64_t sliding = 0;  // contact points at the limit of friction, over all ranks
+  SurfaceGuard::Held guard;     // pairs that would have passed through each other, had they not been held
+  bool outrun = false;          // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
+  bool form_left = false;       // taken in the incremental form, not the total one that the scene asks for
+  std::int64_t impacts = 0;     // that were resolved by themselves (impacts.hpp), over all ranks
+  std::int64_t sliding = 0;     // contact points at the limit of friction, over all ranks
+  std::vector<StepPlan> plans;  // by which it was taken: one, or one of each kind of islands
+  std::vector<ContactImpulse> impulses;  // of contacts that this rank counts, where they were asked for
   std::optional<StepError> error;        // where it was asked for
   std::optional<WorstConstraint> worst;  // the one with the residual, where it was asked for
 
@@ -49,6 +55,8 @@ struct StepReport {
     for (std::size_t k = 0; k < batch_residuals.size(); ++k)
       batch_residuals[k] = std::max(batch_residuals[k], part.batch_residuals[k]);
     form_left = form_left || part.form_left, sliding = part.sliding, error = part.error;
+    plans = part.plans;
+    impulses.insert(impulses.end(), part.impulses.begin(), part.impulses.end());
     if (part.worst && (!worst || part.worst->precedes(*worst))) worst = part.worst;
   }
 

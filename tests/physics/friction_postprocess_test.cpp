@@ -15,7 +15,7 @@ namespace {
 
 constexpr double h = 0.016, g = 9.8, v0 = 5;
 const std::string solver_list[] = {"accelerated_jacobi", "jacobi", "gauss_seidel"};
-constexpr Stages stages_list[] = {Stages::two, Stages::joint, Stages::position};
+constexpr Stages stages_list[] = {Stages::two, Stages::together, Stages::position};
 
 // Gravity leans in the x-z plane: downhill is +x.
 Scene plane_scene(const Body& body, double mu, double tangent, FrictionModel model = FrictionModel::postprocess) {

@@ -24,7 +24,7 @@ Scene one_step_scene(const std::string& solver, Gap gap, Stages stages) {
 TEST(ReevaluatedGap, BallsTouchAtTheEndOfTheStep) {
   const double h = 0.016;
   for (const std::string solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"})
-    for (const auto stages : {Stages::position, Stages::joint})
+    for (const auto stages : {Stages::position, Stages::together})
       for (const auto gap : {Gap::frozen, Gap::reevaluated}) {
         Scene scene = one_step_scene(solver, gap, stages);
         scene.solver.margin = 0.1;

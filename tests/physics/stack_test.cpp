@@ -290,7 +290,7 @@ TEST(Stack, HeavyOnLightIsSolvedOrOwnsUp) {
   const std::string fast = "accelerated_jacobi";
   for (const double step : {0.001, 0.004, 0.016}) {
     for (const double ratio : {1.0, 10.0, 100.0, 1000.0})
-      EXPECT_TRUE(holds(fast, 400, Stages::joint, step, ratio)) << "h " << step << ", ratio " << ratio;
+      EXPECT_TRUE(holds(fast, 400, Stages::together, step, ratio)) << "h " << step << ", ratio " << ratio;
     for (const double ratio : {1.0, 10.0}) EXPECT_TRUE(holds(fast, 50, Stages::automatic, step, ratio)) << step;
     EXPECT_TRUE(holds("jacobi", 50, Stages::automatic, step, 1)) << step;
     holds("gauss_seidel", 50, Stages::automatic, step, 1);
@@ -388,12 +388,12 @@ TEST(Stack, BallInAGroove) {
   }
 }
 
-// A converged tower stays converged: with stages `joint` the position stage keeps the load that the velocity stage found, and has
-// nothing to push against. (A position stage that may only add to it feeds on round-off here and shakes the tower after some
+// A converged tower stays converged: with stages `together` the position stage keeps the load that the velocity stage found, and
+// has nothing to push against. (A position stage that may only add to it feeds on round-off here and shakes the tower after some
 // seconds.)
 TEST(Stack, ConvergedTowerStaysAtRest) {
   Scene scene = scene_with(0.5);
-  scene.solver.stages = Stages::joint, scene.solver.iterations = 400, scene.solver.tolerance = 0, scene.solver.leak = 0;
+  scene.solver.stages = Stages::together, scene.solver.iterations = 400, scene.solver.tolerance = 0, scene.solver.leak = 0;
   for (int k = 0; k < 10; ++k) add(scene, block(1, Vec3::Ones(), Vec3(0, 0, 0.5 + k)));
   add(scene, ground());
   Experiment run(scene);

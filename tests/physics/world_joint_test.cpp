@@ -31,6 +31,7 @@ TEST_P(JointsToTheWorld, DoNotFeelWhatSettlesFarAway) {
 INSTANTIATE_TEST_SUITE_P(Solvers, JointsToTheWorld,
                          testing::Values("{name: accelerated_jacobi, iterations: 6}",
                                          "{name: accelerated_jacobi, iterations: 12, stages: two}",
-                                         "{name: jacobi, iterations: 12, stages: joint}", "{name: gauss_seidel, iterations: 6}"));
+                                         "{name: jacobi, iterations: 12, stages: together}",
+                                         "{name: gauss_seidel, iterations: 6}"));
 
 }  // namespace unibody::small_worlds::world_joint_test

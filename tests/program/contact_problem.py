@@ -20,7 +20,7 @@ BALL = """
     time: {frame: 0.01, frames: 1}
     gravity: [0, 0, -10]
     materials: {stone: {friction: 0.5}}
-    solver: {iterations: 400, tolerance: 0, stages: joint}
+    solver: {iterations: 400, tolerance: 0, stages: together}
     bodies:
       - shape: {plane: {normal: [0, 0, 1]}}
       - {shape: {sphere: {radius: 0.1}}, mass: 2, position: [0, 0, 0.104], velocity: [3, 0, -1]}
@@ -47,7 +47,7 @@ PILE = """
 BLOCK = """
     time: {frame: 0.01, frames: 1}
     materials: {stone: {friction: 0.4}}
-    solver: {stages: joint, tolerance: 0}
+    solver: {stages: together, tolerance: 0}
     bodies:
       - shape: {plane: {normal: [0, 0, 1]}}
       - lattice: {count: 12, columns: [2, 2], spacing: [0.105, 0.105, 0.103], height: 0.055, jitter: 0.002}
@@ -134,7 +134,7 @@ class ContactProblem(ProgramTest):
 
     # At velocity level a penetration of 5 mm is to shrink by gamma of that: its velocity is added.
     def test_a_ball_in_the_ground_at_velocity_level(self):
-        sunk = BALL.replace("0.104]", "0.095]").replace("stages: joint", "level: velocity, stabilisation: 0.3")
+        sunk = BALL.replace("0.104]", "0.095]").replace("stages: together", "level: velocity, stabilisation: 0.3")
         problem = Problem(self.dump(sunk, "sunk"))
         self.assertAlmostEqual(problem.q[0], -1 - 10 * 0.01 - 0.3 * 0.005 / 0.01, places=12)
         np.testing.assert_allclose(problem.r[0], 2 * (1 + 10 * 0.01 + 0.3 * 0.005 / 0.01), rtol=1e-9)
@@ -203,7 +203,7 @@ class ContactProblem(ProgramTest):
             library = ctypes.CDLL("libfclib.so.0")
         except OSError:
             self.skipTest("libfclib0 is not installed")
-        path = self.dump(PILE, "pile", "-set", "solver.stages=joint", "-set", "solver.iterations=1000")
+        path = self.dump(PILE, "pile", "-set", "solver.stages=together", "-set", "solver.iterations=1000")
         name, kept = str(path).encode(), Problem(path)
         for function, kind in (("local", Local), ("global", Global), ("solution", Solution)):
             getattr(library, f"fclib_read_{function}").restype = ctypes.POINTER(kind)

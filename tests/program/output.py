@@ -198,7 +198,13 @@ class Results(ProgramTest):
                        "warm_start": 1 / 3, "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
                        "order": "coloured", "joints": "iterative", "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25,
                        "margin (m)": 0.002},
-            "output": {"every (frames)": EVERY, "crossings": True, "joints": False, "checkpoint_every (frames)": 10, "precision": "double"}})
+            "output": {"every (frames)": EVERY, "crossings": True, "joints": False, "contacts (frames)": 0, "checkpoint_every (frames)": 10, "checkpoint_minutes (min)": 0,
+                       "precision": "double"}})
+        plan, = summary["plans"]
+        self.assertEqual({key: plan[key] for key in ("islands", "stages", "tolerance (m)", "has_velocity_stage", "velocity_iterations", "leak",
+                                                     "most_stiffness")},
+                         {"islands": "all", "stages": "two", "tolerance (m)": 1e-4 * 0.11, "has_velocity_stage": True, "velocity_iterations": 40,
+                          "leak": 0.6, "most_stiffness": 2})
         self.assertEqual(set(summary["files"]), set(os.listdir(self.results)))
         header, rows = report(self.results / "report.csv")
         for name in ("kinetic_energy (J)", "penetration_max (m)", "natural_residual (m)"):

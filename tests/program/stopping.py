@@ -61,6 +61,19 @@ class Stopping(ProgramTest):
         self.assertEqual(rest.state, self.straight(scene))
         self.assertEqual(unibody(scene, "-output", self.folder / "all", "-wall_limit", "1h2m3.5s").code, 0)
 
+    def test_checkpoints_by_wall_time(self):
+        scene = self.scene(SCENE)
+        run = start(command([scene, "-output", self.folder / "part", "-set", "output.checkpoint_minutes=0.0005"], 2))
+        checkpoint = self.folder / "part/checkpoint.h5"
+        deadline = time.monotonic() + 60
+        while not checkpoint.is_file() and time.monotonic() < deadline and run.poll() is None:
+            time.sleep(0.01)
+        self.assertIsNone(run.poll(), "the run has ended, whose only other checkpoint is at its end")
+        subprocess.run(["pkill", "-KILL", "-P", str(run.pid)], check=True)
+        run.communicate(timeout=60)
+        rest = self.good(scene, "part", "-restart", "auto", ranks=3)
+        self.assertEqual(rest.state, self.straight(scene))
+
     def test_without_checkpoints_it_says_so(self):
         scene = self.scene(SCENE)
         run = unibody(scene, "-output", self.folder / "part", "-wall_limit", "0.3s", "-set", "output.checkpoint_every=-1")

@@ -144,6 +144,28 @@ def test_a_flow_is_counted(ball):
             simulation.probe("door")
 
 
+def test_forces_are_what_changes_momentum(ball):
+    ball["bodies"] = [{"name": "floor", "shape": {"plane": {"normal": [0, 0, 1]}}},
+                      {"name": "ball", "shape": {"sphere": {"radius": 0.1}}, "mass": 2, "position": [0, 0, 0.15], "velocity": [1, 0, -2]}]
+    ball["gravity"] = [0, 0, -10]
+    ball["probes"] = [{"name": "floor", "force": {"on": "floor"}}]
+    with unibody.Simulation(unibody.Scene(ball)) as simulation:
+        assert np.isnan(simulation.probe("floor")["force_z (N)"])
+        pushed = 0
+        for _ in range(20):
+            before = 2 * simulation.velocities[1]
+            simulation.step()
+            force = (2 * simulation.velocities[1] - before) / simulation.step_length - [0, 0, -20]
+            contacts = simulation.contact_forces()
+            pushed += len(contacts)
+            np.testing.assert_allclose(-contacts["force"].sum(axis=0), force, atol=1e-9)  # on the floor, which is the first side
+            told = simulation.probe("floor")
+            np.testing.assert_allclose([told[f"force_{axis} (N)"] for axis in "xyz"], -force, atol=1e-9)
+            if len(contacts) > 0:
+                assert contacts["bodies"][0].tolist() == [0, 1, -1, -1] and contacts["shares"][0].tolist() == [1, -1, 0, 0]
+        assert pushed > 10
+
+
 def test_the_report_has_a_row_a_step(ball):
     with unibody.Simulation(unibody.Scene(ball, set={"time.substeps": 4})) as simulation:
         simulation.step(6)

@@ -16,7 +16,7 @@ namespace {
 using Row = std::map<std::string, double>;
 
 Row take_frame(Experiment& run, MPI_Comm comm, int steps = 1) {
-  Probes probes(run.scene->probes);
+  Probes probes(run.scene->probes, steps * run.h());
   probes.start_frame(run.world());
   run.steps(steps);
   Row row;
@@ -121,9 +121,11 @@ const std::vector<Fault> faults{
      probed("  - {name: a, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n  - {name: a, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
      "FILE:6: key 'probes[1].name': found a a second time, expected a name of its own for each probe"},
     {"neither", probed("  - {name: a}\n"),
-     "FILE:5: key 'probes[0].flow': found nothing, expected a map with point and normal, or box: one with low and high"},
+     "FILE:5: key 'probes[0].flow': found nothing, expected a map with point and normal, or box or "
+     "stress: one with low and high, or force: one with on"},
     {"both", probed("  - {name: a, box: {low: [0, 0, 0], high: [1, 1, 1]}, flow: {point: [0, 0, 0], normal: [0, 0, 1]}}\n"),
-     "FILE:5: key 'probes[0].box': found a box beside a flow, expected only one of them"},
+     "FILE:5: key 'probes[0].box': found box beside another measurement, expected only one of flow, box, force and "
+     "stress"},
     {"box_turned_over", probed("  - {name: a, box: {low: [0, 0, 0], high: [1, -1, 1]}}\n"),
      "FILE:5: key 'probes[0].box.high': found [1, -1, 1], expected a corner that is above the other one along each axis (m)"},
     {"no_such_entry", probed("  - {name: a, of: nobody, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
@@ -133,7 +135,7 @@ const std::vector<Fault> faults{
     {"normal_not_unit", probed("  - {name: a, flow: {point: [0, 0, 0], normal: [0, 0, 2]}}\n"),
      "FILE:5: key 'probes[0].flow.normal': found [0, 0, 2] of length 2, expected a vector of length 1"},
     {"unknown_key", probed("  - {name: a, sphere: {radius: 1}}\n"),
-     "FILE:5: key 'probes[0].sphere': found an unknown key, expected name, of, material, flow or box"},
+     "FILE:5: key 'probes[0].sphere': found an unknown key, expected name, of, material, flow, box, force or stress"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Faults, ProbeRefuses, testing::ValuesIn(faults), [](const auto& each) { return each.param.name; });

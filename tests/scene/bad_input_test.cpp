@@ -39,7 +39,7 @@ const std::vector<BadInput> bad_files{
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
      "FILE:2: key 'tmie': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, air_density, "
      "solver, output, "
-     "materials, bodies, cloths, threads, solids, joints or probes"},
+     "materials, bodies, cloths, threads, solids, joints, probes or events"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected frame, frames or substeps"},
     {"key_twice", "title: a\ntime: {frame: 1}\ntitle: b\n",
@@ -49,7 +49,7 @@ const std::vector<BadInput> bad_files{
      "FILE:1: key 'time': found nothing, expected a map with the keys frame, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
      "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
-     "materials, bodies, cloths, threads, solids, joints or probes"},
+     "materials, bodies, cloths, threads, solids, joints, probes or events"},
     {"value_missing", "time: {frame: }\n", "FILE:1: key 'time.frame': found nothing, expected a number > 0 (s)"},
 };
 
@@ -120,7 +120,7 @@ const std::vector<BadInput> bad_values{
      "FILE:1: key 'solver.acceleration': found fast, expected auto, optimized, nesterov or none"},
     {"mass_sharing", "solver: {mass_sharing: none}\n",
      "FILE:1: key 'solver.mass_sharing': found none, expected directions or count"},
-    {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected auto, two, joint or position"},
+    {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected auto, two, together or position"},
     {"too_few_iterations_for_two_stages", "solver:\n  iterations: 1\n",
      "FILE:2: key 'solver.iterations': found 1, expected an integer >= 2 (two stages; stages: position needs 1)"},
     {"no_material", "materials: {}\n",
@@ -249,7 +249,7 @@ const std::vector<BadInput> bad_overrides{
      ball,
      "-set tim.step=3: key 'tim': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, "
      "air_density, solver, "
-     "output, materials, bodies, cloths, threads, solids, joints or probes",
+     "output, materials, bodies, cloths, threads, solids, joints, probes or events",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",
      ball,

@@ -39,7 +39,7 @@ const std::string light_cloth =
 
 TEST(Acceleration, IsOptimizedWhereRowsBearIt) {
   expect_automatic(boxes, Is::optimized);
-  expect_automatic(boxes, Is::optimized, ", stages: joint");
+  expect_automatic(boxes, Is::optimized, ", stages: together");
   expect_automatic(boxes, Is::optimized, ", stages: position");
   expect_automatic(boxes, Is::optimized, ", level: velocity");
   expect_automatic(boxes + light_cloth, Is::optimized);

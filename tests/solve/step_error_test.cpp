@@ -116,7 +116,7 @@ TEST(StepError, FallsWithIterations) {
     for (const int iterations : {4, 16, 64, 256}) {
       Experiment e = from(
           start,
-          with_solver(cubes, "name: " + solver + ", tolerance: 0, stages: joint, iterations: " + std::to_string(iterations)));
+          with_solver(cubes, "name: " + solver + ", tolerance: 0, stages: together, iterations: " + std::to_string(iterations)));
       const StepError error = error_of_next_step(e);
       EXPECT_LT(error.distance, last) << solver << ", iterations: " << iterations;
       EXPECT_LT(error.reference_residual, 1e-5) << solver;
@@ -132,10 +132,10 @@ TEST(StepError, IsTheDistanceToAnotherRunThatConverges) {
   Experiment start(scene_from_text(with_solver(cubes, "iterations: 35")));
   start.steps(15);
   Experiment converged =
-      from(start, with_solver(cubes, "name: accelerated_jacobi, tolerance: 0, stages: joint, iterations: 400000"));
+      from(start, with_solver(cubes, "name: accelerated_jacobi, tolerance: 0, stages: together, iterations: 400000"));
   converged.step();
   ASSERT_LT(converged.last.residual, 1e-9);
-  for (const std::string solver : {"name: accelerated_jacobi", "name: gauss_seidel", "name: gauss_seidel, stages: joint",
+  for (const std::string solver : {"name: accelerated_jacobi", "name: gauss_seidel", "name: gauss_seidel, stages: together",
                                    "name: accelerated_jacobi, stages: position"}) {
     Experiment e = from(start, with_solver(cubes, solver + ", iterations: 12"));
     const StepError error = error_of_next_step(e);
@@ -170,7 +170,7 @@ TEST(StepError, IsOfTheLevelThatTheStepHas) {
   start.steps(15);
   const std::string exactly = "name: accelerated_jacobi, tolerance: 0, iterations: 400000, ";
   Experiment converged = from(start, with_solver(cubes, exactly + "level: velocity"));
-  Experiment of_positions = from(start, with_solver(cubes, exactly + "stages: joint"));
+  Experiment of_positions = from(start, with_solver(cubes, exactly + "stages: together"));
   converged.step(), of_positions.step();
   ASSERT_LT(converged.last.residual, 1e-11);
   EXPECT_GT(distance(of_positions.world(), converged.world(), converged.h()), 1e-4);
@@ -203,7 +203,7 @@ TEST(StepError, LeavesTheRunAsItIs) {
     for (const std::string solver :
          {"name: accelerated_jacobi, iterations: 12", "name: gauss_seidel, iterations: 8", "name: jacobi, iterations: 12",
           "name: gauss_seidel, iterations: 8, form: total", "name: accelerated_jacobi, iterations: 12, friction: postprocess",
-          "name: accelerated_jacobi, iterations: 12, stages: joint, gap: reevaluated"}) {
+          "name: accelerated_jacobi, iterations: 12, stages: together, gap: reevaluated"}) {
       Experiment plain(scene_from_text(with_solver(bodies, solver))), asked(scene_from_text(with_solver(bodies, solver)));
       double largest = 0;
       for (int step = 0; step < 12; ++step) {

@@ -21,8 +21,8 @@ std::vector<std::int32_t> marks_of(Experiment& run) {
   run.simulation->detect();
   build_lasting(*run.simulation, system);
   predict(*run.simulation, system);
-  std::vector<double> turning = turning_of_joints(*run.simulation);
-  assemble(*run.simulation, system, turning);
+  std::vector<double> geometric_stiffness = geometric_stiffness_of_joints(*run.simulation);
+  assemble(*run.simulation, system, geometric_stiffness);
   return constrained_islands(*run.simulation, system);
 }
 

@@ -24,7 +24,7 @@ TEST(Steadying, TurningIsTheForceTimesItsArm) {
   run.step();
   const double h = 0.016;
   run.simulation->detect();
-  EXPECT_NEAR(turning_of_joints(*run.simulation)[run.slot(0)], h * h * 2 * 9.81 * 0.5, 1e-9);
+  EXPECT_NEAR(geometric_stiffness_of_joints(*run.simulation)[run.slot(0)], h * h * 2 * 9.81 * 0.5, 1e-9);
 }
 
 // What turns slower than that keeps its inertia; another one has h^2 K instead.
@@ -35,8 +35,8 @@ TEST(Steadying, RaisesTheInertiaToWhatIsMissing) {
   for (const double share : {0.5, 10.0}) {
     System system(&run.simulation->scratch);
     predict(*run.simulation, system);
-    std::vector<double> turning(run.world().size() + 1, share * moment);
-    steady_turning(*run.simulation, system, turning);
+    std::vector<double> geometric_stiffness(run.world().size() + 1, share * moment);
+    steady_by_stiffness(*run.simulation, system, geometric_stiffness);
     EXPECT_NEAR(system.bodies[run.slot(0)].inverse_inertia * moment, share < 1 ? 1 : 1 / share, 1e-12) << share;
     EXPECT_EQ(system.bodies[run.slot(0)].inverse_mass, 0.5);
   }
@@ -51,9 +51,9 @@ TEST(Steadying, TakesTheStepAgainForItsOwnForces) {
   const double moment = 0.4 * 2 * 0.1 * 0.1, h = 0.016;
   const Vec3 start(1, 2, 3);
   run.world().velocity[run.slot(0)] = start;
-  std::vector<double> turning(run.world().size() + 1, 0.0);
+  std::vector<double> geometric_stiffness(run.world().size() + 1, 0.0);
   int attempts = 0;
-  take_steadily(*run.simulation, system, turning, [&] {
+  take_steadily(*run.simulation, system, geometric_stiffness, [&] {
     ++attempts;
     EXPECT_EQ(run.world().velocity[run.slot(0)], start);
     run.world().velocity[run.slot(0)] = Vec3::Zero();
@@ -61,7 +61,7 @@ TEST(Steadying, TakesTheStepAgainForItsOwnForces) {
     run.simulation->history.joints()[0].value[0] = 5 * moment / (h * 0.5);  // h times this and the arm: 5 times the moment
   });
   EXPECT_EQ(attempts, 2);
-  EXPECT_NEAR(turning[run.slot(0)], 5 * moment, 1e-12);
+  EXPECT_NEAR(geometric_stiffness[run.slot(0)], 5 * moment, 1e-12);
 }
 
 }  // namespace unibody::small_worlds::steadying_test
