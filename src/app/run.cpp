@@ -273,7 +273,7 @@ void Run::open_files() {
     frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces, kept_to);
   report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, {}), kept_to);
   if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints, kept_to);
-  if (scene_.output.contacts > 0) contact_file_.emplace(comm_, options_.output, kept_to);
+  if (scene_.output.contacts > 0) contact_file_.emplace(comm_, options_.output, scene_, kept_to);
 }
 
 void Run::write(std::int64_t frame) {

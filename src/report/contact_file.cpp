@@ -7,6 +7,7 @@
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "partition/messages.hpp"
+#include "report/loaded_bodies.hpp"
 
 namespace unibody {
 
@@ -39,6 +40,23 @@ struct ArrayWriter {
 
 std::array<double, 3> list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
+bool write_bodies(hid_t group, const std::vector<LoadedBody>& bodies) {
+  std::vector<std::int64_t> ids;
+  std::vector<std::int32_t> coordination;
+  std::vector<double> stress;
+  for (const LoadedBody& body : bodies) {
+    ids.push_back(body.id), coordination.push_back(body.coordination);
+    stress.insert(stress.end(), body.stress.begin(), body.stress.end());
+  }
+  const auto rows = static_cast<hsize_t>(bodies.size());
+  const auto a = h5::create_dataset(group, "body_ids", H5T_STD_I64LE, rows, 0);
+  const auto b = h5::create_dataset(group, "coordination", H5T_STD_I32LE, rows, 0);
+  const auto c = h5::create_dataset(group, "body_stress", H5T_IEEE_F64LE, rows, 6);
+  bool good = h5::write_rows(a, H5T_NATIVE_INT64, 0, rows, ids.data());
+  good = h5::write_rows(b, H5T_NATIVE_INT32, 0, rows, coordination.data()) && good;
+  return h5::write_rows(c, H5T_NATIVE_DOUBLE, 0, rows, stress.data()) && good;
+}
+
 }  // namespace
 
 template <class F>
@@ -54,7 +72,8 @@ void ContactFile::on_first_rank(F&& f) {
   if (!fault.empty()) throw RunError(fault);
 }
 
-ContactFile::ContactFile(MPI_Comm comm, const std::string& directory, std::int64_t kept_to) : comm_(comm), directory_(directory) {
+ContactFile::ContactFile(MPI_Comm comm, const std::string& directory, const Scene& scene, std::int64_t kept_to)
+    : comm_(comm), directory_(directory), scene_(scene) {
   check_mpi(MPI_Comm_rank(comm, &rank_));
   on_first_rank([&] { open(kept_to); });
   std::int64_t count = static_cast<std::int64_t>(kept_.size());
@@ -125,6 +144,8 @@ void ContactFile::write_rows(std::int64_t frame, double time, const std::vector<
     next += 2;
     return std::array{next - 2, next - 1};
   });
+  const auto bodies = loaded_bodies(contacts, scene_, step);
+  out.good = write_bodies(group, bodies) && out.good;
   h5::write_attribute(group, "time", time);
   h5::write_attribute(group, "frame", frame);
   const bool drawn = draw(frame, time, static_cast<Id>(contacts.size()));

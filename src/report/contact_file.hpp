@@ -9,6 +9,10 @@
 //     normal_force   N, its part along the normal
 //     friction       Coulomb's mu of the pair
 //     places, lines  m, of each point of contact two places between which a line of force may be drawn; their numbers
+//   and, a row each, of the dynamic bodies (not nodes) on which a contact pushes, in ascending order:
+//     body_ids, coordination   with how many other bodies (not nodes) they share such a contact
+//     body_stress    Pa, the sum over their contacts of force times the way from the point of contact to the centre, over the
+//                    body's volume: the symmetric part xx, yy, zz, yz, xz, xy, positive in compression
 #pragma once
 
 #include <mpi.h>
@@ -20,6 +24,7 @@
 
 #include "core/hdf5.hpp"
 #include "report/xdmf_file.hpp"
+#include "scene/scene.hpp"
 #include "step/contact_impulse.hpp"
 
 namespace unibody {
@@ -29,7 +34,7 @@ namespace unibody {
 class ContactFile {
  public:
   // kept_to: where the file is there, its frames up to this one stay; -1: none does.
-  ContactFile(MPI_Comm comm, const std::string& directory, std::int64_t kept_to = -1);
+  ContactFile(MPI_Comm comm, const std::string& directory, const Scene& scene, std::int64_t kept_to = -1);
 
   // step: s, in which the impulses acted. Of contacts that this rank counts.
   void write(std::int64_t frame, double time, std::span<const ContactImpulse> impulses, double step);
@@ -46,6 +51,7 @@ class ContactFile {
   MPI_Comm comm_;
   int rank_ = 0;
   std::string directory_;
+  const Scene& scene_;
   std::vector<std::int64_t> kept_;  // frames, ascending
   h5::Handle file_, frames_;
   XdmfFile xdmf_;

@@ -62,6 +62,13 @@ class Contacts(ProgramTest):
                 np.testing.assert_allclose(found, told, atol=1e-9 * scale)
                 most = max(most, abs(found[2]))
         self.assertGreater(most, 100)
+        # Of the bodies: each pair that pushes counts for both; grains of a pile touch some, and their stress is one of compression.
+        arrays = frames[40][1]
+        pairs = {tuple(ids[:2]) for ids in arrays["ids"] if 0 <= ids[0] < 65 and 0 <= ids[1] < 65}
+        for body, coordination in zip(arrays["body_ids"], arrays["coordination"], strict=True):
+            self.assertEqual(coordination, sum(body in pair for pair in pairs))
+        self.assertTrue(set(arrays["body_ids"]) <= set(range(5, 65)) and len(arrays["body_ids"]) > 30)
+        self.assertGreater(arrays["body_stress"][:, :3].sum(), 0)
         self.assertTrue((frames[40][1]["ids"] >= 65).any(), "nothing touches the cloth")
 
     def test_the_same_bytes_on_any_number_of_ranks_and_through_a_restart(self):

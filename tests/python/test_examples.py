@@ -57,6 +57,19 @@ def test_hopper_discharge():
     assert all(int(a[1]) <= int(b[1]) for a, b in zip(rows, rows[1:]))
 
 
+def test_silo_pressure_is_that_of_janssen(tmp_path):
+    # One parameter for fills of 1 : 4: without friction at the walls both shares would be 1, and with them the law's.
+    for solver in ("accelerated_jacobi", "gauss_seidel"):
+        lines = run(tmp_path, "silo_pressure.py", "--quick", "--solver", solver, "--plot", tmp_path / "plot.png")
+        rows = [[float(word) for word in line.split()] for line in lines[2:]]
+        assert [row[0] for row in rows] == [250, 1000]
+        for _, weight, load, share, law in rows:
+            assert abs(share - load / weight) < 1e-3
+            assert abs(share - law) < 0.06 * law, (solver, rows)
+        assert rows[1][3] < 0.5 < rows[0][3]
+        assert os.path.getsize(tmp_path / "plot.png") > 10000
+
+
 def test_grain_environment_as_a_script(tmp_path):
     assert len(run(tmp_path, "grain_environment.py")) == 4
 

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "partition/balance.hpp"
+#include "report/loaded_bodies.hpp"
 #include "report/probes.hpp"
 #include "scene/scene_text.hpp"
 #include "small_worlds.hpp"
@@ -54,7 +55,7 @@ TEST(Forces, AreWhatChangesMomentum) {
   for (const Way& way : ways) {
     Experiment run(scene_from_text(settings(way.solver, way.substeps) + bodies));
     double mass = 0;
-    for (const BodyProperties& p : run.world().properties) mass += p.is_dynamic() ? p.mass : 0;
+    for (std::size_t i = 0; i < run.world().homes; ++i) mass += run.world().properties[i].mass;
     double most = 0;
     for (int frame = 0; frame < 40; ++frame) {
       const Vec3 before = run.momentum();
@@ -170,6 +171,30 @@ TEST(Stress, OfAColumnIsItsWeightOverItsSection) {
   EXPECT_NEAR(row.at("middle_stress_zz (Pa)"), 4 * m * g * a / (0.12 * 0.12 * 0.1), 1e-3 * expected);
   EXPECT_NEAR(row.at("middle_stress_xx (Pa)"), 0, 1e-3 * expected);
   EXPECT_NEAR(row.at("middle_stress_xz (Pa)"), 0, 1e-3 * expected);
+}
+
+// The same column, body by body: the k-th cube from above bears k m g from below and (k - 1) m g from above, each half an edge
+// away from its centre, and touches the one above it, the one below it or the ground.
+TEST(Stress, OfEachCubeOfAColumn) {
+  const double a = 0.1, m = 2, g = 9.81;
+  Experiment run(
+      scene_from_text("solver: {iterations: 400}\nmaterials: {m: {friction: 0.5}}\nbodies:\n  - {name: floor, shape: {plane: "
+                      "{normal: [0, 0, 1]}}}\n"
+                      "  - {shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 2, points: [[0, 0, 0.05], [0, 0, 0.15], [0, 0, 0.25], "
+                      "[0, 0, 0.35]]}\n"));
+  run.seconds(0.5);
+  StepRequest request;
+  request.impulses = true;
+  const auto bodies = loaded_bodies(run.simulation->step(request).impulses, *run.scene, run.h());
+  ASSERT_EQ(bodies.size(), 4U);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_EQ(bodies[static_cast<std::size_t>(k)].id, k + 1);
+    EXPECT_EQ(bodies[static_cast<std::size_t>(k)].coordination, k == 3 ? 1 : 2);
+    const double below = (4 - k) * m * g, above = (3 - k) * m * g;
+    const auto& stress = bodies[static_cast<std::size_t>(k)].stress;
+    EXPECT_NEAR(stress[2], 0.5 * (below + above) / (a * a), 1e-3 * 4 * m * g / (a * a));
+    for (const std::size_t part : {0U, 1U, 3U, 4U, 5U}) EXPECT_NEAR(stress[part], 0, 1e-3 * 4 * m * g / (a * a));
+  }
 }
 
 // Of spheres of known velocities: the temperature is a third of the mean square about the mean, by mass.
