@@ -91,9 +91,10 @@ void AttachmentBatch::remember(History& history, double) const {
     if (row.number < history.size()) history[row.number] = {row.lambda.x(), row.lambda.y(), row.lambda.z()};
 }
 
-// All at once, by masses split among them.
+// All at once, by masses split among them; from the multipliers themselves, which the momentum of Gauss-Seidel has moved.
 double AttachmentBatch::relax(std::size_t, bool, SolveState& state) {
   SweepSums sums;
+  for (Row& row : rows_) row.y = row.lambda;
   sweep(state, {}, sums);
   state.apply_wrenches();
   return sums.change;

@@ -203,9 +203,10 @@ void SurfaceBatch::sweep(SolveState& state, const Extrapolation& extrapolation, 
   with_model(friction_, [&]<FrictionModel model>() { sweep_as<model>(state, extrapolation, sums); });
 }
 
-// All at once, by masses split among them.
+// All at once, by masses split among them; from the multipliers themselves, which the momentum of Gauss-Seidel has moved.
 double SurfaceBatch::relax(std::size_t, bool, SolveState& state) {
   SweepSums sums;
+  for (Block& block : blocks_) block.y = block.lambda;
   sweep(state, {}, sums);
   state.apply_wrenches();
   return sums.change;

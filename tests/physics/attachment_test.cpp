@@ -69,6 +69,23 @@ TEST(Attachment, NodesFollowAKinematicBody) {
   }
 }
 
+// However far from converged: what a pin's multiplier says is what its body was given in the step. Gauss-Seidel extrapolates
+// velocities and multipliers from sweep to sweep, and both by the same share.
+TEST(Attachment, ItsMultiplierIsTheImpulseThatItGave) {
+  for (const char* solver : solver_list) {
+    Experiment run(scene_from_text(pendulum(0.3, 6) + "solver: {iterations: 9, name: " + solver + "}\n"));
+    for (int k = 0; k < 40; ++k) {
+      const Vec3 before = run.velocity(0);
+      run.step();
+      const auto& history = run.simulation->history.of<AttachmentBatch>();
+      ASSERT_EQ(history.size(), 1U);
+      const Vec3 given = run.velocity(0) - before - run.h() * run.scene->gravity,
+                 told(history[0][0], history[0][1], history[0][2]);
+      EXPECT_NEAR(given.norm(), told.norm(), 1e-12) << solver << ' ' << k;
+    }
+  }
+}
+
 // The link sees the held node's velocity: in one step the free node has it too.
 TEST(Attachment, ConstraintsSeeThePrescribedVelocity) {
   for (const char* solver : solver_list) {
