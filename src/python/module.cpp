@@ -274,7 +274,8 @@ void add_state(py::class_<LiveSimulation, Holder>& simulation) {
           py::arg("name"),
           "What the scene's probe tells: a dict of its columns, with their units. Of a flow what has passed since the simulation "
           "was "
-          "made or restored, of a box what is in it now, of a force or stress its mean over the last step. Collective. Raises InputError "
+          "made or restored, of a box what is in it now, of a force or stress its mean over the last step. Collective. Raises "
+          "InputError "
           "for another name.")
       .def_property_readonly(
           "report", [](const LiveSimulation& s) { return list(s.report()); },

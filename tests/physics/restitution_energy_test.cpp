@@ -144,7 +144,7 @@ TEST(RestitutionEnergy, BodiesInABoxGainNone) {
   for (const std::string& solver : solvers)
     for (const double e : {0.5, 0.9, 1.0})
       for (const double mu : {0.4, 0.8}) {
-        Experiment run(scene_from_text(head(solver, 400, mu, e, "joint") + bodies));
+        Experiment run(scene_from_text(head(solver, 400, mu, e, "together") + bodies));
         const double start = kept_energy(run);
         const std::string what = solver + ", e " + std::to_string(e) + ", mu " + std::to_string(mu);
         EXPECT_LT(expect_no_gain(run, 800, what), 0.01 * start) << what << ": the bound says nothing";

@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Solvers, WorstConstraintOfAStep,
                          testing::Values("{name: accelerated_jacobi, iterations: 6}",
                                          "{name: jacobi, iterations: 6, stages: two}", "{name: gauss_seidel, iterations: 4}",
                                          "{name: accelerated_jacobi, iterations: 6, stages: "
-                                         "joint}"));
+                                         "together}"));
 
 // Nothing else is far from solved: a stack at rest, and a chain of light links with a ball a thousand times as heavy.
 TEST(WorstConstraint, IsALinkOfTheLoadedChain) {
