@@ -8,8 +8,8 @@
 
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "library/live_simulation.hpp"
 #include "python/errors.hpp"
-#include "python/live_simulation.hpp"
 #include "python/mpi_session.hpp"
 #include "python/scene_text.hpp"
 #include "report/version.hpp"
@@ -26,17 +26,6 @@ using Field = LiveSimulation::Field;
 struct PythonScene {
   Scene scene;
   bool knows_mesh_sides = false;  // which the first simulation finds out for the process (mesh_sides.hpp)
-
-  std::vector<Id> ids(const std::string& name) const {
-    std::vector<Id> ids;
-    for (const BodyGroup& group : scene.groups)
-      if (group.name == name)
-        for (Id k = 0; k < group.count; ++k) ids.push_back(group.first + k);
-    if (ids.empty())
-      throw InputError("found body '" + name +
-                       "', expected the name of an entry of the scene's bodies, cloths, threads or solids");
-    return ids;
-  }
 };
 
 std::vector<Override> overrides_of(const py::dict& changes) {
@@ -212,7 +201,7 @@ take the place of those in the scene. Both raise InputError, which names the key
           "notes", [](const PythonScene& s) { return s.scene.notes; },
           "What a person should know of what was read: a list of str.")
       .def(
-          "ids", [](const PythonScene& s, const std::string& name) { return list(s.ids(name)); }, py::arg("name"),
+          "ids", [](const PythonScene& s, const std::string& name) { return list(ids_named(s.scene, name)); }, py::arg("name"),
           "Ids, int64 (n,), of the bodies of the entries of that name. Raises InputError where there are none.")
       .def(
           "body_name", [](const PythonScene& s, Id id) { return s.scene.body_name(id); }, py::arg("id"));

@@ -1,13 +1,9 @@
 #include "python/mpi_session.hpp"
 
-#include <petscsys.h>
-
 #include <memory>
 
-#include "app/petsc_session.hpp"
-#include "core/checked.hpp"
 #include "core/errors.hpp"
-#include "core/hdf5.hpp"
+#include "library/session.hpp"
 
 namespace unibody {
 
@@ -15,28 +11,16 @@ namespace {
 
 namespace py = pybind11;
 
-std::unique_ptr<PetscSession> petsc;
+std::unique_ptr<LibrarySession> session;
 
 }  // namespace
 
 void start_mpi(const py::object& close_all) {
-  if (petsc) return;
-  h5::avoid_shared_semaphores();
-  int runs = 0;
-  check_mpi(MPI_Initialized(&runs));
-  if (runs == 0) check_mpi(MPI_Init(nullptr, nullptr));
-  // Simulations of a few processes each may start at any time: none waits for processes that have none.
-  PetscBool petsc_runs = PETSC_FALSE;
-  check_petsc(PetscInitialized(&petsc_runs));
-  if (petsc_runs == PETSC_FALSE) PETSC_COMM_WORLD = MPI_COMM_SELF;
-  petsc = std::make_unique<PetscSession>(MPI_COMM_SELF, std::vector<std::string>{"-no_signal_handler"});
-  const bool ends_mpi = runs == 0;
-  py::module_::import("atexit").attr("register")(py::cpp_function([close_all, ends_mpi] {
+  if (session) return;
+  session = std::make_unique<LibrarySession>();
+  py::module_::import("atexit").attr("register")(py::cpp_function([close_all] {
     close_all();
-    petsc.reset();
-    int ended = 0;
-    check_mpi(MPI_Finalized(&ended));
-    if (ends_mpi && ended == 0) check_mpi(MPI_Finalize());
+    session.reset();
   }));
 }
 

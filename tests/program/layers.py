@@ -8,7 +8,7 @@ from unibody_runs import SOURCE
 
 # From the ground up. A folder may include those before it alone.
 LAYERS = ["core", "world", "meshes", "collide", "constraints", "joints", "scene", "partition", "solve", "step", "checkpoint", "report",
-          "app", "tools", "python"]
+          "app", "tools", "library", "python"]
 
 
 def folder_of(path):

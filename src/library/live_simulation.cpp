@@ -1,4 +1,4 @@
-#include "python/live_simulation.hpp"
+#include "library/live_simulation.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -56,6 +56,15 @@ Vec3 vector_at(std::span<const double> numbers, std::size_t k) {
 }
 
 }  // namespace
+
+std::vector<Id> ids_named(const Scene& scene, const std::string& name) {
+  std::vector<Id> ids;
+  for (const BodyGroup& group : scene.groups)
+    for (Id k = 0; k < group.count && group.name == name; ++k) ids.push_back(group.first + k);
+  if (ids.empty())
+    throw InputError("found body '" + name + "', expected the name of an entry of the scene's bodies, cloths, threads or solids");
+  return ids;
+}
 
 LiveSimulation::LiveSimulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint) : scene_(scene), first_(scene) {
   check_ranks_of_solver(comm, scene);

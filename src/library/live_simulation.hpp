@@ -1,4 +1,4 @@
-// A scene that a program steps through by itself: what the Python module's Simulation does, without Python.
+// A scene that a program steps through by itself: what the library's Simulation and the Python module's do.
 #pragma once
 
 #include <mpi.h>
@@ -12,37 +12,18 @@
 #include <vector>
 
 #include "app/running_scene.hpp"
+#include "library/unibody.hpp"
 #include "report/measure.hpp"
 #include "report/probes.hpp"
 
 namespace unibody {
 
-// One row a step.
-struct StepRow {
-  std::int64_t step, iterations, sliding_contacts, impacts;
-  double time;              // s, at the step's end
-  double natural_residual;  // m
-  bool converged;
-};
+using StepRow = api::StepReport;
+using ContactRow = api::Contact;
+using ForceRow = api::ContactForce;
 
-// A point of contact between two bodies, where they are at a step's start.
-struct ContactRow {
-  Id body_a, body_b;  // body_a < body_b
-  double point[3];    // m, world
-  double normal[3];   // unit, from body_b towards body_a
-  double gap;         // m; negative where the bodies penetrate
-  double friction;    // Coulomb's mu
-};
-
-// What a point of contact did in the last step (contact_impulse.hpp).
-struct ForceRow {
-  Id bodies[4];      // -1: none
-  double shares[4];  // of the force that each takes
-  double point[3];   // m, world
-  double normal[3];  // unit, from the second side to the first
-  double force[3];   // N, world, on the first side, the mean over the step
-  double friction;   // Coulomb's mu
-};
+// Of the entries of that name. Throws InputError where there is none.
+std::vector<Id> ids_named(const Scene& scene, const std::string& name);
 
 // All members but those that only tell something of this rank are collective, with the same arguments on every rank. Bodies
 // are named by their ids. Members throw InputError where an argument is wrong, before anything has changed.
@@ -69,7 +50,7 @@ class LiveSimulation {
   std::int64_t steps_done() const;
   const std::vector<StepRow>& report() const { return report_; }
 
-  enum class Field { position, orientation, velocity, angular_velocity };
+  using Field = api::Field;
   static std::size_t width(Field field) { return field == Field::orientation ? 4 : 3; }
   // Of all bodies, in the order of their ids, on every rank: m; w, x, y, z of unit quaternions, body to world; m/s; rad/s in
   // world axes.

@@ -1,0 +1,30 @@
+#include "library/session.hpp"
+
+#include <mpi.h>
+#include <petscsys.h>
+
+#include "core/checked.hpp"
+#include "core/hdf5.hpp"
+
+namespace unibody {
+
+LibrarySession::LibrarySession(int* argc, char*** argv) {
+  h5::avoid_shared_semaphores();
+  int runs = 0;
+  check_mpi(MPI_Initialized(&runs));
+  starts_mpi_ = runs == 0;
+  if (starts_mpi_) check_mpi(MPI_Init(argc, argv));
+  PetscBool petsc_runs = PETSC_FALSE;
+  check_petsc(PetscInitialized(&petsc_runs));
+  if (petsc_runs == PETSC_FALSE) PETSC_COMM_WORLD = MPI_COMM_SELF;
+  petsc_ = std::make_unique<PetscSession>(MPI_COMM_SELF, std::vector<std::string>{"-no_signal_handler"});
+}
+
+LibrarySession::~LibrarySession() {
+  petsc_.reset();
+  int ended = 0;
+  MPI_Finalized(&ended);
+  if (starts_mpi_ && ended == 0) MPI_Finalize();
+}
+
+}  // namespace unibody
