@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/misplaced.hpp"
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
@@ -31,14 +32,6 @@ std::string place(const double* at) {
 
 std::string counted(std::int64_t count, const std::string& one) {
   return std::to_string(count) + " " + one + (count == 1 || one.ends_with("ic") || one.ends_with("fixed") ? "" : "s");
-}
-
-// "crate (line 17)"
-std::string name_of(const Scene& scene, Id id) {
-  const auto after =
-      std::upper_bound(scene.groups.begin(), scene.groups.end(), id, [](Id i, const BodyGroup& g) { return i < g.first; });
-  const int line = std::prev(after)->line;
-  return scene.body_name(id) + (line > 0 ? " (line " + std::to_string(line) + ")" : "");
 }
 
 // Of all ranks' bodies; nodes of cloths, threads and solids are not among them, but where a place or a size is concerned.
@@ -161,8 +154,11 @@ void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector
   if (const Overlaps overlaps = find_overlaps(simulation); overlaps.count > 0 && simulation.steps_done == 0)
     warnings.push_back(counted(overlaps.count, "pair") +
                        " of bodies overlap at the start by more than 1 % of the smaller one's size, the deepest by " +
-                       number(overlaps.depth) + " m: " + name_of(scene, overlaps.deepest[0]) + " and " +
-                       name_of(scene, overlaps.deepest[1]) + "; they will be pushed apart: move them, unless that is meant");
+                       number(overlaps.depth) + " m: " + name_with_line(scene, overlaps.deepest[0]) + " and " +
+                       name_with_line(scene, overlaps.deepest[1]) +
+                       "; they will be pushed apart: move them, unless that is meant");
+  if (simulation.steps_done == 0)
+    for (std::string& warning : misplaced_bodies(simulation)) warnings.push_back(std::move(warning));
   if (scene.gravity.z() > 0)
     warnings.push_back("gravity points up (" + number(scene.gravity.z()) + " m/s^2 along z): most scenes have it along -z");
   const bool any = bodies.moved[0] + bodies.nodes > 0;

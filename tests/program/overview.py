@@ -53,6 +53,33 @@ class Overview(ProgramTest):
                 "2 pairs of bodies overlap at the start by more than 1 % of the smaller one's size, the deepest by 0.05 m: a (line 3) "
                 "and b[0] (line 4); they will be pushed apart: move them, unless that is meant"])
 
+    def test_bodies_behind_a_plane(self):
+        text = """
+            gravity: [0, 0, -9.81]
+            bodies:
+              - {name: silo, container: {size: [1, 1]}}
+              - {name: bead, shape: {sphere: {radius: 0.05}}, mass: 1, points: [[0, 0, 0.2], [0.6, 0, 0.2], [0.8, 0, 0.5], [0, 0.44, 0.9]]}
+              - {name: cellar, shape: {sphere: {radius: 0.05}}, mass: 1, position: [0.2, 0, -1]}
+        """
+        rule = "a plane is solid on the side that its normal leaves, and"
+        for ranks in (1, 3):
+            found = [w for w in self.warnings(text, ranks=ranks) if "behind" in w]
+            self.assertEqual(found, [
+                f"a body starts behind the plane silo[0] (line 4), cellar (line 6): {rule} it will be pushed out",
+                f"2 bodies start behind the plane silo[2] (line 4), the first of them bead[1] (line 5): {rule} they will be pushed out"])
+
+    def test_a_body_far_from_all_others(self):
+        text = """
+            bodies:
+              - {shape: {plane: {normal: [0, 0, 1]}}}
+              - {name: bead, lattice: {count: 400, columns: [10, 10], spacing: [0.1, 0.1, 0.1], height: 0.05}, shape: {sphere: {radius: 0.04}}, mass: 1}
+              - {name: lost, shape: {sphere: {radius: 0.05}}, mass: 1, position: [AT, 0, 1]}
+        """
+        for ranks in (1, 3):
+            found, = [w for w in self.warnings(text.replace("AT", "3000"), ranks=ranks) if "middle" in w]
+            self.assertRegex(found, r"^lost \(line 5\) starts 2\.99e\+03 m from the middle of what moves, \d+ times as far as the mean: is its position meant\?$")
+            self.assertEqual([w for w in self.warnings(text.replace("AT", "5"), ranks=ranks) if "middle" in w], [])
+
     def test_what_is_probably_another_unit_or_sign(self):
         ball = "bodies: [{shape: {sphere: {radius: %s}}, mass: 1}]"
         self.assertEqual(self.warnings("gravity: [0, 0, 9.81]\n" + ball % 1),
