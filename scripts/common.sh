@@ -11,6 +11,9 @@ slurm_packages=(slurmctld slurmd slurm-client munge)
 docs_packages=(mkdocs)
 bench_packages=(libbullet-dev libode-dev libdart-dev libdart-collision-bullet-dev libdart-external-ikfast-dev liggghts lammps python3-siconos)
 
+# How many processes may compute here at a time; nproc alone would tell the threads that OpenMP may have.
+cores_here() { env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc; }
+
 # Tells each line of its input that is another one than before: on a terminal in place of the one before, else of those that end
 # in '%' each tenth percent.
 progress() {
@@ -35,7 +38,7 @@ die() { say "${@:2}"; exit "$1"; }
 # own launcher none of it matters.
 mpi_environment() {
   local ranks=$1 cores threads
-  threads=$(nproc)
+  threads=$(cores_here)
   cores=$(lscpu -p=CORE,SOCKET 2>/dev/null | grep -v '^#' | sort -u | wc -l)
   if ((cores < 1 || cores > threads)); then cores=$threads; fi
   if ((EUID == 0)); then export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; fi
