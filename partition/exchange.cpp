@@ -171,6 +171,15 @@ void Exchange::refresh(std::span<SolverBody> bodies) const { run(all_, bodies); 
 void Exchange::refresh(std::span<std::int32_t> values) const { run<std::int32_t, Plain<std::int32_t>>(all_, values); }
 void Exchange::refresh(std::span<double> values) const { run<double, Plain<double>>(all_, values); }
 
+void Exchange::refresh(std::span<Vec3> values) const {
+  std::vector<double> one(values.size());
+  for (int k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < one.size(); ++i) one[i] = values[i][k];
+    refresh(std::span(one));
+    for (std::size_t i = 0; i < one.size(); ++i) values[i][k] = one[i];
+  }
+}
+
 void Exchange::refresh(std::size_t batch, std::size_t colour, std::span<SolverBody> bodies) const {
   const auto found = by_colour_.find(batch);
   if (found != by_colour_.end() && colour < found->second.size()) run(found->second[colour], bodies);

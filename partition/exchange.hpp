@@ -50,6 +50,7 @@ class Exchange {
   void refresh(std::span<SolverBody> bodies) const;
   void refresh(std::span<std::int32_t> values) const;
   void refresh(std::span<double> values) const;
+  void refresh(std::span<Vec3> values) const;
 
   // The same for the bodies that one colour of a batch ties.
   void refresh(std::size_t batch, std::size_t colour, std::span<SolverBody> bodies) const;

@@ -86,9 +86,7 @@ void find_outlier(const Simulation& simulation, std::vector<std::string>& warnin
 }  // namespace
 
 std::string name_with_line(const Scene& scene, Id id) {
-  const auto after =
-      std::upper_bound(scene.groups.begin(), scene.groups.end(), id, [](Id i, const BodyGroup& g) { return i < g.first; });
-  const int line = std::prev(after)->line;
+  const int line = scene.group_of(id).line;
   return scene.body_name(id) + (line > 0 ? " (line " + std::to_string(line) + ")" : "");
 }
 

@@ -42,6 +42,7 @@ std::string physics_of(const Scene& scene) {
   if (scene.gravity_in_time) text << "gravity " << scene.gravity_in_time->text() << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
+  if (scene.friction_in_time) text << "friction " << scene.friction_in_time->text() << '\n';
   for (const auto& [what, values] :
        {std::pair("bounce", &scene.restitution), {"roll", &scene.rolling}, {"spin", &scene.spinning}})
     if (has_any(*values))

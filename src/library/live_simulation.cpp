@@ -14,12 +14,6 @@ namespace {
 
 Motion motion_of(const BodyGroup& group, Id id) { return group.make(id - group.first).properties.motion; }
 
-const BodyGroup& group_of(const Scene& scene, Id id) {
-  const auto after =
-      std::upper_bound(scene.groups.begin(), scene.groups.end(), id, [](Id i, const BodyGroup& g) { return i < g.first; });
-  return *std::prev(after);
-}
-
 void put(const World& world, std::size_t slot, LiveSimulation::Field field, double* to) {
   const auto put_vector = [to](const Vec3& v) { std::copy_n(v.data(), 3, to); };
   switch (field) {
@@ -289,7 +283,7 @@ void LiveSimulation::check_ids(std::span<const Id> ids, bool dynamic_alone) cons
     if (id < 0 || id >= scene_.body_count())
       throw InputError("found body " + std::to_string(id) + ", expected an id from 0 to " +
                        std::to_string(scene_.body_count() - 1));
-    const BodyGroup& group = group_of(scene_, id);
+    const BodyGroup& group = scene_.group_of(id);
     const Motion motion = motion_of(group, id);
     const std::string name = "body " + std::to_string(id) + " (" + scene_.body_name(id) + ")";
     if (motion != Motion::dynamic && dynamic_alone)

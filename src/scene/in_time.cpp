@@ -11,9 +11,11 @@ namespace {
 
 const std::vector<std::string> betweens{"linear", "steps", "smooth"};
 
+std::string in_unit(const std::string& unit) { return unit.empty() ? "" : " (" + unit + ")"; }
+
 // The rows of a table: a time and then some values, the times ascending.
 std::vector<std::vector<double>> read_rows(const Value& table, std::size_t values, const Range& range, const std::string& unit) {
-  const std::string names = values == 1 ? "value" : "x, y, z", row = "[time (s), " + names + " (" + unit + ")]";
+  const std::string names = values == 1 ? "value" : "x, y, z", row = "[time (s), " + names + in_unit(unit) + "]";
   std::vector<std::vector<double>> rows;
   for (const Value& entry : table.list("rows " + row)) {
     if (entry.kind != Value::Kind::list || entry.entries.size() != 1 + values) entry.fail_expected("a row " + row);
@@ -51,12 +53,12 @@ TimeValue column(const std::vector<std::vector<double>>& rows, std::size_t k, co
 
 TimeValue read_sine(const Value& sine, const Range& range, const std::string& unit, double factor) {
   sine.map({"amplitude", "frequency", "phase", "mean"});
-  const double amplitude = sine.need("amplitude", "a number (" + unit + ")").number(any_number, unit);
+  const double amplitude = sine.need("amplitude", "a number" + in_unit(unit)).number(any_number, unit);
   const double frequency = sine.need("frequency", "a number >= 0 (Hz)").number(not_negative, "Hz");
   const Value *phase = sine.find("phase"), *mean = sine.find("mean");
   const double middle = mean ? mean->number(any_number, unit) : 0;
   for (const double extreme : {middle - amplitude, middle + amplitude})
-    if (!range.contains(extreme)) sine.fail_expected("a sine whose values are all" + range.text() + " (" + unit + ")");
+    if (!range.contains(extreme)) sine.fail_expected("a sine whose values are all" + range.text() + in_unit(unit));
   return TimeValue::sine(factor * middle, factor * amplitude, frequency,
                          phase ? phase->number(any_number, "degrees") * (M_PI / 180) : 0);
 }
@@ -72,7 +74,7 @@ TimeValue read_in_time(const Value& value, const Range& range, const std::string
       if (const Value* other = value.find(key)) other->fail(std::string(key) + " beside a sine", "only a sine, or a table");
     return read_sine(*sine, range, unit, factor);
   }
-  const auto rows = read_rows(value.need("table", "rows [time (s), value (" + unit + ")], or sine"), 1, range, unit);
+  const auto rows = read_rows(value.need("table", "rows [time (s), value" + in_unit(unit) + "], or sine"), 1, range, unit);
   return column(rows, 1, read_law(value, rows), factor);
 }
 
@@ -80,13 +82,13 @@ TimeVector read_vector_in_time(const Value& value, const std::string& unit) {
   TimeVector vector;
   if (value.kind == Value::Kind::map) {
     value.map({"table", "between", "periodic"});
-    const auto rows = read_rows(value.need("table", "rows [time (s), x, y, z (" + unit + ")]"), 3, any_number, unit);
+    const auto rows = read_rows(value.need("table", "rows [time (s), x, y, z" + in_unit(unit) + "]"), 3, any_number, unit);
     const Law law = read_law(value, rows);
     for (std::size_t k = 0; k < 3; ++k) vector[k] = column(rows, k + 1, law, 1);
     return vector;
   }
   if (value.kind != Value::Kind::list || value.entries.size() != 3)
-    value.fail_expected("a list of 3 numbers, or of values in time, or a table (" + unit + ")");
+    value.fail_expected("a list of 3 numbers, or of values in time, or a table" + in_unit(unit));
   for (std::size_t k = 0; k < 3; ++k) vector[k] = read_in_time(value.entries[k], any_number, unit);
   return vector;
 }

@@ -69,11 +69,7 @@ double read_or(const Value& map, const char* key, const Range& range, const char
   return value ? value->number(range, unit) : otherwise;
 }
 
-double read_friction(const Value& map) {
-  const Value* friction = map.find("friction");
-  if (!friction) map.fail_missing("friction", "a number >= 0");
-  return friction->number(not_negative, "");
-}
+TimeValue read_friction(const Value& map) { return read_in_time(map.need("friction", "a number >= 0"), not_negative, ""); }
 
 // What a pair of materials may say beside its friction, and of a pair that isn't listed, what it has from its two materials.
 struct PairKey {
@@ -96,7 +92,7 @@ std::vector<std::string> material_keys(std::vector<std::string> keys) {
 
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
-void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
+void read_pair(const Value& pair, Scene& scene, Pairs& listed, FrictionInTime& friction) {
   pair.map(material_keys({"between"}));
   const Value* between = pair.find("between");
   if (!between) pair.fail_missing("between", "a list of 2 materials");
@@ -112,7 +108,7 @@ void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
     values[a * n + b] = values[b * n + a] = read_or(pair, k.key, k.range, k.unit, values[a * n + b]);
     other |= pair.find(k.key) != nullptr;
   }
-  if (pair.find("friction") || !other) scene.friction[a * n + b] = scene.friction[b * n + a] = read_friction(pair);
+  if (pair.find("friction") || !other) friction.pairs[a * n + b] = friction.pairs[b * n + a] = read_friction(pair);
 }
 
 // Names with what they are, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials; its
@@ -120,27 +116,29 @@ void read_pair(const Value& pair, Scene& scene, Pairs& listed) {
 void read_materials(const Value& value, Scene& scene) {
   if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
   scene.materials.clear();
-  std::vector<double> friction;
+  FrictionInTime friction;
   std::array<std::vector<double>, std::size(pair_keys)> others;
   for (const auto& [name, material] : value.children) {
     if (name == "pairs") continue;
     scene.materials.push_back(name);
-    friction.push_back(read_friction(material.map(material_keys({}))));
+    friction.materials.push_back(read_friction(material.map(material_keys({}))));
     for (std::size_t k = 0; k < others.size(); ++k)
       others[k].push_back(read_or(material, pair_keys[k].key, pair_keys[k].range, pair_keys[k].unit, 0));
   }
-  if (friction.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
-  const std::size_t n = friction.size();
+  if (friction.materials.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
+  const std::size_t n = friction.materials.size();
+  friction.pairs.resize(n * n);
   const auto mix = [n](const std::vector<double>& own, double (*rule)(double, double)) {
     std::vector<double> all;
     for (std::size_t i = 0; i < n * n; ++i) all.push_back(i / n == i % n ? own[i / n] : rule(own[i / n], own[i % n]));
     return all;
   };
-  scene.friction = mix(friction, geometric_mean);
   for (std::size_t k = 0; k < others.size(); ++k) scene.*pair_keys[k].values = mix(others[k], pair_keys[k].mix);
   Pairs listed;
   if (const Value* pairs = value.find("pairs"))
-    for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed);
+    for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed, friction);
+  scene.friction = friction.at(0);
+  if (friction.changes()) scene.friction_in_time = std::move(friction);
 }
 
 // In the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.
@@ -183,14 +181,6 @@ void check_newton(const Value& name, const Scene& scene) {
   });
 }
 
-const BodyGroup& group_of(const Scene& scene, Id id) {
-  if (id < 0 || id >= scene.body_count())
-    throw std::out_of_range("body " + std::to_string(id) + " of a scene with " + std::to_string(scene.body_count()));
-  const auto after =
-      std::upper_bound(scene.groups.begin(), scene.groups.end(), id, [](Id i, const BodyGroup& g) { return i < g.first; });
-  return *std::prev(after);
-}
-
 // The total form is refused where it is known to diverge.
 void check_form(const Value& root, const Scene& scene) {
   if (scene.solver.form != Form::total) return;
@@ -208,6 +198,13 @@ void check_form(const Value& root, const Scene& scene) {
 
 }  // namespace
 
+const BodyGroup& Scene::group_of(Id id) const {
+  if (id < 0 || id >= body_count())
+    throw std::out_of_range("body " + std::to_string(id) + " of a scene with " + std::to_string(body_count()));
+  const auto after = std::upper_bound(groups.begin(), groups.end(), id, [](Id i, const BodyGroup& g) { return i < g.first; });
+  return *std::prev(after);
+}
+
 Id Scene::body_count() const { return groups.empty() ? 0 : groups.back().first + groups.back().count; }
 
 bool Scene::has_rotations() const {
@@ -216,12 +213,12 @@ bool Scene::has_rotations() const {
 }
 
 Body Scene::body(Id id) const {
-  const BodyGroup& group = group_of(*this, id);
+  const BodyGroup& group = group_of(id);
   return group.make(id - group.first);
 }
 
 std::string Scene::body_name(Id id) const {
-  const BodyGroup& group = group_of(*this, id);
+  const BodyGroup& group = group_of(id);
   if (group.name.empty()) return "body " + std::to_string(id);
   return group.count == 1 ? group.name : group.name + "[" + std::to_string(id - group.first) + "]";
 }
@@ -236,7 +233,7 @@ Scene read_sections(const Value& root, const std::string& path, const Room& room
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_resolution(scene);
   check_form(root, scene);
-  const auto is_static = [&](Id id) { return group_of(scene, id).is_static; };
+  const auto is_static = [&](Id id) { return scene.group_of(id).is_static; };
   scene.joint_colours = colour_joints(scene.joints, is_static);
   if (scene.solver.joints == JointSolve::direct) scene.joint_trees = plant_trees(scene.joints, is_static);
   if (scene.solver.name == "newton") check_newton(*root.find("solver")->find("name"), scene);

@@ -15,6 +15,7 @@
 #include "core/time_value.hpp"
 #include "joints/joint.hpp"
 #include "scene/event.hpp"
+#include "scene/friction_in_time.hpp"
 #include "scene/probe.hpp"
 #include "world/body.hpp"
 #include "world/surface.hpp"
@@ -129,11 +130,12 @@ struct Scene {
   SolverSettings solver;
   OutputSettings output;
   std::vector<std::string> materials{"default"};
-  std::vector<double> friction{0.5};   // materials x materials, row major, symmetric: Coulomb's mu of each pair
+  std::vector<double> friction{0.5};   // materials x materials, row major, symmetric: Coulomb's mu of each pair, at time 0
   std::vector<double> restitution{0};  // the same: Newton's e, of speeds before and after an impact
   std::vector<double> rolling{0};      // the same: m, most rolling resistance as a torque over the normal force
   std::vector<double> spinning{0};     // the same, of spinning about the normal
-  std::vector<BodyGroup> groups;       // in the order of the file; ids run on from group to group
+  std::optional<FrictionInTime> friction_in_time;  // where some of it changes
+  std::vector<BodyGroup> groups;                   // in the order of the file; ids run on from group to group
 
   std::vector<ConstraintGroup> constraint_groups;
   std::vector<Pin> pins;                // ascending ids
@@ -149,9 +151,10 @@ struct Scene {
   double largest_gravity() const { return gravity_in_time ? gravity_in_time->largest() : gravity.stableNorm(); }
 
   Id body_count() const;
-  bool has_rotations() const;          // false: all bodies but fixed ones are particles
-  Body body(Id id) const;              // id in [0, body_count())
-  std::string body_name(Id id) const;  // "crate" or "pile[17]"; "body 17" where the entry has no name
+  const BodyGroup& group_of(Id id) const;  // id in [0, body_count())
+  bool has_rotations() const;              // false: all bodies but fixed ones are particles
+  Body body(Id id) const;                  // id in [0, body_count())
+  std::string body_name(Id id) const;      // "crate" or "pile[17]"; "body 17" where the entry has no name
   double friction_of(int material_a, int material_b) const {
     return friction[static_cast<std::size_t>(material_a) * materials.size() + static_cast<std::size_t>(material_b)];
   }

@@ -52,12 +52,19 @@ Json joint() {
   return entry.set("allOf", by_type);
 }
 
+// A number, or values in time.
+Json in_time(const char* about) {
+  return Json::object()
+      .set("description", about)
+      .set("anyOf", Json::array().push(settings::schema_of(not_negative)).push(of_type("array")).push(of_type("object")));
+}
+
 Json at_least_0(const char* about) { return settings::schema_of(not_negative).set("description", about); }
 
 Json of_materials(bool pair) {
   Json properties = Json::object();
   if (pair) properties.set("between", of_type("array").set("items", of_type("string")).set("minItems", 2).set("maxItems", 2));
-  properties.set("friction", at_least_0("Coulomb's coefficient"))
+  properties.set("friction", in_time("Coulomb's coefficient, or values of it in time"))
       .set("restitution", settings::schema_of(Range{0, 1}).set("description", "speed after an impact over that before it"))
       .set("rolling_friction", at_least_0("resistance to rolling (m)"))
       .set("spinning_friction", at_least_0("resistance to spinning (m)"));

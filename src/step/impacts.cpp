@@ -331,7 +331,7 @@ class Impacts {
                                    system_.bodies.begin() + static_cast<std::ptrdiff_t>(end));
     state_.exchange.refresh(std::span<SolverBody>(system_.bodies));
     state_.exchange.refresh(std::span(clock_));
-    refresh(state_.displaced), refresh(state_.turned);
+    state_.exchange.refresh(std::span(state_.displaced)), state_.exchange.refresh(std::span(state_.turned));
     for (std::size_t i = first; i < end; ++i) {
       const SolverBody &was = before[i - first], &is = system_.bodies[i];
       if (!std::equal(was.v, was.v + 3, is.v) || !std::equal(was.w, was.w + 3, is.w)) changed_.push_back(static_cast<Slot>(i));
@@ -339,15 +339,6 @@ class Impacts {
     for (const Slot s : changed_)
       for (std::size_t k = first_pair_[static_cast<std::size_t>(s)]; k < first_pair_[static_cast<std::size_t>(s) + 1]; ++k)
         pairs_[pairs_of_[k]].time = time_of(pairs_[pairs_of_[k]]);
-  }
-
-  void refresh(std::vector<Vec3>& values) {
-    std::vector<double> one(values.size());
-    for (int k = 0; k < 3; ++k) {
-      for (std::size_t i = 0; i < one.size(); ++i) one[i] = values[i][k];
-      state_.exchange.refresh(std::span(one));
-      for (std::size_t i = 0; i < one.size(); ++i) values[i][k] = one[i];
-    }
   }
 
   // The solve sees each gap as it is from where the bodies seem to have started the step. The row of two bodies that pass by each

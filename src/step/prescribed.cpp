@@ -22,8 +22,8 @@ void set_prescribed_velocities(RankState& state) {
 
 void set_loads(RankState& state) {
   const double from = state.time(), to = from + state.step();
-  if (!state.scene.gravity_in_time) return;
-  state.gravity = state.collide_settings.gravity = state.scene.gravity_in_time->mean(from, to);
+  if (state.scene.gravity_in_time) state.gravity = state.collide_settings.gravity = state.scene.gravity_in_time->mean(from, to);
+  if (state.scene.friction_in_time) state.collide_settings.friction = state.scene.friction_in_time->mean(from, to);
 }
 
 BodyProperties properties_in_step(const RankState& state, std::size_t slot) {

@@ -115,6 +115,34 @@ TEST_P(MotionInTime, AMotorFollowsItsTarget) {
   }
 }
 
+// Two boxes slide. The friction of one's material changes, and meets the ground's by the geometric mean of their means over the
+// step; that of the other's pair with the ground is listed. Each loses g times the integral of its coefficient.
+TEST_P(MotionInTime, FrictionThatChangesSlowsByItsIntegral) {
+  for (const int substeps : {1, 4}) {
+    Experiment run(
+        scene_from_text("time: {frame: 0.016, substeps: " + std::to_string(substeps) +
+                        "}\nsolver: {tolerance: 1e-12, iterations: 400, name: " + std::string(GetParam()) +
+                        "}\nmaterials:\n  ground: {friction: 0.9}\n  wet: {friction: [[0.32, 0], [0.8, 0.4]]}\n"
+                        "  waxed: {friction: 0.2}\n"
+                        "  pairs: [{between: [ground, waxed], friction: {sine: {amplitude: 0.1, frequency: 2, mean: 0.1}}}]\n"
+                        "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}, material: ground}\n"
+                        "  - {shape: {box: {size: [0.6, 0.6, 0.02]}}, mass: 2, position: [0, 0, 0.01], velocity: [9, 0, 0], "
+                        "material: wet}\n"
+                        "  - {shape: {box: {size: [0.6, 0.6, 0.02]}}, mass: 2, position: [0, 5, 0.01], velocity: [0, 9, 0], "
+                        "material: waxed}\n"));
+    const TimeValue wet = TimeValue::table({{0.32, 0}, {0.8, 0.4}}, TimeValue::Between::linear, false);
+    double of_wet = 0;
+    for (int k = 1; k <= 64 * substeps; ++k) {
+      run.step();
+      const double t = k * run.h(), w = 4 * M_PI;
+      of_wet += run.h() * std::sqrt(0.9 * wet.mean(t - run.h(), t));
+      const double of_waxed = 0.1 * t + 0.1 * (1 - std::cos(w * t)) / w;
+      EXPECT_NEAR(run.velocity(1).x(), 9 - 9.81 * of_wet, 1e-6) << substeps << ' ' << t;
+      EXPECT_NEAR(run.velocity(2).y(), 9 - 9.81 * of_waxed, 1e-6) << substeps << ' ' << t;
+    }
+  }
+}
+
 // Gravity, forces and torques that change: a free body's momenta are the integrals of what acts on it, whatever the step.
 TEST_P(MotionInTime, WhatActsOnAFreeBodyIsIntegrated) {
   for (const int substeps : {1, 4}) {

@@ -32,6 +32,11 @@ const std::vector<Fault> faults{
      "planar: true\ngravity: [0, {sine: {amplitude: 1, frequency: 1}}, -9.81]\n" + moved("velocity: [0, 0, 0]"),
      "FILE:2: key 'gravity': found a list of 3, expected 0 as the second component (planar "
      "scene)"},
+    {"friction_below_zero", "materials: {m: {friction: [[0, 0.5], [1, -0.1]]}}\n" + moved("velocity: [0, 0, 0]"),
+     "FILE:1: key 'materials.m.friction[1][1]': found -0.1, expected a number >= 0"},
+    {"friction_of_a_sine_below_zero",
+     "materials: {m: {friction: {sine: {amplitude: 0.3, frequency: 1, mean: 0.2}}}}\n" + moved("velocity: [0, 0, 0]"),
+     "FILE:1: key 'materials.m.friction.sine': found a map, expected a sine whose values are all >= 0"},
     {"force_on_a_kinematic_body", moved("force: [0, 0, [[0, 1], [1, 2]]]"),
      "FILE:2: key 'bodies[0].force': found a list of 3, expected no such key for a fixed or kinematic body"},
     {"row_of_a_force", moved("mass: 1, force: {table: [[0, 1, 2]]}", "dynamic"),
