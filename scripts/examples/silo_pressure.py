@@ -56,7 +56,7 @@ def main():
     print(f"W' = {saturated:.1f} N")
     print("grains  weight (N)  base (N)  share  Janssen")
     for (count, weight, load, _), by_law in zip(pairs, law):
-        print(f"{count:6d}  {weight:10.1f}  {load:8.1f}  {load / weight:5.3f}  {by_law / weight:7.3f}")
+        print(f"{count:6d}  {weight:10.2f}  {load:8.2f}  {load / weight:5.3f}  {by_law / weight:7.3f}")
     if options.plot:
         import matplotlib
         matplotlib.use("Agg")
