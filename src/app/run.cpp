@@ -70,7 +70,7 @@ class Run {
     start_world();
     check_wishes(comm_, scene_, options_, summary_.first_frame);
     tell_overview();
-    check_end_events(scene_, further_columns({}, {}));
+    if (!scene_.end_events.empty()) check_end_events(scene_, further_columns({}, {}));
     if (options_.check) return {state_hash(comm_, simulation_.world), false};
     const FolderLock lock(comm_, options_.output);
     prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart, options_.appends);
