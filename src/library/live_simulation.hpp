@@ -65,9 +65,9 @@ class LiveSimulation {
   // collective.
   std::vector<ForceRow> contact_forces() const;
   Measures measures();
-  // What the scene's probe of this name tells (probes.hpp): of a flow what has passed since the simulation was made, of a box
-  // what is in it now, of a force or stress its mean over the last step (NaN before the first). Throws InputError where no probe
-  // has that name.
+  // The columns of the scene's probe of this name (probes.hpp). A flow tells what has passed since the simulation was made, a box
+  // what is in it now, and a force or a stress tells its mean over the last step, which is NaN before the first. Throws
+  // InputError where no probe has that name.
   std::vector<std::pair<std::string, double>> probe(const std::string& name) const;
   std::vector<JointState> joint_states() const;  // of each joint of the scene, after a step
   std::uint64_t state_hash() const;              // of the program's last line

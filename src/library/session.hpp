@@ -7,8 +7,8 @@
 
 namespace unibody {
 
-// Starts MPI where nothing else has, and PETSc for this process alone: simulations of a few processes each may start at any time,
-// and none waits for processes that have none. What it has started it ends.
+// Starts MPI, unless the process has started it already, and starts PETSc for this process alone, so that simulations of a few
+// processes each can start at any time without waiting for the other processes. The destructor ends what the session has started.
 class LibrarySession {
  public:
   explicit LibrarySession(int* argc = nullptr, char*** argv = nullptr);

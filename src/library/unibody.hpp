@@ -140,7 +140,7 @@ class UNIBODY_API Simulation {
   std::int64_t steps_done() const;
   const std::vector<StepReport>& report() const;
 
-  // Of all bodies, in the order of their ids, on every process: three numbers a body, or four.
+  // The field of all bodies, on every process, in the order of the bodies' ids: three numbers a body, of orientations four.
   std::vector<double> all(Field field) const;
   // Of the bodies that this process moves: their ids, ascending, and the field in that order. Not collective.
   std::vector<std::int64_t> home_ids() const;
@@ -152,8 +152,8 @@ class UNIBODY_API Simulation {
   std::vector<ContactForce> contact_forces() const;
   std::vector<JointForce> joints() const;  // of each joint, in the scene's order, after a step
   Energies energies();
-  // What the scene's probe of this name tells: the names of its columns, with their units, and their values. Of a flow what has
-  // passed so far, of a box what is in it now, of a force or stress its mean over the last step (NaN before the first).
+  // The columns of the scene's probe of this name, each with its name, unit and value. A flow tells what has passed since the
+  // start, a box what is in it now, and a force or a stress tells its mean over the last step, which is NaN before the first.
   std::vector<std::pair<std::string, double>> probe(const std::string& name) const;
 
   // Of moving or kinematic bodies: three numbers a body, or none, which leaves them as they are. m/s, rad/s.

@@ -14,16 +14,17 @@ struct Sums {
   std::array<double, 6> moments{};  // N m s
 };
 
-// Adds the symmetric part of an impulse times a way: xx, yy, zz, yz, xz, xy.
-void add_moment(const Vec3& impulse, const Vec3& way, std::array<double, 6>& to) {
+}  // namespace
+
+std::array<double, 6> symmetric_product(const Vec3& force, const Vec3& way) {
+  std::array<double, 6> parts{};
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
-    to[static_cast<std::size_t>(k)] += impulse[k] * way[k];
-    to[static_cast<std::size_t>(3 + k)] += 0.5 * (impulse[i] * way[j] + impulse[j] * way[i]);
+    parts[static_cast<std::size_t>(k)] = force[k] * way[k];
+    parts[static_cast<std::size_t>(3 + k)] = 0.5 * (force[i] * way[j] + force[j] * way[i]);
   }
+  return parts;
 }
-
-}  // namespace
 
 std::vector<LoadedBody> loaded_bodies(std::span<const ContactImpulse> contacts, const Scene& scene, double step) {
   Id end = scene.body_count();  // nodes stand behind
@@ -35,7 +36,8 @@ std::vector<LoadedBody> loaded_bodies(std::span<const ContactImpulse> contacts, 
       if (!is_body(contact.ids[k])) continue;
       Sums& sums = all[contact.ids[k]];
       const Vec3& centre = contact.sides[contact.shares[k] > 0 ? 0 : 1];
-      add_moment(contact.shares[k] * contact.impulse, centre - contact.point, sums.moments);
+      const auto moments = symmetric_product(contact.shares[k] * contact.impulse, centre - contact.point);
+      for (std::size_t m = 0; m < moments.size(); ++m) sums.moments[m] += moments[m];
       for (std::size_t l = 0; l < 4; ++l)
         if (contact.shares[k] * contact.shares[l] < 0 && is_body(contact.ids[l])) sums.others.push_back(contact.ids[l]);
     }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "report/loaded_bodies.hpp"
+
 namespace unibody {
 
 namespace {
@@ -77,12 +79,8 @@ void add_force(const Probe& probe, std::span<const ContactImpulse> impulses, std
 void add_stress(const Probe& probe, std::span<const ContactImpulse> impulses, std::span<ExactSum> sums) {
   for (const ContactImpulse& contact : impulses) {
     if (!contains(probe, contact.point)) continue;
-    const Vec3 branch = contact.sides[0] - contact.sides[1], &f = contact.impulse;
-    for (int k = 0; k < 3; ++k) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      sums[static_cast<std::size_t>(k)] += f[k] * branch[k];
-      sums[static_cast<std::size_t>(3 + k)] += 0.5 * (f[i] * branch[j] + f[j] * branch[i]);
-    }
+    const auto moments = symmetric_product(contact.impulse, contact.sides[0] - contact.sides[1]);
+    for (std::size_t k = 0; k < moments.size(); ++k) sums[k] += moments[k];
   }
 }
 

@@ -21,8 +21,8 @@ struct System;
 void add_impulse(const World& world, const Manifold& manifold, const Vec3& point, const Vec3& normal, const Vec3& impulse,
                  std::vector<ContactImpulse>& out);
 
-// All points of contact that this rank counts and that pushed: each is counted by one rank. After the last stage of a step,
-// before the bodies are moved. Not collective.
+// The impulses of a step at the points of contact of this rank, those of zero left out. Each point of contact belongs to one rank
+// alone. To be called after the last stage of a step, before the bodies are moved. Not collective.
 std::vector<ContactImpulse> contact_impulses(const RankState& state, const System& system);
 
 }  // namespace unibody
