@@ -146,7 +146,8 @@ void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
                   " MB on the largest at the start");
   lines.push_back("  plan  " + used.name + ", at most " + counted(used.iterations, "iteration") +
                   " a step, stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
-                  number(*used.tolerance) + " m, contacts from " + number(*used.margin) + " m on");
+                  number(*used.tolerance) + " m" + (used.accuracy ? " for an accuracy of " + number(*used.accuracy) : "") +
+                  ", contacts from " + number(*used.margin) + " m on");
 }
 
 void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector<std::string>& warnings) {

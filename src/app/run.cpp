@@ -15,6 +15,7 @@
 #include "app/petsc_session.hpp"
 #include "app/running_scene.hpp"
 #include "app/stop_request.hpp"
+#include "app/strict.hpp"
 #include "app/wishes.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
@@ -79,7 +80,7 @@ class Run {
     write(summary_.first_frame);
     checkpoint_in_turn(summary_.first_frame);
     last_frame_ = summary_.first_frame;
-    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies, summary_.convergence.tolerance);
+    Progress progress(rank_, summary_.first_frame, scene_.time.frames, summary_.dynamic_bodies);
     for (std::int64_t frame = summary_.first_frame + 1; frame <= scene_.time.frames; ++frame) {
       running_.rebalance();
       FrameReport report = do_frame(frame);
@@ -132,17 +133,8 @@ class Run {
 
   // m. What is farther from solved than anything before it in the run is worth a name; of what stops the run, all.
   double name_above(const FrameReport& frame) const {
-    if (options_.strict) return summary_.convergence.tolerance;
+    if (options_.strict) return least_named(summary_.convergence);
     return std::max(summary_.convergence.worst_residual, frame.natural_residual);
-  }
-
-  void stop_if_strict(const StepReport& step, std::int64_t frame) const {
-    if (!options_.strict || step.converged) return;
-    std::array<char, 128> by{};
-    std::snprintf(by.data(), by.size(), "the natural residual is %.2e m, the tolerance %.2e m", step.residual,
-                  summary_.convergence.tolerance);
-    throw RunError("option -strict: frame " + std::to_string(frame) + " has not converged: " + by.data() +
-                   (step.worst ? "; farthest from solved: " + told(*step.worst, scene_) : ""));
   }
 
   bool wants_error(std::int64_t frame) const {
@@ -188,8 +180,9 @@ void Run::start_world() {
                      ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
   summary_.convergence.tolerance = *simulation_.settings_used().tolerance;
   summary_.convergence.smallest_size = simulation_.traits.smallest_size;
-  if (options_.strict && summary_.convergence.tolerance == 0)
-    throw InputError("option -strict: found solver.tolerance 0, which no step is within, expected more than 0");
+  summary_.convergence.accuracy = scene_.solver.accuracy.value_or(default_accuracy);
+  summary_.convergence.asked = scene_.solver.accuracy.has_value();
+  if (options_.strict) check_tolerance(summary_.convergence);
   for (const BodyGroup& group : scene_.groups) summary_.dynamic_bodies += group.is_static ? 0 : group.count;
 }
 
@@ -223,10 +216,11 @@ FrameReport Run::do_frame(std::int64_t frame) {
     if (writes) contact_impulses_ = std::move(step.impulses);
     step.impulses.clear(), last = step;
     held.pairs += step.guard.pairs, impacts += step.impacts;
-    stop_if_strict(step, frame);
+    if (options_.strict) stop_if_wrong(scene_, summary_.convergence, step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     if (step.residual > report.natural_residual) report.worst = step.worst;
     report.natural_residual = std::max(report.natural_residual, step.residual);
+    report.estimated_error += step.estimated_error;
     report.residual_rate += step.residual / scene_.time.frame;
     report.converged &= step.converged, report.form_left += step.form_left;
   }
@@ -256,6 +250,7 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, const Frame
   add(joint_columns(comm_, scene_.joints.size(), simulation_.joint_slots, simulation_.joint_states(),
                     step.residual_of<JointBatch>()));
   if (simulation_.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
+  if (scene_.solver.accuracy) columns.push_back({"estimated_error (m)", report.estimated_error});
   if (options_.error_estimate > 0) add_error_columns(step, columns);
   add(probes_.columns(comm_, world));
   if (!simulation_.has_surfaces()) return columns;

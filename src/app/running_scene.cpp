@@ -5,6 +5,7 @@
 #include "checkpoint/checkpoint.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "step/accuracy.hpp"
 #include "step/build.hpp"
 #include "step/step_parts.hpp"
 
@@ -37,6 +38,7 @@ std::int64_t RunningScene::start() {
     frame = restore(comm_, scene_, options_, simulation);
   simulation.steps_done = frame * scene_.time.substeps;
   simulation.resolve_automatic_settings();
+  check_accuracy(simulation);
   if (options_.restart.empty()) simulation.make_constraints();
   simulation.move_homes(balance_.homes(parts_of(simulation)));
   return frame;

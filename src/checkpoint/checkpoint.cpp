@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <optional>
 
 #include "checkpoint/checkpoint_histories.hpp"
@@ -82,6 +83,37 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
   return h5::write_rows(torque, H5T_NATIVE_DOUBLE, first, rows.size(), torques.data()) && all;
 }
 
+constexpr const char* ratio_attribute = "error_ratio";
+constexpr const char* next_attribute = "error_next_step";
+constexpr const char *parts_attribute = "step_parts", *calm_attribute = "calm_steps", *deep_attribute = "deep_steps";
+
+// Of a run without an accuracy, nothing.
+void write_accuracy(hid_t file, const History& history) {
+  const bool is_first = history.fineness.parts == 1 && history.fineness.calm == 0 && history.fineness.deep == 0;
+  if (history.error_ratio.next < 0 && is_first) return;
+  h5::write_attribute(file, ratio_attribute, history.error_ratio.ratio);
+  h5::write_attribute(file, next_attribute, history.error_ratio.next);
+  const Fineness& fineness = history.fineness;
+  h5::write_attribute(file, parts_attribute, std::int64_t{fineness.parts});
+  h5::write_attribute(file, calm_attribute, std::int64_t{fineness.calm});
+  h5::write_attribute(file, deep_attribute, std::int64_t{fineness.deep});
+}
+
+void read_accuracy(hid_t file, History& history) {
+  history.error_ratio = {}, history.fineness = {};
+  if (!h5::has_attribute(file, next_attribute)) return;
+  ErrorRatio& known = history.error_ratio;
+  known = {h5::read_double(file, ratio_attribute), h5::read_integer(file, next_attribute)};
+  const auto small = [&](const char* name) {
+    const std::int64_t x = h5::read_integer(file, name);
+    if (x < 0 || x > std::numeric_limits<int>::max()) throw std::runtime_error(std::string("its ") + name + " is out of range");
+    return static_cast<int>(x);
+  };
+  if (!(known.ratio >= 0 && std::isfinite(known.ratio)) || known.next < -1)
+    throw std::runtime_error("its ratio of error to residual is out of range");
+  history.fineness = {std::max(small(parts_attribute), 1), small(calm_attribute), small(deep_attribute)};
+}
+
 }  // namespace
 
 std::string fingerprint(const std::string& scene_text) { return hex(Hash().add(std::string_view(scene_text)).value()); }
@@ -113,6 +145,7 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     h5::write_attribute(file, "frame", frame);
     h5::write_attribute(file, "time", time);
     h5::write_attribute(file, "bodies", count);
+    write_accuracy(file, history);
     bool good = write_bodies(file, bodies, static_cast<hsize_t>(first), static_cast<hsize_t>(count));
     good = write_points(comm, file, points, total, has_torques) && good;
     good = write_history_rows(comm, file, rows) && good;
@@ -316,6 +349,7 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
 void Checkpoint::read_histories(const Elements& elements, History& history) const {
   reading(path_, [&] {
     unibody::read_histories(file_, elements, history);
+    read_accuracy(file_, history);
     if (elements.joints != nullptr) history.joints() = read_joint_impulses(file_, *elements.joints->list);
   });
 }

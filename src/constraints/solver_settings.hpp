@@ -85,9 +85,29 @@ inline constexpr double most_automatic_margin = 0.002;         // m, but no more
 inline constexpr double automatic_toss = 1.0 / 3;              // of that size: how high what recovers may be thrown,
 inline constexpr double most_automatic_recovery_speed = 0.25;  // m/s, but no faster than this, which is also that without gravity
 
+// Accuracies that have a name, and the first of them for scenes that ask for none: by it their frames are judged.
+struct NamedAccuracy {
+  std::string_view name;
+  double share;
+};
+inline constexpr std::array<NamedAccuracy, 3> named_accuracies{{{"film", 1e-2}, {"engineering", 1e-3}, {"reference", 1e-5}}};
+inline constexpr double default_accuracy = named_accuracies[0].share;
+
+inline constexpr int default_iterations = 50;
+
+// With an accuracy a step may take as many iterations, where the scene does not say how many.
+inline constexpr int iterations_of_accuracy = 1000;
+
+// The error of a step over its natural residual is taken to be no less than this, when the residual is found at which a stage
+// stops: contacts of bodies in motion have 2 to 4, and as long as no sample has told of more, this is what is known.
+inline constexpr double least_error_ratio = 3;
+
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
-  int iterations = 50;                      // a step, over both stages; >= 1 (two stages: >= 2)
+  int iterations = default_iterations;      // a step, over both stages; >= 1 (two stages: >= 2)
+  // The share of the smallest moving body's size, (0, 1], by which a frame may be off; open: the iterations are all that is
+  // asked for. See docs/accuracy.md.
+  std::optional<double> accuracy;
   // What is left open is decided by plan() (step/plan.hpp).
   std::optional<double> tolerance;  // m, natural residual at which a stage stops; 0: never; open: by the smallest body's size
   Acceleration acceleration = Acceleration::automatic;

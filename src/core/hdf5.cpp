@@ -219,6 +219,12 @@ Handle open_table(hid_t parent, const std::string& name, std::optional<hsize_t> 
 
 hsize_t rows_of(hid_t table) { return dimensions(table).at(0); }
 
+bool has_attribute(hid_t object, const std::string& name) {
+  const htri_t found = H5Aexists(object, name.c_str());
+  check(found, "look for " + name);
+  return found > 0;
+}
+
 bool has_link(hid_t parent, const std::string& name) {
   const htri_t found = H5Lexists(parent, name.c_str(), H5P_DEFAULT);
   check(found, "look for " + name);

@@ -97,6 +97,7 @@ hsize_t rows_of(hid_t table);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
+bool has_attribute(hid_t object, const std::string& name);
 double read_double(hid_t object, const std::string& name);
 std::int64_t read_integer(hid_t object, const std::string& name);
 std::string read_string(hid_t object, const std::string& name);

@@ -16,17 +16,67 @@ std::string number(double x) {
   return text.data();
 }
 
+std::string short_number(double x) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%g", x);
+  return text.data();
+}
+
+std::string of_all(std::int64_t count, const Convergence& c) {
+  const std::string all = std::to_string(c.residuals.size());
+  return (count == std::ssize(c.residuals) ? "all of " : std::to_string(count) + " of ") + all + " frames";
+}
+
+std::string spread(const std::vector<double>& figures, double unit, const std::string& name) {
+  const auto part = [&](double share) { return number(within(figures, share) / unit) + name; };
+  return "half within " + part(0.5) + ", 95 % within " + part(0.95) + ", all within " + part(1);
+}
+
+// Of a run whose frames are not all within the accuracy: what may be done.
+std::string advice(const Convergence& c) {
+  if (c.asked && c.unconverged > 0)
+    return "in " + of_all(c.unconverged, c) +
+           " the solve ended short of it, its iterations used up or hardly of use: more of them, or more time.substeps, may do\n";
+  if (c.asked) return "";
+  return "no accuracy is asked for: with solver.accuracy the program picks the iterations (docs/accuracy.md)\n";
+}
+
 std::string verdict(const Convergence& c) {
-  const std::string all = std::to_string(c.residuals.size()), tolerance = number(c.tolerance) + " m";
-  if (c.tolerance == 0) return "tolerance 0: all iterations were made";
-  if (c.unconverged == 0) return "converged: all of " + all + " frames, to the tolerance of " + tolerance;
-  return "not converged: " + std::to_string(c.unconverged) + " of " + all + " frames, to the tolerance of " + tolerance;
+  const std::string size = " of the smallest moving body's size (" + number(c.allowed()) + " m)";
+  std::string text = c.asked ? "accuracy " + short_number(c.accuracy) + size + " asked: held in " + of_all(c.held(), c)
+                             : "accuracy: " + of_all(c.held(), c) + " are within " + short_number(c.accuracy) + size;
+  text += "\nwhat they are off by, over that size: " + spread(c.offs, c.smallest_size, "");
+  if (c.most_off.length > 0)
+    text += " (frame " + std::to_string(c.most_off_frame) + ", " +
+            std::string(fault_names[static_cast<std::size_t>(c.most_off.fault)]) + ")";
+  return text + "\n" + (c.held() < std::ssize(c.offs) ? advice(c) : "");
+}
+
+std::string told_residuals(const Convergence& c) {
+  std::string text = "natural residual: " + spread(c.residuals, 1, " m");
+  if (c.asked) return text + "\n";
+  if (c.tolerance == 0) return text + "; the tolerance is 0: all iterations were made\n";
+  const std::int64_t converged = std::ssize(c.residuals) - c.unconverged;
+  return text + "; " + of_all(converged, c) + " converged to the tolerance of " + number(c.tolerance) + " m\n";
 }
 
 }  // namespace
 
+Off off_by(const FrameReport& report, bool asked) {
+  Off off{report.natural_residual, Fault::residual};
+  const auto take = [&](double length, Fault fault) {
+    if (length > off.length) off = {length, fault};
+  };
+  if (asked) off = {report.estimated_error, Fault::error};
+  take(report.measures.penetration_max, Fault::penetration);
+  take(report_value(report, "joint_drift_max").value_or(0), Fault::joint_drift);
+  return off;
+}
+
 void Convergence::add(const FrameReport& report) {
-  residuals.push_back(report.natural_residual);
+  const Off off = off_by(report, asked);
+  offs.push_back(off.length), residuals.push_back(report.natural_residual);
+  if (off.length > most_off.length) most_off = off, most_off_frame = report.step;
   unconverged += report.converged ? 0 : 1;
   if (report.natural_residual <= worst_residual) return;
   // A step is asked for the name where its residual is above all that were before it.
@@ -35,10 +85,18 @@ void Convergence::add(const FrameReport& report) {
   worst_frame = report.step;
 }
 
-double Convergence::within(double share) const {
-  if (residuals.empty()) return 0;
-  const double count = std::ceil(share * static_cast<double>(residuals.size()));
-  std::vector<double> sorted = residuals;
+bool Convergence::judges() const { return std::isfinite(smallest_size) && smallest_size > 0 && !offs.empty(); }
+
+double Convergence::allowed() const { return accuracy * smallest_size; }
+
+std::int64_t Convergence::held() const {
+  return std::ranges::count_if(offs, [&](double off) { return off <= allowed(); });
+}
+
+double within(const std::vector<double>& figures, double share) {
+  if (figures.empty()) return 0;
+  const double count = std::ceil(share * static_cast<double>(figures.size()));
+  std::vector<double> sorted = figures;
   const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(std::max(count, 1.0)) - 1;
   std::nth_element(sorted.begin(), place, sorted.end());
   return *place;
@@ -55,21 +113,23 @@ std::string told(const WorstConstraint& worst, const Scene& scene) {
 }
 
 std::string told(const Convergence& c, const Scene& scene) {
-  std::string text = verdict(c) + "\n";
-  if (c.residuals.empty()) return text;
-  text += "natural residual: half of the frames within " + number(c.within(0.5)) + " m, 95 % within " + number(c.within(0.95)) +
-          " m, all within " + number(c.worst_residual) + " m";
-  if (std::isfinite(c.smallest_size) && c.smallest_size > 0)
-    text += ", which is " + number(c.worst_residual / c.smallest_size) + " of the smallest moving body's size";
-  text += "\n";
+  if (c.residuals.empty()) return "";
+  std::string text = (c.judges() ? verdict(c) : "") + told_residuals(c);
   if (c.worst) text += "farthest from solved: frame " + std::to_string(c.worst_frame) + ", " + told(*c.worst, scene) + "\n";
   return text;
 }
 
 Json json_of(const Convergence& c, const Scene& scene) {
   Json json = Json::object();
+  if (c.judges()) {
+    json.set("accuracy", c.accuracy).set("accuracy_asked", c.asked).set("frames_within_accuracy", c.held());
+    json.set("median_off (m)", within(c.offs, 0.5)).set("off_of_95_percent (m)", within(c.offs, 0.95));
+    json.set("most_off (m)", c.most_off.length).set("most_off_frame", c.most_off_frame);
+    json.set("most_off_by", std::string(fault_names[static_cast<std::size_t>(c.most_off.fault)]));
+  }
   json.set("tolerance (m)", c.tolerance).set("frames_not_converged", c.unconverged);
-  json.set("median_natural_residual (m)", c.within(0.5)).set("natural_residual_of_95_percent (m)", c.within(0.95));
+  json.set("median_natural_residual (m)", within(c.residuals, 0.5));
+  json.set("natural_residual_of_95_percent (m)", within(c.residuals, 0.95));
   json.set("worst_natural_residual (m)", c.worst_residual).set("worst_frame", c.worst_frame);
   if (std::isfinite(c.smallest_size)) json.set("smallest_size (m)", c.smallest_size);
   if (!c.worst) return json;

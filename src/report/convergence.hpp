@@ -1,4 +1,4 @@
-// How far the frames of a run are from solved, in its last lines and in summary.json.
+// How far the frames of a run are off, by the accuracy that is asked for, in its last lines and in summary.json.
 #pragma once
 
 #include <cstdint>
@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "constraints/solver_settings.hpp"
 #include "core/json.hpp"
 #include "scene/scene.hpp"
 #include "step/worst_constraint.hpp"
@@ -14,20 +15,41 @@ namespace unibody {
 
 struct FrameReport;
 
-// Natural residuals (m) of the frames, each of the frame's worst step.
+// What a frame is off by: the largest of these.
+enum class Fault { error, residual, penetration, joint_drift };
+inline constexpr std::array<std::string_view, 4> fault_names{"estimated error", "natural residual", "penetration", "joint drift"};
+
+struct Off {
+  double length = 0;  // m
+  Fault fault = Fault::residual;
+};
+
+// Of a frame: what its solve left undone (its estimated error where an accuracy is asked for, else its natural residual), how
+// deep its contacts are, how far its joints are open.
+Off off_by(const FrameReport& report, bool asked);
+
+// Natural residuals (m) of the frames, each of the frame's worst step; and what each frame is off by (m).
 struct Convergence {
-  double tolerance = 0;      // m; 0: the solver's iterations never stop early
-  double smallest_size = 0;  // m, of the smallest body that moves; infinite: none does
-  std::vector<double> residuals;
-  std::int64_t unconverged = 0;          // frames of which a step did not converge
-  double worst_residual = 0;             // m
-  std::int64_t worst_frame = 0;          // the first of those with that residual; 0: none has more than 0
-  std::optional<WorstConstraint> worst;  // of that frame, where its residual is not 0
+  double tolerance = 0;                 // m; 0: the solver's iterations never stop early
+  double smallest_size = 0;             // m, of the smallest body that moves; infinite: none does
+  double accuracy = default_accuracy;   // share of that size by which the frames are judged
+  bool asked = false;                   // by the scene: the iterations were picked for it
+  std::vector<double> residuals, offs;  // m
+  std::int64_t unconverged = 0;         // frames of which a step did not converge
+  double worst_residual = 0;            // m
+  std::int64_t worst_frame = 0;         // the first of those with that residual; 0: none has more than 0
+  Off most_off;                         // of all frames
+  std::int64_t most_off_frame = 0;
+  std::optional<WorstConstraint> worst;  // of worst_frame, where its residual is not 0
 
   void add(const FrameReport& report);
-  // The least residual that this share of the frames, 0 to 1, is within. m
-  double within(double share) const;
+  bool judges() const;     // there is a body that moves, and a frame
+  double allowed() const;  // m
+  std::int64_t held() const;
 };
+
+// The least of these figures that this share of them, 0 to 1, is within.
+double within(const std::vector<double>& figures, double share);
 
 // "contacts of crate and pile[17]"
 std::string told(const WorstConstraint& worst, const Scene& scene);

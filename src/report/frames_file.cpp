@@ -15,12 +15,6 @@ constexpr hsize_t any = HSIZE_UNDEF;
 
 std::string numbered(const std::string& group, std::int64_t number) { return group + "/" + h5::numbered(number); }
 
-bool has_attribute(hid_t object, const std::string& name) {
-  const htri_t found = H5Aexists(object, name.c_str());
-  h5::check(found, "look for attribute " + name);
-  return found > 0;
-}
-
 h5::Handle open_group(hid_t file, const std::string& name) {
   return {H5Gopen2(file, name.c_str(), H5P_DEFAULT), H5Gclose, "open group " + name};
 }
@@ -97,7 +91,7 @@ std::vector<FramesFile::Cells> FramesFile::surfaces() const {
       if (id < 0 || id >= body_count_)
         refuse(name + " names body " + std::to_string(id) + ": expected 0 to " + std::to_string(body_count_ - 1));
     const auto own = open_group(file_, group);
-    const bool named = has_attribute(own, "name");
+    const bool named = h5::has_attribute(own, "name");
     surface.name = named ? h5::read_string(own, "name") : "surface " + std::to_string(number);
     result.push_back(std::move(surface));
   }
@@ -110,7 +104,7 @@ double FramesFile::time(std::int64_t frame) const {
   const std::string group = numbered("/frames", frame);
   if (!h5::has_link(file_, group)) refuse("has no group " + group);
   const auto own = open_group(file_, group);
-  if (!has_attribute(own, "time")) refuse("has no attribute time (s) at " + group);
+  if (!h5::has_attribute(own, "time")) refuse("has no attribute time (s) at " + group);
   return h5::read_double(own, "time");
 }
 

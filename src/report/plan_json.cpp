@@ -11,6 +11,10 @@ Json json_of(const StepPlan& plan) {
   json.set("islands", islands_names[static_cast<std::size_t>(plan.islands)]);
   json.set("stages", stages_names[static_cast<std::size_t>(plan.stages)]);
   json.set("tolerance (m)", plan.tolerance).set("margin (m)", plan.margin);
+  if (plan.least_position_iterations > 0) {
+    json.set("aim (m)", plan.aim).set("least_velocity_iterations", plan.least_velocity_iterations);
+    json.set("least_position_iterations", plan.least_position_iterations);
+  }
   json.set("recovery_speed (m/s)", plan.recovery_speed).set("recovery_time (s)", plan.recovery_time);
   json.set("surface_recovery_time (s)", plan.surface_recovery_time);
   json.set("has_velocity_stage", plan.two_stages).set("velocity_iterations", plan.velocity_iterations);

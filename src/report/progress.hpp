@@ -11,8 +11,8 @@ namespace unibody {
 class Progress {
  public:
   // Frames (first, last] will be run. Prints on rank 0 only: on a terminal one line with a bar that is overwritten, else a
-  // line every five seconds. tolerance: m, what the run's steps converge to; with 0 nothing is said of that.
-  Progress(int rank, std::int64_t first, std::int64_t last, Id bodies, double tolerance);
+  // line every five seconds.
+  Progress(int rank, std::int64_t first, std::int64_t last, Id bodies);
 
   void frame_done(const FrameReport& report);
 
@@ -21,7 +21,6 @@ class Progress {
   bool terminal_;
   std::int64_t first_, last_;
   Id bodies_;
-  double tolerance_;
   double start_, printed_ = 0;
 };
 

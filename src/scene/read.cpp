@@ -43,12 +43,21 @@ void check_level(const Value& value, const SolverSettings& solver) {
   refuse("form", solver.form == Form::total, "incremental at level: velocity, whose constraints are linear in a step");
 }
 
+void check_accuracy(const Value& value, const SolverSettings& solver) {
+  const Value* accuracy = value.find("accuracy");
+  if (accuracy == nullptr || !solver.accuracy) return;
+  if (solver.tolerance) value.find("tolerance")->fail_expected("auto beside an accuracy, which sets the tolerance");
+  if (solver.name == "newton") accuracy->fail_expected("auto for newton, whose steps are solved as far as they go");
+}
+
 void read_solver(const Value& value, Scene& scene) {
   SolverSettings& solver = scene.solver;
   read_settings(value, solver_settings(), solver);
   check_level(value, solver);
   if (solver.name == "newton") solver.form = Form::incremental;  // its own steps have neither
   const Value* iterations = value.find("iterations");
+  check_accuracy(value, solver);
+  if (solver.accuracy && !iterations) solver.iterations = iterations_of_accuracy;
   const bool one_stage = solver.stages == Stages::position || solver.level == Level::velocity;
   if (iterations && !one_stage && solver.iterations < 2)
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");

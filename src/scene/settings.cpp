@@ -1,5 +1,6 @@
 #include "scene/settings.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <stdexcept>
 
@@ -73,6 +74,36 @@ Setting<SolverSettings> warm_start() {
           }};
 }
 
+std::vector<std::string> accuracy_names() {
+  std::vector<std::string> names{"auto"};
+  for (const NamedAccuracy& named : named_accuracies) names.emplace_back(named.name);
+  return names;
+}
+
+Setting<SolverSettings> accuracy() {
+  const Range shares{0, 1, true};
+  const std::string words = "auto, film (1e-2), engineering (1e-3), reference (1e-5), or number" + shares.text();
+  return {"accuracy",
+          "",
+          words,
+          "share of the smallest moving body's size by which a frame may be off: the program then picks the iterations",
+          [=](const Value& v, SolverSettings& s) {
+            const bool word = v.kind == Value::Kind::scalar && !v.quoted;
+            const auto named = std::ranges::find(named_accuracies, std::string_view(v.text), &NamedAccuracy::name);
+            if (word && named != named_accuracies.end()) return void(s.accuracy = named->share);
+            try {
+              s.accuracy = read_number_or_auto(v, shares, "");
+            } catch (const std::runtime_error&) {
+              v.fail_expected(words);
+            }
+          },
+          [](const SolverSettings& s) { return s.accuracy ? settings::text_of(*s.accuracy) : "auto"; },
+          [=] {
+            const Json alternatives = Json::array().push(settings::schema_of(shares)).push(settings::schema_of(accuracy_names()));
+            return Json::object().set("anyOf", alternatives);
+          }};
+}
+
 Setting<SolverSettings> solver_name() {
   return {"name",
           "",
@@ -128,6 +159,7 @@ const SettingList<SolverSettings>& solver_settings() {
   static const SettingList<T> list{
       solver_name(),
       integer("iterations", "", 1, 1'000'000'000, &T::iterations, "iterations of a step, over both stages (two stages: >= 2)"),
+      accuracy(),
       number_or_auto("tolerance", "m", not_negative, &T::tolerance, "natural residual at which a stage stops; 0: never"),
       choice("acceleration", acceleration_names, &T::acceleration,
              "how accelerated_jacobi and gauss_seidel extrapolate from sweep to sweep"),

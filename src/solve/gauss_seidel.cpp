@@ -68,14 +68,15 @@ double sweep(System& system, const Exchange& exchange, const Schedule& schedule,
 
 }  // namespace
 
-SolveReport gauss_seidel(System& system, const Exchange& exchange, int iterations, double tolerance) {
+SolveReport gauss_seidel(System& system, const Exchange& exchange, int iterations, const StopRule& rule) {
   SolveReport report;
   const Schedule schedule = make_schedule(system);
-  StopTest stop(system, exchange, tolerance);
+  StopTest stop(system, exchange, rule);
+  bool stopped = false;
   SumReduction reduction(exchange);
   std::optional<SweepMomentum> momentum;
   if (system.acceleration != Acceleration::none) momentum.emplace(system);
-  while (report.iterations < iterations && !report.converged) {
+  while (report.iterations < iterations && !stopped) {
     if (system.observer) system.observer();
     if (system.renews) {
       exchange.refresh(system.bodies);
@@ -88,15 +89,15 @@ SolveReport gauss_seidel(System& system, const Exchange& exchange, int iteration
     // What is applied in the end must lie in the cone: two plain sweeps at least follow where it was left.
     const bool extrapolates = momentum && backwards && report.iterations + 2 <= iterations;
     if (extrapolates) momentum->measure(sums);
-    if (tolerance <= 0 && !extrapolates) continue;
+    if (rule.tolerance <= 0 && rule.allowed <= 0 && !extrapolates) continue;
     reduction.start(sums);
     sums = reduction.wait();
-    const bool measures = stop.is_worth_measuring(sums.change);
+    const bool measures = stop.is_worth_measuring(sums.change, report.iterations);
     if (measures || extrapolates) exchange.refresh(system.bodies);
-    if (measures) report.converged = stop.passes(sums.change);
-    if (extrapolates && !report.converged) momentum->extrapolate(sums);
+    if (measures) stopped = stop.may_stop(sums.change, report.iterations);
+    if (extrapolates && !stopped) momentum->extrapolate(sums);
   }
-  report.residual = stop.residual();
+  report.residual = stop.residual(), report.converged = stop.passed();
   if (momentum) report.restarts = momentum->restarts();
   for_each_acting(system, [&](auto, auto& batch) { batch.end_stage(system); });
   exchange.refresh(system.bodies);

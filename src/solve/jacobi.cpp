@@ -12,20 +12,21 @@ namespace unibody {
 
 namespace {
 
-SolveReport iterate(System& system, const Exchange& exchange, int iterations, double tolerance, bool accelerated) {
+SolveReport iterate(System& system, const Exchange& exchange, int iterations, const StopRule& rule, bool accelerated) {
   SolveReport report;
   SumReduction reduction(exchange);
   Momentum momentum(system.acceleration);
-  StopTest stop(system, exchange, tolerance);
+  StopTest stop(system, exchange, rule);
+  bool stopped = false;
   double unit = 1;
   if (system.keeps_places) system.move_places();
-  for (int k = 0; k < iterations && !report.converged; ++k) {
+  for (int k = 0; k < iterations && !stopped; ++k) {
     Extrapolation extrapolation;
     bool measures = false;
     double change = 0;
     if (k > 0) {
       const SweepSums& sums = reduction.wait();
-      change = sums.change, measures = stop.is_worth_measuring(change);
+      change = sums.change, measures = stop.is_worth_measuring(change, k);
       if (accelerated) extrapolation = momentum.next(sums, k > 1);
       if (k == 1) unit = unit_for(sums.largest);
     } else if (accelerated) {
@@ -46,24 +47,24 @@ SolveReport iterate(System& system, const Exchange& exchange, int iterations, do
     if (system.keeps_places) system.move_places(system.homes);
     ++report.iterations;
     if (last || !measures) continue;
-    report.converged = stop.passes(change);
-    if (!report.converged) continue;
+    stopped = stop.may_stop(change, k);
+    if (!stopped) continue;
     for_each_acting(system, [&](auto, auto& batch) { batch.end_stage(system); });
     exchange.refresh(system.bodies);
   }
-  report.residual = stop.residual();
+  report.residual = stop.residual(), report.converged = stop.passed();
   report.restarts = momentum.restarts();
   return report;
 }
 
 }  // namespace
 
-SolveReport accelerated_jacobi(System& system, const Exchange& exchange, int iterations, double tolerance) {
-  return iterate(system, exchange, iterations, tolerance, system.acceleration != Acceleration::none);
+SolveReport accelerated_jacobi(System& system, const Exchange& exchange, int iterations, const StopRule& rule) {
+  return iterate(system, exchange, iterations, rule, system.acceleration != Acceleration::none);
 }
 
-SolveReport jacobi(System& system, const Exchange& exchange, int iterations, double tolerance) {
-  return iterate(system, exchange, iterations, tolerance, false);
+SolveReport jacobi(System& system, const Exchange& exchange, int iterations, const StopRule& rule) {
+  return iterate(system, exchange, iterations, rule, false);
 }
 
 }  // namespace unibody

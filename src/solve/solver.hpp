@@ -64,13 +64,23 @@ struct SolveReport {
   bool converged = false;
 };
 
-// Runs at most `iterations` iterations, fewer if the natural residual falls below `tolerance` (m; 0: never stop early).
-// Starts from the multipliers in the batch, whose impulses must have been applied. On return guests are up to date.
-using SolveFunction = SolveReport (*)(System&, const Exchange&, int iterations, double tolerance);
+// When a stage stops before its last iteration. Natural residuals, m.
+struct StopRule {
+  double tolerance = 0;  // at which it stops; 0: at none
+  double allowed = 0;    // at which it stops from `least` iterations on; then it also gives up where more of them hardly help
+  int least = 0;
 
-SolveReport accelerated_jacobi(System&, const Exchange&, int iterations, double tolerance);
-SolveReport jacobi(System&, const Exchange&, int iterations, double tolerance);
-SolveReport gauss_seidel(System&, const Exchange&, int iterations, double tolerance);
+  StopRule(double at) : tolerance(at), allowed(at) {}  // NOLINT: a tolerance alone is a rule
+  StopRule(double at, double later, int from) : tolerance(at), allowed(later), least(from) {}
+};
+
+// Runs at most `iterations` iterations, fewer as the rule says. Starts from the multipliers in the batch, whose impulses must
+// have been applied. On return guests are up to date.
+using SolveFunction = SolveReport (*)(System&, const Exchange&, int iterations, const StopRule& rule);
+
+SolveReport accelerated_jacobi(System&, const Exchange&, int iterations, const StopRule& rule);
+SolveReport jacobi(System&, const Exchange&, int iterations, const StopRule& rule);
+SolveReport gauss_seidel(System&, const Exchange&, int iterations, const StopRule& rule);
 
 // How two stages divide a step: SolverSettings says more of both.
 struct Split {

@@ -8,13 +8,33 @@
 
 namespace unibody {
 
-bool StopTest::passes(double change) {
+namespace {
+
+constexpr double helps = 0.8;  // of the residual, which twice the iterations must leave no more of
+constexpr int first_look = 50;
+constexpr int most_idle = 2;  // doublings that do not
+
+}  // namespace
+
+StopTest::StopTest(const System& system, const Exchange& exchange, const StopRule& rule)
+    : system_(system), exchange_(exchange), rule_(rule), worth_measuring_(std::max(rule.tolerance, rule.allowed)) {
+  if (rule_.allowed > rule_.tolerance && rule_.least > 0) next_look_ = std::max(first_look, rule_.least);
+}
+
+bool StopTest::may_stop(double change, int done) {
   residual_ = std::ranges::max(residuals(system_));
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &residual_, 1, MPI_DOUBLE, MPI_MAX, exchange_.comm()));
-  if (residual_ <= tolerance_) return true;
+  passed_ = residual_ <= target(done);
+  if (passed_) return true;
   // A little less than where the two would be in proportion, and never so soon that it is measured in every iteration.
-  worth_measuring_ = change * std::min(0.7, 0.9 * tolerance_ / residual_);
-  return false;
+  worth_measuring_ = change * std::min(0.7, 0.9 * target(done) / residual_);
+  return done == next_look_ && gives_up(done);
+}
+
+bool StopTest::gives_up(int done) {
+  idle_ = looked_ > 0 && residual_ > helps * looked_ ? idle_ + 1 : 0;
+  looked_ = residual_, next_look_ = 2 * done;
+  return idle_ >= most_idle;
 }
 
 }  // namespace unibody

@@ -3,6 +3,10 @@
 // A sweep tells by how much it changed its rows, which costs nothing and is about the residual, but not the residual: the steps
 // of the Jacobi solvers are along bounds of the rows' own blocks, and rows that a sweep has passed are disturbed by those after
 // them. So the change says when it is worth to measure the residual, and the residual whether the stage may stop.
+//
+// With an accuracy a stage has iterations enough to reach it, unless what is asked for cannot be: a body between jaws that close
+// on it has no solution. Its residual is therefore also measured after 50, 100, 200 ... iterations; where two doublings
+// one after the other have taken less than a fifth away, the stage gives up.
 #pragma once
 
 #include "partition/exchange.hpp"
@@ -12,23 +16,31 @@ namespace unibody {
 
 class StopTest {
  public:
-  // tolerance: m; 0: the stage never stops early.
-  StopTest(const System& system, const Exchange& exchange, double tolerance)
-      : system_(system), exchange_(exchange), tolerance_(tolerance), worth_measuring_(tolerance) {}
+  StopTest(const System& system, const Exchange& exchange, const StopRule& rule);
 
-  // change: m, the largest of a sweep over all ranks.
-  bool is_worth_measuring(double change) const { return tolerance_ > 0 && change <= worth_measuring_; }
+  // After `done` sweeps, the last of which changed a row by at most `change` (m), over all ranks.
+  bool is_worth_measuring(double change, int done) const {
+    return (target(done) > 0 && change <= worth_measuring_) || done == next_look_;
+  }
 
-  // Whether the residual is within the tolerance, and if not, from which change on it is worth to be measured again. The bodies
-  // must be those of the multipliers, and guests up to date. Collective.
-  bool passes(double change);
+  // Whether the stage may stop: the residual is within what the rule allows, or it is given up. If not, from which change on the
+  // residual is worth to be measured again. The bodies must be those of the multipliers, and guests up to date. Collective.
+  bool may_stop(double change, int done);
 
   double residual() const { return residual_; }  // m, as measured last, over all ranks
+  bool passed() const { return passed_; }
 
  private:
+  double target(int done) const { return done >= rule_.least ? rule_.allowed : rule_.tolerance; }
+  bool gives_up(int done);
+
   const System& system_;
   const Exchange& exchange_;
-  double tolerance_, worth_measuring_, residual_ = 0;
+  StopRule rule_;
+  double worth_measuring_, residual_ = 0;
+  int next_look_ = -1, idle_ = 0;  // iterations after which the residual is looked at whatever the change; -1: none
+  double looked_ = 0;              // m, the residual at the look before; 0: there was none
+  bool passed_ = false;
 };
 
 }  // namespace unibody

@@ -199,7 +199,10 @@ StepFacts facts_of(const RankState& state, System& system) {
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(facts.size()), MPI_INT, MPI_MAX, state.comm()));
   if (facts[3] == 0) system.contacts().forget_islands();
-  return {facts[0] != 0, facts[1] != 0, facts[2] != 0, facts[3] != 0, facts[4] != 0};
+  StepFacts found{facts[0] != 0, facts[1] != 0, facts[2] != 0};
+  found.error_ratio = state.history.error_ratio.ratio;
+  found.free_contacts = facts[3] != 0, found.constrained_contacts = facts[4] != 0;
+  return found;
 }
 
 namespace {

@@ -28,10 +28,46 @@ double turn_that_matters(const RankState& state, const Joint& joint, std::size_t
   return matters;
 }
 
+constexpr int most_fineness = 4;
+
+// So many calm steps halve the parts, with contacts below that share of what is allowed. After so many deep ones it is no
+// matter of the steps' length, but of something that presses bodies into each other, or of how they were placed.
+constexpr int calm_steps = 10, deep_steps = 25;
+constexpr double calm_share = 0.5;
+
+double deepest_contact(const RankState& state) {
+  double depth = 0;
+  for (const ContactPoint& point : state.contacts.points) depth = std::max(depth, -point.gap);
+  for (const SurfaceContact& contact : state.contacts.surface) depth = std::max(depth, -contact.gap);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &depth, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
+  return depth;
+}
+
 }  // namespace
 
+Fineness next_fineness(Fineness before, double deepest, double allowed) {
+  Fineness next = before;
+  const bool deep = deepest > allowed, calm = deepest <= calm_share * allowed;
+  next.deep = deep ? before.deep + 1 : 0, next.calm = calm ? before.calm + 1 : 0;
+  if (next.deep > deep_steps) return next.parts = 1, next;
+  if (deep) next.parts = std::min(2 * before.parts, most_fineness);
+  if (next.calm >= calm_steps) next.parts = std::max(1, before.parts / 2), next.calm = 0;
+  return next;
+}
+
+void renew_fineness(RankState& state) {
+  if (!state.scene.solver.accuracy || !std::isfinite(state.traits.smallest_size)) return;
+  const double allowed = *state.scene.solver.accuracy * state.traits.smallest_size;
+  Fineness& fineness = state.history.fineness;
+  const int before = fineness.parts;
+  fineness = next_fineness(fineness, deepest_contact(state), allowed);
+  // The shorter a step, the less of its error is seen in its residual.
+  if (fineness.parts != before) state.history.error_ratio.next = std::min(state.history.error_ratio.next, state.steps_done);
+}
+
 int parts_of_step(const RankState& state) {
-  if (!state.traits.has_joints || !state.world.has_rotations) return 1;
+  const int least = state.history.fineness.parts;
+  if (!state.traits.has_joints || !state.world.has_rotations) return least;
   double fastest = 0;
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
     const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.joints[i])];
@@ -42,7 +78,8 @@ int parts_of_step(const RankState& state) {
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
   const double turn = state.step() * fastest;
   const double parts = turn > most_turn_of_rows ? std::ceil(turn / turn_of_part) : 1;
-  return static_cast<int>(std::clamp(parts, 1.0, static_cast<double>(most_parts)));  // what is not finite is found elsewhere
+  return static_cast<int>(
+      std::clamp(parts, static_cast<double>(least), static_cast<double>(most_parts)));  // what is not finite is found elsewhere
 }
 
 void set_step_length(RankState& state, double step) {

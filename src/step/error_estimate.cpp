@@ -11,6 +11,7 @@
 #include "step/assemble.hpp"
 #include "step/build.hpp"
 #include "step/detect.hpp"
+#include "step/division.hpp"
 #include "step/prescribed.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
@@ -20,10 +21,31 @@ namespace unibody {
 namespace {
 
 // A reference takes rounds of iterations, each twice as long as the one before, so that momentum may grow. It ends when the
-// natural residual is that share of the solver's tolerance, when two rounds one after the other have not halved it, not before
-// the fifth, or after the last round.
-constexpr int first_round = 100, least_rounds = 5, longest_round = 8, idle_rounds = 2;
+// natural residual is small enough, when two rounds one after the other have not halved it, not before the fifth, or after the
+// last round.
+constexpr int first_round = 100, least_rounds = 5, idle_rounds = 2;
 constexpr double share_of_tolerance = 1e-6;
+
+struct Effort {
+  int first_round, rounds;
+  double enough;         // m, natural residual
+  double tolerance = 0;  // m, at which a round stops
+};
+
+Effort full_effort(const RankState& state, const StepPlan& plan) {
+  const SolverSettings& solver = state.scene.solver;
+  return {solver.accuracy ? first_round : std::max(first_round, solver.iterations), 8, share_of_tolerance * plan.tolerance};
+}
+
+// That of a sample: one round, long beside the step's own iterations.
+constexpr int sample_length = 8, least_sample = 80;
+constexpr double sample_depth = 0.1;
+constexpr double most_left = 0.75;  // of the residual, when it is said how far the error goes beyond what the sample shows
+
+Effort effort_of_sample(const StepReport& step) {
+  const double enough = sample_depth * step.residual;
+  return {std::max(least_sample, sample_length * step.iterations), 1, enough, enough};
+}
 
 Vec3 linear(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
 Vec3 angular(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
@@ -44,17 +66,19 @@ bool has_iterative_joints(const RankState& state) {
 // Solves the rows of the position stage, on the multipliers of both stages together (Stages::together): what a step with any
 // number of iterations is after. What follows on a solve, the guard of surfaces and friction after the solve, the converged step
 // has too. Starts from the system as it is.
-ConvergedStep converge(RankState& state, System& system, StepPlan plan, const StepFacts& facts, SolveFunction solver) {
+ConvergedStep converge(RankState& state, System& system, StepPlan plan, const StepFacts& facts, SolveFunction solver,
+                       const Effort& effort) {
   plan.islands = Islands::all;
   ConvergedStep converged;
   std::vector<SolverBody> best(system.bodies.begin(), system.bodies.end());
   std::vector<ContactBatch::Impulse> impulses(state.contacts.points.size());
   system.contacts().get_impulses(impulses);
-  int length = std::max(first_round, state.scene.solver.iterations);
-  for (int round = 0, idle = 0; round < longest_round && (round < least_rounds || idle < idle_rounds) &&
-                                converged.residual > share_of_tolerance * plan.tolerance;
+  int length = effort.first_round;
+  for (int round = 0, idle = 0;
+       round < effort.rounds && (round < least_rounds || idle < idle_rounds) && converged.residual > effort.enough;
        ++round, length *= 2) {
-    converged.iterations += run_stage(state, system, plan, facts, Stage::Kind::position, solver, length, 0).iterations;
+    converged.iterations +=
+        run_stage(state, system, plan, facts, Stage::Kind::position, solver, length, effort.tolerance).iterations;
     StepReport now;
     measure_solution(state, system, plan, now);
     idle = now.residual <= 0.5 * converged.residual ? 0 : idle + 1;
@@ -77,7 +101,8 @@ ConvergedStep converge(RankState& state, System& system, StepPlan plan, const St
 
 // From where the step's own iterations ended, with its own layout of the constraints. The world's velocities are set in place,
 // since the Vec lies over them.
-ConvergedStep solve_on(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const SolvedStep& solved) {
+ConvergedStep solve_on(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const SolvedStep& solved,
+                       const Effort& effort) {
   const std::vector<SolverBody> taken(system.bodies.begin(), system.bodies.end());
   const std::vector<SolverBody> taken_moving(system.moving.begin(), system.moving.end());
   const std::vector<Vec3> velocity_after = state.world.velocity;
@@ -86,7 +111,7 @@ ConvergedStep solve_on(RankState& state, System& system, const StepPlan& plan, c
   for_each_batch(system.batches, [](auto, auto& batch) { batch.join_stages(); });
   std::copy(solved.velocity_before.begin(), solved.velocity_before.end(), state.world.velocity.begin());
   const SolveFunction same_layout = state.solver.sweeps_by_colour ? state.solver.solve : accelerated_jacobi;  // converges faster
-  const ConvergedStep converged = converge(state, system, plan, facts, same_layout);
+  const ConvergedStep converged = converge(state, system, plan, facts, same_layout, effort);
   system.bodies.assign(taken.begin(), taken.end());
   system.moving.assign(taken_moving.begin(), taken_moving.end());
   std::copy(velocity_after.begin(), velocity_after.end(), state.world.velocity.begin());
@@ -146,6 +171,7 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
   const Scene scene = scene_of_reference(state);
   PhaseClock clock;
   RankState other(state.comm(), scene, clock, state.shares_memory);
+  set_step_length(other, state.step());  // of a part, where the step is divided
   System system(&other.scratch);
   other.world = world_before(state.world, solved);
   other.steps_done = state.steps_done, other.time_in_step = state.time_in_step;
@@ -167,7 +193,7 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
     const StepFacts facts = facts_of(other, system);
     const StepPlan plan = unibody::plan(scene.solver, other.traits, facts);
     warm_start(other, system, plan);
-    converged = converge(other, system, plan, facts, accelerated_jacobi);
+    converged = converge(other, system, plan, facts, accelerated_jacobi, full_effort(other, plan));
     system.batch<JointBatch>().remember(other.history.joints(), 0);
   });
   system.clear(&other.scratch);
@@ -176,7 +202,7 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
 
 ConvergedStep converged_step(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts,
                              const SolvedStep& solved) {
-  const double solved_to = share_of_tolerance * plan.tolerance;
+  const Effort effort = full_effort(state, plan);
   ConvergedStep best;
   const auto take = [&](ConvergedStep found) {
     const int iterations = best.iterations + found.iterations;
@@ -185,19 +211,14 @@ ConvergedStep converged_step(RankState& state, System& system, const StepPlan& p
   };
   const bool other = has_other_reference(state);
   if (other && has_iterative_joints(state)) take(solve_anew(state, solved, state.geometric_stiffness));
-  if (!(best.residual <= solved_to)) take(solve_on(state, system, plan, facts, solved));
-  if (other && !has_iterative_joints(state) && !(best.residual <= solved_to))
+  if (!(best.residual <= effort.enough)) take(solve_on(state, system, plan, facts, solved, effort));
+  if (other && !has_iterative_joints(state) && !(best.residual <= effort.enough))
     take(solve_anew(state, solved, state.geometric_stiffness));
   return best;
 }
 
-}  // namespace
-
-StepError estimate_error(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts,
-                         const SolvedStep& solved) {
-  const PhaseClock::Scope scope(state.clock, Phase::other);  // no part of the step's own time
+StepError error_beside(const RankState& state, const System& system, const SolvedStep& solved, const ConvergedStep& converged) {
   const World& world = state.world;
-  const ConvergedStep converged = converged_step(state, system, plan, facts, solved);
   const auto& moving = system.moving.empty() ? system.bodies : system.moving;
   std::array<ExactSum, 3> sums;
   for (std::size_t i = 0; i < world.homes; ++i) {
@@ -212,6 +233,25 @@ StepError estimate_error(RankState& state, System& system, const StepPlan& plan,
   if (total[2] > 0) error.distance = state.step() * std::sqrt(total[0] / total[2]);
   if (total[1] > 0) error.relative = std::sqrt(total[0] / total[1]);
   return error;
+}
+
+}  // namespace
+
+StepError estimate_error(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts,
+                         const SolvedStep& solved) {
+  const PhaseClock::Scope scope(state.clock, Phase::other);  // no part of the step's own time
+  return error_beside(state, system, solved, converged_step(state, system, plan, facts, solved));
+}
+
+double sample_error(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const SolvedStep& solved,
+                    const StepReport& step) {
+  const Effort effort = effort_of_sample(step);
+  if (!(step.residual > 0)) return 0;
+  const Batches kept = system.batches;
+  const StepError error = error_beside(state, system, solved, solve_on(state, system, plan, facts, solved, effort));
+  system.batches = kept;
+  const double left = error.reference_residual / step.residual;
+  return error.distance / (1 - std::min(left, most_left));
 }
 
 }  // namespace unibody

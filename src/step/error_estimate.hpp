@@ -5,6 +5,7 @@
 #include "step/plan.hpp"
 #include "step/rank_state.hpp"
 #include "step/step_error.hpp"
+#include "step/step_report.hpp"
 
 namespace unibody {
 
@@ -12,5 +13,11 @@ namespace unibody {
 // multipliers of the batches. Collective.
 StepError estimate_error(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts,
                          const SolvedStep& solved);
+
+// m, the distance to the converged step as a short solve tells, from where the step ended: to a tenth of its natural residual, or
+// as far as 8 times its iterations lead. What is left then is taken to be in proportion to the residual. Collective; leaves
+// everything as estimate_error() does.
+double sample_error(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const SolvedStep& solved,
+                    const StepReport& step);
 
 }  // namespace unibody

@@ -2,6 +2,7 @@
 // checkpoint and sent along when bodies move to another rank.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/types.hpp"
@@ -9,8 +10,24 @@
 
 namespace unibody {
 
+// Into how many parts a run with an accuracy divides its steps, for contacts that a step as long as the scene's would let go too
+// deep (division.hpp).
+struct Fineness {
+  int parts = 1;
+  int calm = 0, deep = 0;  // steps one after the other that started with contacts less deep than that is worth, or too deep
+};
+
+// How far a step is from the converged one, over its natural residual, as the sampled steps of a run with an accuracy tell: the
+// ratio that is reckoned with.
+struct ErrorRatio {
+  double ratio = 0;        // 0: of no step known
+  std::int64_t next = -1;  // the step, since time 0, of which the error is to be estimated next; -1: none has been yet
+};
+
 // The multipliers of the last step, of each batch; of the contacts those from which the next velocity stage starts.
 struct History : BatchHistories {
+  ErrorRatio error_ratio;
+  Fineness fineness;
   const Multipliers& contacts() const { return of<ContactBatch>(); }
   Multipliers& contacts() { return of<ContactBatch>(); }
   const std::vector<JointImpulses>& joints() const { return of<JointBatch>(); }

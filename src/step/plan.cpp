@@ -50,15 +50,28 @@ Acceleration acceleration_of(const SolverSettings& settings, const SceneTraits& 
 // A force moves a body in a step by the square of the step's length. The tolerance falls as that square where a frame has more
 // steps: a stage then leaves the same share of the motion undone, and a body at rest creeps less per second the finer the steps
 // are. A short frame has few steps, so the tolerance is also bounded by a share of what a body falls in the step.
-double tolerance_of(const SceneTraits& traits) {
+double automatic_tolerance_of(const SceneTraits& traits) {
   const double part = traits.step / traits.frame, fall = traits.gravity * traits.step * traits.step;
   const double by_size = automatic_tolerance * traits.smallest_size * part * part;
   return fall > 0 ? std::min(by_size, automatic_share_of_fall * fall) : by_size;
 }
 
-void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, StepPlan& plan) {
+// The residual at which the error of a step is its part of what the accuracy allows a frame.
+double tolerance_of_accuracy(double accuracy, const SceneTraits& traits, double error_ratio) {
+  return accuracy * traits.smallest_size * (traits.step / traits.frame) / std::max(least_error_ratio, error_ratio);
+}
+
+double tolerance_of(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts) {
+  if (settings.tolerance) return *settings.tolerance;
+  if (!std::isfinite(traits.smallest_size)) return 0;
+  return settings.accuracy ? tolerance_of_accuracy(*settings.accuracy, traits, facts.error_ratio)
+                           : automatic_tolerance_of(traits);
+}
+
+void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts, StepPlan& plan) {
   const double size = traits.smallest_size;
-  plan.tolerance = settings.tolerance.value_or(std::isfinite(size) ? tolerance_of(traits) : 0);
+  plan.tolerance = plan.aim = tolerance_of(settings, traits, facts);
+  if (settings.accuracy && plan.tolerance > 0) plan.aim = std::min(plan.tolerance, automatic_tolerance_of(traits));
   plan.margin = settings.margin.value_or(std::min(most_automatic_margin, automatic_margin * size));
   const double toss = traits.gravity > 0 ? std::sqrt(2 * traits.gravity * (automatic_toss * size)) : HUGE_VAL;
   plan.recovery_speed = settings.recovery_speed.value_or(std::min(most_automatic_recovery_speed, toss));
@@ -69,12 +82,18 @@ void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, StepP
   plan.surface_recovery_time = settings.recovery_time.value_or(0);
 }
 
+// No step does less for an accuracy than it would without one.
+void plan_least_iterations(const Split& split, StepPlan& plan) {
+  plan.least_velocity_iterations = plan.two_stages ? static_cast<int>(split.velocity_share * default_iterations) : 0;
+  plan.least_position_iterations = default_iterations - plan.least_velocity_iterations;
+}
+
 }  // namespace
 
 StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts) {
   const Solver& solver = find_solver(settings.name);
   StepPlan plan;
-  plan_sizes(settings, traits, plan);
+  plan_sizes(settings, traits, facts, plan);
 
   plan.stages = stages_of(settings, traits, solver);
   const bool apart = facts.free_contacts && traits.has_constraints();
@@ -86,6 +105,7 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   if (plan.two_stages)
     plan.velocity_iterations =
         std::clamp(static_cast<int>(split.velocity_share * settings.iterations), 1, settings.iterations - 1);
+  if (settings.accuracy) plan_least_iterations(split, plan);
   // The bound on the leak compares what a contact bears with the weight of the lighter body. A node of a cloth or solid is light,
   // and its contact may bear a whole column of nodes, so scenes with such nodes do without the bound.
   const bool by_weights = split.iterations_a_weight > 0 && (!traits.has_constraints() || split.swelling == 0);

@@ -28,6 +28,7 @@ struct StepFacts {
   bool any_contact = false;
   bool bounces = false;          // some contact bounces
   bool links_are_tight = false;  // see links_are_tight() below
+  double error_ratio = 0;        // of the error of a step to its residual, as far as it is known; see accuracy.hpp
   // Where the plan asks for islands (asks_for_islands()): some contact is of an island without constraints, or of one with them.
   bool free_contacts = false, constrained_contacts = false;
 };
@@ -35,7 +36,11 @@ struct StepFacts {
 struct StepPlan {
   // By the size of the smallest body and the step: see "auto" in solver_settings.hpp.
   double tolerance = 0, margin = 0, recovery_speed = 0;  // m, m, m/s
-  double recovery_time = 0, surface_recovery_time = 0;   // s
+  // m, the residual that a stage is after in its first iterations, as many as a step has that is not asked for an accuracy; at
+  // least: it stops at `tolerance` from there on. 0 of them: the two are one.
+  double aim = 0;
+  int least_velocity_iterations = 0, least_position_iterations = 0;
+  double recovery_time = 0, surface_recovery_time = 0;  // s
 
   Islands islands = Islands::all;  // of which this is the plan
   Stages stages = Stages::two;
@@ -52,11 +57,15 @@ struct StepPlan {
   Acceleration velocity_acceleration = Acceleration::nesterov, position_acceleration = Acceleration::nesterov;
   double most_stiffness = std::numeric_limits<double>::infinity();  // geometric stiffness with which a link may start
 
+  int least_of(Stage::Kind kind) const {
+    return kind == Stage::Kind::velocity ? least_velocity_iterations : least_position_iterations;
+  }
   Stage stage(Stage::Kind kind, const SolverSettings& settings, double step) const;
 };
 
 // What is decided for the whole scene from a property of a part of it:
-// - the smallest body sets the tolerance, the margin and the speed of recovery of all;
+// - the smallest body sets the tolerance, the margin and the speed of recovery of all, and the sampled steps of all the ratio of
+//   error to residual by which an accuracy becomes a tolerance;
 // - one contact that bounces makes the momentum of accelerated_jacobi Nesterov's for all.
 // Islands without constraints beside contacts are solved apart from the others, where there are both, each kind by its own plan.
 // What is decided for all islands with constraints from a property of one:

@@ -47,6 +47,7 @@ void Simulation::detect() {
 
 StepReport Simulation::step(const StepRequest& request) {
   detect();
+  renew_fineness(*this);
   const int parts = parts_of_step(*this);
   if (parts == 1) {
     const StepReport report = take_part(request);

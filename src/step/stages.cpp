@@ -6,6 +6,7 @@
 #include "core/checked.hpp"
 #include "solve/friction_postprocess.hpp"
 #include "solve/surface_guard.hpp"
+#include "step/accuracy.hpp"
 #include "step/contact_forces.hpp"
 #include "step/contact_problem.hpp"
 #include "step/error_estimate.hpp"
@@ -43,13 +44,13 @@ void warm_start(RankState& state, System& system, const StepPlan& plan) {
 }
 
 SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, Stage::Kind kind,
-                      SolveFunction solver, int iterations, double tolerance) {
+                      SolveFunction solver, int iterations, const StopRule& rule) {
   const Stage stage = plan.stage(kind, state.scene.solver, state.step());
   start_stage(system, stage);
   system.keeps_places = kind == Stage::Kind::position && plan.islands != Islands::free && state.traits.has_centre_constraints;
   system.acceleration = kind == Stage::Kind::velocity ? plan.velocity_acceleration : plan.position_acceleration;
   system.renews = stage.reevaluates || facts.bounces;
-  const SolveReport report = solver(system, state.exchange, iterations, tolerance);
+  const SolveReport report = solver(system, state.exchange, iterations, rule);
   if (facts.bounces && !state.solver.sweeps_by_colour) {
     for_each_acting(system, [&](auto, auto& batch) { batch.give_back_gains(system); });
     system.apply_wrenches();
@@ -76,7 +77,7 @@ namespace {
 double solved_residual(const RankState& state) {
   constexpr double share = 0.03;
   SolverSettings automatic = state.scene.solver;
-  automatic.tolerance.reset();
+  automatic.tolerance.reset(), automatic.accuracy.reset();
   return share * unibody::plan(automatic, state.traits).tolerance;
 }
 
@@ -131,7 +132,8 @@ const WorstConstraint& worse_of(const WorstConstraint& a, const WorstConstraint&
 // The stages of a plan, in its islands.
 StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, double name_above) {
   const auto run = [&](Stage::Kind kind, int iterations) {
-    return run_stage(state, system, plan, facts, kind, state.solver.solve, iterations, plan.tolerance);
+    const StopRule rule(plan.aim, plan.tolerance, plan.least_of(kind));
+    return run_stage(state, system, plan, facts, kind, state.solver.solve, iterations, rule);
   };
   StagesDone done;
   bool leaks = false;
@@ -157,7 +159,7 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
 }  // namespace
 
 StepReport solve(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, const StepRequest& request) {
-  const bool wanted = request.error || request.problem != nullptr;
+  const bool samples = samples_error(state), wanted = request.error || request.problem != nullptr || samples;
   SolvedStep solved;
   if (wanted) {
     solved.predicted.assign(system.bodies.begin(), system.bodies.end());
@@ -190,6 +192,10 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
   if (request.impulses) report.impulses = contact_impulses(state, system);
   follow_up(state, system, done.leak, report);
+  if (samples)
+    take_sample(state, sample_error(state, system, plan, facts, solved, report), plan.tolerance, report);
+  else if (state.scene.solver.accuracy)
+    estimate_by_ratio(state, report);
   if (request.error) report.error = estimate_error(state, system, plan, facts, solved);
   return report;
 }

@@ -14,7 +14,7 @@ void warm_start(RankState& state, System& system, const StepPlan& plan);
 // Runs the solver for one stage. It starts from the batches' multipliers; their impulses must already be part of the bodies'
 // velocities. Collective.
 SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, Stage::Kind kind,
-                      SolveFunction solver, int iterations, double tolerance);
+                      SolveFunction solver, int iterations, const StopRule& rule);
 
 // The natural residuals of the stage that was run last, over all ranks, in one message. `left`: of an earlier stage on this rank
 // (m), which counts too: the position stage starts anew, and would hide it. Collective.

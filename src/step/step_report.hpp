@@ -31,6 +31,7 @@ struct StepRequest {
 struct StepReport {
   int iterations = 0;
   double residual = 0;                                     // m, natural residual, of two stages the larger; max over ranks
+  double estimated_error = 0;                              // m, where the scene asks for an accuracy; see accuracy.hpp
   bool converged = false;                                  // the residual is within the tolerance
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
   SurfaceGuard::Held guard;     // pairs that would have passed through each other, had they not been held
@@ -51,6 +52,7 @@ struct StepReport {
     }
     iterations += part.iterations, guard.pairs += part.guard.pairs, impacts += part.impacts;
     if (guard.not_held[0] < 0) guard.not_held = part.guard.not_held;
+    estimated_error += part.estimated_error;
     residual = std::max(residual, part.residual), converged = converged && part.converged;
     for (std::size_t k = 0; k < batch_residuals.size(); ++k)
       batch_residuals[k] = std::max(batch_residuals[k], part.batch_residuals[k]);

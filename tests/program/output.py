@@ -193,7 +193,7 @@ class Results(ProgramTest):
         # What the scene leaves to the program is told as it was used: a tolerance of 1e-4 of the smallest box, one frame, ...
         self.assertEqual(summary["settings"], {
             "time": {"frame (s)": STEP, "frames": FRAMES, "substeps": 1},
-            "solver": {"name": "accelerated_jacobi", "iterations": 50, "tolerance (m)": 1e-4 * 0.11, "acceleration": "auto",
+            "solver": {"name": "accelerated_jacobi", "iterations": 50, "accuracy": "auto", "tolerance (m)": 1e-4 * 0.11, "acceleration": "auto",
                        "mass_sharing": "directions", "level": "position", "stabilisation": 0.4, "stages": "two",
                        "warm_start": 1 / 3, "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
                        "order": "coloured", "joints": "iterative", "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25,
@@ -274,12 +274,13 @@ class Switches(ProgramTest):
         scene = self.scene(SCENE)
         few = ["-set", "time.frames=3", "-set", "solver.iterations=2", "-overwrite"]
         self.assertRegex(self.good(scene, "results", *few, "-set", "solver.tolerance=1e-15").out,
-                         r"not converged: [123] of 3 frames, to the tolerance of 1.00e-15 m\n"
-                         r"natural residual: half of the frames within \S+ m, 95 % within \S+ m, all within \S+ m, which is "
-                         r"\S+ of the smallest moving body's size\nfarthest from solved: frame [123], contacts of .* and .*\n")
+                         r"accuracy: (all|[012]) of 3 frames are within 0.01 of the smallest moving body's size \(\S+ m\)\n"
+                         r"what they are off by, over that size: half within \S+, 95 % within \S+, all within \S+ \(frame [123], "
+                         r"(penetration|natural residual)\)\n(no accuracy is asked for: .*\n)?"
+                         r"natural residual: half within \S+ m, 95 % within \S+ m, all within \S+ m; [012] of 3 frames converged to "
+                         r"the tolerance of 1.00e-15 m\nfarthest from solved: frame [123], contacts of .* and .*\n")
         without = self.good(scene, "results", *few, "-set", "solver.tolerance=0").out
-        self.assertNotIn("not converged", without)
-        self.assertRegex(without, r"tolerance 0: all iterations were made\nnatural residual: half of the frames within ")
+        self.assertRegex(without, r"natural residual: half within .*; the tolerance is 0: all iterations were made\n")
 
     def test_a_strict_run_stops_where_it_has_not_converged(self):
         scene = self.scene("""

@@ -85,9 +85,23 @@ const std::vector<BadInput> bad_values{
      "gauss_seidel "
      "or newton"},
     {"nearly_a_setting", "solver: {itertions: 10}\n",
-     "FILE:1: key 'solver.itertions': found an unknown key (did you mean iterations?), expected name, iterations, tolerance, "
+     "FILE:1: key 'solver.itertions': found an unknown key (did you mean iterations?), expected name, iterations, accuracy, "
+     "tolerance, "
      "acceleration, mass_sharing, level, stabilisation, stages, form, warm_start, velocity_share, leak, friction, joints, gap, "
      "order, scaling, recovery_time, recovery_speed or margin"},
+    {"no_accuracy", "solver: {accuracy: 0}\n",
+     "FILE:1: key 'solver.accuracy': found 0, expected auto, film (1e-2), engineering (1e-3), reference (1e-5), or number in (0, "
+     "1]"},
+    {"accuracy_of_more_than_the_body", "solver: {accuracy: 1.5}\n",
+     "FILE:1: key 'solver.accuracy': found 1.5, expected auto, film (1e-2), engineering (1e-3), reference (1e-5), or number in "
+     "(0, 1]"},
+    {"accuracy_of_no_number", "solver: {accuracy: .nan}\n",
+     "FILE:1: key 'solver.accuracy': found .nan, expected auto, film (1e-2), engineering (1e-3), reference (1e-5), or number in "
+     "(0, 1]"},
+    {"accuracy_and_tolerance", "solver:\n  accuracy: film\n  tolerance: 1.0e-5\n",
+     "FILE:3: key 'solver.tolerance': found 1.0e-5, expected auto beside an accuracy, which sets the tolerance"},
+    {"accuracy_of_newton", "solver: {accuracy: film, name: newton}\n",
+     "FILE:1: key 'solver.accuracy': found film, expected auto for newton, whose steps are solved as far as they go"},
     {"full_warm_start", "solver: {warm_start: 1}\n",
      "FILE:1: key 'solver.warm_start': found 1, expected auto or a number in [0, 0.5]: a full warm start at position level is "
      "unstable"},

@@ -78,6 +78,36 @@ TEST(StepPlan, TheToleranceFallsWithTheStep) {
 }
 
 // Up to 50 iterations a third of the old multipliers, then as much less as there are more iterations.
+// A step is stopped by its part of the accuracy, over the ratio of its error to its residual; in as many iterations as it would
+// have without one it is after the usual tolerance.
+TEST(StepPlan, AnAccuracyIsAToleranceByTheRatioOfErrorToResidual) {
+  SolverSettings settings = solver("accelerated_jacobi", 1000);
+  settings.accuracy = 1e-2;
+  const double part = 1e-2 * 0.06 / 4;  // of the frame's, a quarter of it
+  const StepPlan unknown = unibody::plan(settings, grains());
+  EXPECT_DOUBLE_EQ(unknown.tolerance, part / 3);
+  EXPECT_DOUBLE_EQ(unknown.aim, 1e-4 * 0.06 / 16);
+  StepFacts facts;
+  facts.error_ratio = 12;
+  EXPECT_DOUBLE_EQ(unibody::plan(settings, grains(), facts).tolerance, part / 12);
+  facts.error_ratio = 0.1;
+  EXPECT_DOUBLE_EQ(unibody::plan(settings, grains(), facts).tolerance, part / 3);
+  settings.accuracy = 1e-5;  // below the usual tolerance
+  const StepPlan fine = unibody::plan(settings, grains(), facts);
+  EXPECT_DOUBLE_EQ(fine.tolerance, 1e-3 * part / 3);
+  EXPECT_EQ(fine.aim, fine.tolerance);
+
+  facts.any_contact = true;
+  const StepPlan two = unibody::plan(settings, grains(), facts);
+  EXPECT_EQ(two.least_of(Stage::Kind::velocity), 40);
+  EXPECT_EQ(two.least_of(Stage::Kind::position), 10);
+  EXPECT_EQ(unibody::plan(settings, cloth(), facts).least_of(Stage::Kind::position), 50);
+
+  const StepPlan without = unibody::plan(solver("accelerated_jacobi"), grains(), facts);
+  EXPECT_EQ(without.least_of(Stage::Kind::velocity) + without.least_of(Stage::Kind::position), 0);
+  EXPECT_EQ(without.aim, without.tolerance);
+}
+
 TEST(StepPlan, TheOldMultipliersCountLessOfMoreIterations) {
   const auto share = [](int iterations) { return unibody::plan(solver("accelerated_jacobi", iterations), cloth()).share; };
   EXPECT_EQ(share(10), 1.0 / 3);

@@ -1,0 +1,20 @@
+// Option -strict: a step that is off by more than it may be stops the run.
+#pragma once
+
+#include <cstdint>
+
+#include "report/convergence.hpp"
+#include "step/step_report.hpp"
+
+namespace unibody {
+
+// Throws InputError where no step could be within the tolerance.
+void check_tolerance(const Convergence& convergence);
+
+// m: from which residual on a step's worst constraint is to be named, for stop_if_wrong() to name it.
+double least_named(const Convergence& convergence);
+
+// Throws RunError where the step has not converged, or is off by more than its part of the accuracy that is asked for.
+void stop_if_wrong(const Scene& scene, const Convergence& convergence, const StepReport& step, std::int64_t frame);
+
+}  // namespace unibody
