@@ -1,12 +1,15 @@
 #include "scene/shape_files.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <numbers>
 #include <stdexcept>
 
 #include "meshes/convex_pieces.hpp"
+#include "meshes/mesh_holes.hpp"
 #include "meshes/mesh_topology.hpp"
 #include "meshes/surface_file.hpp"
 #include "meshes/triangle_soup.hpp"
@@ -158,8 +161,17 @@ std::string place_of(const Value& value) {
   return *value.origin + (value.line > 0 ? ":" + std::to_string(value.line) : "") + ": key '" + value.key + "'";
 }
 
-// What a person should know of a mesh that was mended; empty if nothing.
-std::string describe(const SoupFaults& faults, bool two_sided) {
+std::string describe(const std::vector<Hole>& holes) {
+  const Hole& widest = holes.front();
+  std::array<char, 160> text{};
+  std::snprintf(text.data(), text.size(), "%.3g m wide, at [%.3g, %.3g, %.3g] m from the mesh's origin", widest.width,
+                widest.centre.x(), widest.centre.y(), widest.centre.z());
+  const std::string which = holes.size() == 1 ? "a hole, " : std::to_string(holes.size()) + " holes, the widest ";
+  return "it has " + which + text.data() + ": bodies may pass through";
+}
+
+// What a person should know of a mesh, of what was mended first; empty if nothing.
+std::string describe(const SoupFaults& faults, bool two_sided, const std::vector<Hole>& holes) {
   std::string text;
   const auto add = [&](std::int64_t count, const std::string& what) {
     if (count > 0)
@@ -171,6 +183,7 @@ std::string describe(const SoupFaults& faults, bool two_sided) {
             " of its nodes welded to others at the same place (weld: 0 keeps them apart)";
   if (two_sided)
     text += std::string(text.empty() ? "" : "; ") + "its triangles do not agree which side is out: touched from both";
+  if (!holes.empty()) text += (text.empty() ? "" : "; ") + describe(holes);
   return text;
 }
 
@@ -199,7 +212,7 @@ Shape read_soup(const Value& value, const Scene& scene) {
   TriangleMesh mesh = read_mesh(value, "file", scene, path, true);
   const SoupFaults faults = mend_soup(mesh, path, read_weld(value, "file"));
   MeshSurface surface = make_mesh_shape(mesh.nodes, mesh.triangles, 0, faults.both_ways);
-  const std::string what = describe(faults, surface.two_sided);
+  const std::string what = describe(faults, surface.two_sided, holes_of(mesh));
   if (!what.empty()) surface.note = path + ": " + what;
   surface.name = path;
   choose_sides(value, surface.is_solid, surface);

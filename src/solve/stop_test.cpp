@@ -10,7 +10,7 @@ namespace unibody {
 
 namespace {
 
-constexpr double helps = 0.8;  // of the residual, which twice the iterations must leave no more of
+constexpr double helps = 0.95;  // of the residual, which twice the iterations must leave no more of
 constexpr int first_look = 50;
 constexpr int most_idle = 2;  // doublings that do not
 

@@ -6,7 +6,7 @@
 //
 // With an accuracy a stage has iterations enough to reach it, unless what is asked for cannot be: a body between jaws that close
 // on it has no solution. Its residual is therefore also measured after 50, 100, 200 ... iterations; where two doublings
-// one after the other have taken less than a fifth away, the stage gives up.
+// one after the other have taken less than a twentieth away, the stage gives up.
 #pragma once
 
 #include "partition/exchange.hpp"

@@ -65,8 +65,8 @@ struct Named {
 };
 
 struct Told {
-  int steps = 0, wrong = 0;  // steps whose error was looked at; that were off by more than the accuracy
-  double worst = 0;          // of the true error over what is allowed
+  int held = 0, wrong = 0;  // steps that say that they hold the accuracy, of those whose error was looked at; that do not
+  double worst = 0;         // of their true errors over what is allowed
 };
 
 // The error of every fifth step, by the step solved until it converges, beside what the accuracy allows it.
@@ -79,22 +79,23 @@ Told truth_of(Scene scene, double accuracy, int steps) {
     const StepReport report = e.simulation->step(request);
     EXPECT_LE(report.residual, report.estimated_error);
     if (!report.error) continue;
-    const double off = report.error->distance / (accuracy * e.simulation->traits.smallest_size);
-    ++told.steps, told.wrong += off > 1, told.worst = std::max(told.worst, off);
+    const double allowed = accuracy * e.simulation->traits.smallest_size, off = report.error->distance / allowed;
+    if (!report.converged || report.estimated_error > allowed) continue;
+    ++told.held, told.wrong += off > 1, told.worst = std::max(told.worst, off);
   }
   return told;
 }
 
 }  // namespace
 
-// The judge is the step as it would be, had it been solved to the end. At most one in twenty steps may be off by more than was
-// asked for, and none by more than three times of it.
+// The judge is the step as it would be, had it been solved to the end. Of twenty steps most hold the accuracy, and say so; of
+// these at most one may be off by more than was asked for, and none by more than three times of it.
 TEST(Accuracy, IsHeldAsTheConvergedStepTells) {
   for (const auto& [name, scene] : {Named{"pile", pile}, {"tower", tower}, {"rope", rope}, {"arm", arm}})
     for (const double accuracy : {1e-2, 1e-3}) {
       SCOPED_TRACE(std::string(name) + ", " + std::to_string(accuracy));
       const Told told = truth_of(scene(), accuracy, 100);
-      EXPECT_EQ(told.steps, 20);
+      EXPECT_GE(told.held, 15);
       EXPECT_LE(told.wrong, 1);
       EXPECT_LT(told.worst, 3);
     }
