@@ -24,7 +24,7 @@ CASES = {
     'cloth_hanging': (200, 20, []),
     'chain_heavy_ball': (100, 10, ['solver.iterations=1000', 'solver.joints=direct']),
 }
-QUICK = ('dominoes', 'brick_wall', 'boxes_500', 'rope_over_spheres')
+QUICK = ('dominoes', 'brick_wall', 'rope_over_spheres', 'gripper', 'towers_2000', 'boxes_500')
 ASKED = (None, 1e-1, 1e-2, 1e-3, 1e-4)
 
 

@@ -17,8 +17,8 @@ constexpr int most_idle = 2;  // doublings that do not
 }  // namespace
 
 StopTest::StopTest(const System& system, const Exchange& exchange, const StopRule& rule)
-    : system_(system), exchange_(exchange), rule_(rule), worth_measuring_(std::max(rule.tolerance, rule.allowed)) {
-  if (rule_.allowed > rule_.tolerance && rule_.least > 0) next_look_ = std::max(first_look, rule_.least);
+    : system_(system), exchange_(exchange), rule_(rule), worth_measuring_(target(0)) {
+  if (rule_.allowed > rule_.tolerance && rule_.least > 0) next_look_ = rule_.least;
 }
 
 bool StopTest::may_stop(double change, int done) {
@@ -32,8 +32,10 @@ bool StopTest::may_stop(double change, int done) {
 }
 
 bool StopTest::gives_up(int done) {
+  next_look_ = std::max(2 * done, first_look);
+  if (done < first_look) return false;
   idle_ = looked_ > 0 && residual_ > helps * looked_ ? idle_ + 1 : 0;
-  looked_ = residual_, next_look_ = 2 * done;
+  looked_ = residual_;
   return idle_ >= most_idle;
 }
 

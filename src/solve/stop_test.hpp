@@ -5,7 +5,7 @@
 // them. So the change says when it is worth to measure the residual, and the residual whether the stage may stop.
 //
 // With an accuracy a stage has iterations enough to reach it, unless what is asked for cannot be: a body between jaws that close
-// on it has no solution. Its residual is therefore also measured after 50, 100, 200 ... iterations; where two doublings
+// on it has no solution. Its residual is therefore also measured after some 50, 100, 200 ... iterations; where two doublings
 // one after the other have taken less than a twentieth away, the stage gives up.
 #pragma once
 

@@ -168,7 +168,7 @@ TEST(Accuracy, WhatCannotBeIsGivenUp) {
     Experiment e(governed(std::move(scene), 1e-3));
     e.steps(5);
     EXPECT_FALSE(e.last.converged);
-    EXPECT_LT(e.last.iterations, iterations_of_accuracy / 2 * e.simulation->history.fineness.parts);
+    EXPECT_LT(e.last.iterations, 0.6 * iterations_of_accuracy * e.simulation->history.fineness.parts);
     EXPECT_GT(e.last.estimated_error, 1e-3 * 0.196);
   }
 }
