@@ -84,7 +84,7 @@ struct Tables {
   Id count = 0;
 };
 
-// Of a kind that the file does not have, none.
+// The tables of one batch. Where the file has none of it, they are empty.
 template <class B>
 Tables tables_of(hid_t file) {
   Tables tables;

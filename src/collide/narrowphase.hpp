@@ -42,7 +42,8 @@ struct PairManifold {
   Vec3 normal = Vec3::UnitZ();  // from the second body towards the first
   int count = 0;
   double time = 0;  // s, as Manifold's
-  // The two convex parts, valid while the manifold is handed out; of a mesh the whole, and its triangle. Null: not said.
+  // The two convex parts that touch, or of a mesh the whole mesh and the triangle. They are valid while the manifold is handed
+  // out, and null where the routine does not tell them.
   const Proxy *part_a = nullptr, *part_b = nullptr;
   const MeshSurface::Triangle* triangle = nullptr;
   ContactPoint points[capacity];

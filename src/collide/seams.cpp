@@ -171,7 +171,7 @@ class Mender {
     }
     const Vec3& up = best_.normal;
     m_.normal = of_second_ ? Vec3(-up) : up;
-    // Points further down than the body reaches are of its sides, drawn out flat.
+    // A point that lies deeper than the body reaches belongs to one of its sides, which the search has extended as a plane.
     const double lowest = std::min(0.0, best_.gap) - flush_of(*m_.part_a, *m_.part_b);
     int count = 0;
     for (int k = 0; k < m_.count; ++k) {

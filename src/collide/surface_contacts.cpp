@@ -56,7 +56,8 @@ double SurfaceCollider::travel(std::span<const Slot> first, std::span<const Slot
   return settings_.step * std::sqrt(fastest);
 }
 
-// Of the two faces at an edge, one speaks for it.
+// Whether this face makes the contact, if that is at an edge. Both faces of the edge find the same contact; the one whose third
+// node has the lower id makes it.
 bool SurfaceCollider::owns(const SurfaceFace& face, const Vec3& weights) const {
   const int edge = edge_of(weights);
   if (edge < 0) return true;

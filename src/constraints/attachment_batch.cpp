@@ -16,7 +16,7 @@ Mat3 cross_matrix(const Vec3& a) {
 
 void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
 
-// An impulse at the node's place (N s), which the body takes and the node gives.
+// Adds an impulse (N s) that acts at the node's place: the body is pushed by it, and the node by its opposite.
 void push(std::span<Wrench> wrenches, Slot body, Slot node, const Vec3& arm, const Vec3& impulse) {
   Wrench& of_body = wrenches[static_cast<std::size_t>(body)];
   add(of_body.force, impulse), add(of_body.torque, arm.cross(impulse));

@@ -61,7 +61,7 @@ void ContactBatch::start_bounces() {
     }
 }
 
-// Calls f(row, number in Contacts::points, arm_a, arm_b, impulse) for each point of a lane.
+// Calls f(row, number in Contacts::points, arm_a, arm_b, impulse) for each contact point in one lane of a block.
 template <class F>
 void ContactBatch::for_each_point(const Lane& at, F&& f) const {
   const Block& block = blocks[at.block];

@@ -20,7 +20,7 @@ class MshInput {
 
   // The next line that isn't blank, without blanks around it; empty at the end of the file.
   std::string_view line();
-  // After the numbers of a line: nothing more may stand in it.
+  // To be called after the last number of a line: throws where more stands in it.
   void end_line() {
     if (!binary) end_text_line();
   }

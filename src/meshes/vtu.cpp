@@ -190,7 +190,7 @@ class VtuReader {
     return array;
   }
 
-  // An array of so many numbers, stored as one of these types.
+  // Reads an array that must have so many numbers, stored in the file as one of the types `Stored`.
   template <class Number, class... Stored>
   std::vector<Number> read_array(const xml_node& array, std::size_t count) const {
     const std::string type = expect(array, "type", {type_name<Stored>...});

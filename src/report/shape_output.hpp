@@ -1,4 +1,4 @@
-// The library's shapes in the file of frames, for who draws them.
+// Writes the shapes of the library (hulls, compounds, meshes) into the file of frames, for programs that draw them.
 #pragma once
 
 #include <array>

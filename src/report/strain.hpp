@@ -5,7 +5,7 @@
 
 namespace unibody {
 
-// Of the tetrahedra of one material.
+// The strains of all tetrahedra of one material.
 struct Strain {
   double max = 0;                         // of the absolute principal values of Green's strain
   double volume_min = 1, volume_max = 1;  // V / V0; below 0: inverted

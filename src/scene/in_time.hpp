@@ -18,7 +18,7 @@ TimeVector read_vector_in_time(const Value& value, const std::string& unit);
 // The same; in a planar scene no component may leave the plane at any time. rotation: the vector is an axis of turning.
 TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std::string& unit, bool rotation);
 
-// Whether a vector is said in another way than by three numbers.
+// Whether a value is a vector that changes in time (a table, a sine), rather than three numbers.
 bool is_vector_in_time(const Value& value);
 
 }  // namespace unibody

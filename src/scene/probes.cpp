@@ -60,7 +60,7 @@ void read_box_of(const Value& box, Probe::Kind kind, Probe& probe) {
     high.fail_expected("a corner that is above the other one along each axis (m)");
 }
 
-// The bodies of an entry, of any section, that has this name; NAME[k]: one of them, from 0.
+// The bodies of the entry that has this name, in whatever section it is. NAME[k] means one of them, counted from 0.
 IdRange read_named(const Value& value, const Scene& scene) {
   const std::string expected = "the name of an entry of bodies, cloths, threads or solids, or one of its bodies as name[0]";
   std::string name = value.string(expected);

@@ -170,7 +170,7 @@ std::string describe(const std::vector<Hole>& holes) {
   return "it has " + which + text.data() + ": bodies may pass through";
 }
 
-// What a person should know of a mesh, of what was mended first; empty if nothing.
+// What a person should know of a mesh: what was mended in it, and its holes. Empty where there is nothing to tell.
 std::string describe(const SoupFaults& faults, bool two_sided, const std::vector<Hole>& holes) {
   std::string text;
   const auto add = [&](std::int64_t count, const std::string& what) {

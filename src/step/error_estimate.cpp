@@ -37,7 +37,8 @@ Effort full_effort(const RankState& state, const StepPlan& plan) {
   return {solver.accuracy ? first_round : std::max(first_round, solver.iterations), 8, share_of_tolerance * plan.tolerance};
 }
 
-// That of a sample: one round, long beside the step's own iterations.
+// A sample is one round of iterations, so many times as long as the step's own, and no shorter than the least. It ends early
+// where the residual has fallen to this share of the step's.
 constexpr int sample_length = 8, least_sample = 80;
 constexpr double sample_depth = 0.1;
 constexpr double most_left = 0.75;  // of the residual, when it is said how far the error goes beyond what the sample shows

@@ -166,7 +166,7 @@ class Impacts {
     return closing > (pair.fast ? 1e-9 : std::max(1e-12, 2 * step_ * state_.traits.gravity));
   }
 
-  // s, of the next impact that counts; never: none in this step.
+  // The time of the pair's next impact that counts (s), or `never` where the step has none.
   double time_of(const Pair& pair) const {
     const double from = std::max(clock_[static_cast<std::size_t>(pair.a)], clock_[static_cast<std::size_t>(pair.b)]);
     const Vec3 faster = acceleration(pair.a) - acceleration(pair.b);

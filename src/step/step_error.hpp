@@ -27,7 +27,8 @@ struct ConvergedStep {
   int iterations = 0;                                         // spent on it
 };
 
-// A step between its solve and what follows on it. Bodies as in System.
+// What a step has come to when its solve ends, before the guard of surfaces, friction after the solve and the motion of the
+// bodies. The bodies are numbered as in System.
 struct SolvedStep {
   std::vector<SolverBody> predicted, solved;
   std::vector<Vec3> velocity_before;            // m/s, the World's, when the step began
