@@ -21,7 +21,7 @@ class Bisection {
   }
 
  private:
-  // Of `these` cells makes the parts first, first + 1, ..., first + parts - 1.
+  // Divides `these` cells among the parts first, first + 1, ..., first + parts - 1.
   void cut(std::span<std::size_t> these, int first, int parts) {
     if (parts == 1 || these.empty()) {
       for (const std::size_t i : these) part_[i] = first;

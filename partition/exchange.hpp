@@ -55,7 +55,7 @@ class Exchange {
   // The same for the bodies that one colour of a batch ties.
   void refresh(std::size_t batch, std::size_t colour, std::span<SolverBody> bodies) const;
 
-  // Of the contacts, whose batch that is: colour[m] of every manifold of this step.
+  // Sets the colours of the contacts, which are the batch of that number: colour[m] is that of the step's manifold m.
   void set_colours(std::size_t batch, std::span<const std::int32_t> colour, std::size_t colours);
 
   // Manifolds across the cut, by neighbour; the lists of the two ranks correspond entry by entry.

@@ -29,18 +29,18 @@ inline constexpr double of_a_body = 20, of_a_pair = 20, of_a_point = 5, of_a_sur
 inline constexpr double of_a_row_at_a_node = 6, of_a_joint_row = 400;
 }  // namespace work
 
-// Of each constraint of a list, and of one joint (ns).
+// The cost (ns) of each constraint of a list, and of one joint.
 template <class C>
 constexpr double cost_of_type(const std::vector<Constraint<C>>&) {
   return work::of_a_row_at_a_node * static_cast<double>(C::rows * C::stencil);
 }
 double cost_of(const Joint& joint);
 
-// Of this rank: all that it evaluates, so that what is cut counts on both sides.
+// The work of this rank: all that it evaluates. What is cut by a border of ranks counts on both sides.
 double work_of(const StepParts& parts);
 
-// Of each home body: its own cost and an equal share with the other moving bodies of what touches it. Over all ranks these sum up
-// to what one rank alone would have to do.
+// The work of each home body: its own cost, and an equal share, with the other moving bodies, of what touches it. Over all
+// ranks these sum up to what one rank alone would have to do.
 std::vector<float> work_by_body(const StepParts& parts);
 
 }  // namespace unibody

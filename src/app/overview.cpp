@@ -34,7 +34,8 @@ std::string counted(std::int64_t count, const std::string& one) {
   return std::to_string(count) + " " + one + (count == 1 || one.ends_with("ic") || one.ends_with("fixed") ? "" : "s");
 }
 
-// Of all ranks' bodies; nodes of cloths, threads and solids are not among them, but where a place or a size is concerned.
+// What there is to tell of the bodies of all ranks. The nodes of cloths, threads and solids are not counted among them, but
+// their places and sizes are in the extents.
 struct Bodies {
   std::array<std::int64_t, 3> moved{};                    // dynamic, kinematic, fixed
   std::array<std::int64_t, shape_names.size()> shapes{};  // of dynamic ones

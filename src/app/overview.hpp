@@ -13,7 +13,7 @@ struct Overview {
   std::vector<std::string> warnings;  // each names what it is about and what to do
 };
 
-// Of a simulation whose contacts have been found. Collective; the same on every rank.
+// The overview of a simulation whose contacts have been found. Collective; the same on every rank.
 Overview overview_of(const Simulation& simulation);
 
 }  // namespace unibody

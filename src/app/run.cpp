@@ -146,7 +146,7 @@ class Run {
     return contact_file_ && frame > summary_.first_frame && frame % scene_.output.contacts == 0;
   }
 
-  // Of the frame whose last step is to be written as a problem; -1: none.
+  // The frame whose last step is to be written as a problem; -1: none.
   std::int64_t dumped_frame() const {
     if (options_.dump_fclib.empty()) return -1;
     return options_.dump_step >= 0 ? options_.dump_step : scene_.time.frames;

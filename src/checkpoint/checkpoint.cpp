@@ -87,7 +87,7 @@ constexpr const char* ratio_attribute = "error_ratio";
 constexpr const char* next_attribute = "error_next_step";
 constexpr const char *parts_attribute = "step_parts", *calm_attribute = "calm_steps", *deep_attribute = "deep_steps";
 
-// Of a run without an accuracy, nothing.
+// Writes what an accuracy has found out. A run without one has nothing of that.
 void write_accuracy(hid_t file, const History& history) {
   const bool is_first = history.fineness.parts == 1 && history.fineness.calm == 0 && history.fineness.deep == 0;
   if (history.error_ratio.next < 0 && is_first) return;

@@ -41,7 +41,8 @@ class Checkpoint {
   // rank reads a share of the file and sends it on: none holds them all. Collective.
   Multipliers read_multipliers(const World& world) const;
 
-  // Of all other batches, of what is here; nothing where the file has nothing. Not collective.
+  // Reads the histories of all other batches, for the constraints and joints that are here; they stay empty where the file has
+  // none. Not collective.
   void read_histories(const Elements& elements, History& history) const;
 
  private:

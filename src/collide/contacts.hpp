@@ -42,8 +42,9 @@ inline Vec3 arm_of(const Manifold& m, const ContactPoint& point, const Vec3& pos
 // shared out by the same weights, so that momentum is kept (paper, section 5).
 struct SurfaceContact {
   std::array<Id, 4> ids;  // of the ends; -1: none. With the feature the key, which is unique
-  // Of a box: its corner, or 11 + 3 times its edge (triangle_contacts.hpp); of a mesh: twice its node, or 1 + twice its edge, of
-  // triangle t the edges 3 t to 3 t + 2; 1000: two edges of surfaces; else 0.
+  // Which part of the other body or mesh touches: of a box its corner, or 11 + 3 times its edge (triangle_contacts.hpp); of a
+  // mesh twice its node, or 1 + twice its edge, where triangle t has the edges 3 t to 3 t + 2; 1000 where two edges of surfaces
+  // touch; else 0.
   std::uint32_t feature;
   std::array<Slot, 4> slots;
   std::array<double, 4> weights;  // of the first side positive, sum 1; of the second negative, sum -1; 0: no such end

@@ -105,7 +105,7 @@ class Expansion {
     double offset;
   };
 
-  // Of the whole solids: cores may have no volume.
+  // The vertex of the whole solids, their rounding included: the cores alone may have no volume.
   Vertex rounded(const Vec3& direction) const {
     const Vec3 unit = direction.normalized();
     Vertex v;

@@ -208,7 +208,7 @@ bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_spe
   return found.normal.dot(t.normal) > 0;
 }
 
-// Of a triangle's manifold: the nearest points, where no corner says as much as they do.
+// Adds the nearest points to a triangle's manifold, where no corner in it says as much as they do.
 void add_nearest_unless_said(const ConvexBody& body, Cores cores, const ConvexDistance& distance, double least,
                              PairManifold& out) {
   if (cores != Cores::apart || least <= distance.gap + face_loss(body.size, distance.gap)) return;

@@ -13,14 +13,15 @@ struct MeshPlace {
   double depth;  // m, the distance; negative in front of the surface
 };
 
-// Of a point `x` (m, frame of the mesh), by the sign of its way to the nearest point of the surface along the normal there
-// (Baerentzen & Aanaes 2005). False where that is further than `limit` (m) or on a border, behind which there is no side, and of
-// two-sided meshes.
+// Finds on which side of the mesh a point `x` (m, frame of the mesh) lies, by the sign of its way to the nearest point of the
+// surface along the normal there (Baerentzen & Aanaes 2005). Returns false where that point is further than `limit` (m) or on a
+// border, behind which there is no side, and for two-sided meshes.
 bool find_place(const MeshSurface& mesh, const Vec3& x, double limit, MeshPlace& place);
 
-// Of the triangles `near` a body those that its centre `x` (m, frame of the mesh) does not rule out, turned over where it is on
-// their other side. All of a patch of a two-sided mesh are on one side: on that of the patch's nearest point. Ruled out is what a
-// surface that goes on over the triangle's nearest edge hides: a wall under a floor.
+// Selects, of the triangles `near` a body, those that its centre `x` (m, frame of the mesh) does not rule out, turned over
+// where it is on their other side. All triangles in a patch of a two-sided mesh face the side on which the patch's nearest
+// point sees the centre. A triangle is ruled out where the surface that goes on over its nearest edge hides it, as a floor
+// hides a wall under it.
 std::vector<MeshSurface::Triangle> facing(const MeshSurface& mesh, const std::vector<std::int32_t>& near, const Vec3& x);
 
 }  // namespace unibody

@@ -153,8 +153,8 @@ bool SurfaceCollider::has_passed(const Pair& pair, const Vec3& between) const {
   return before.norm() > one_place * pair.radii && before.dot(between) < 0;
 }
 
-// Of two points in one place. Those of a cloth laid on another just like it all are: the face's normal parts them, all the same
-// way, the lower id downwards. Its sign is that of the sum of its entries, as the two may lie either way round.
+// The normal of two points in one place, as all are in a cloth laid on another just like it: the face's normal parts them, all
+// the same way, the lower id downwards. Its sign is that of the sum of its entries, as the two may lie either way round.
 Vec3 SurfaceCollider::normal_in_one_place(const Pair& pair, const SurfaceFace& face) const {
   const auto [a, b, c] = places(face, 0);
   Vec3 normal = (b - a).cross(c - a);

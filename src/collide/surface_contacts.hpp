@@ -31,7 +31,8 @@ constexpr double lean_of_boxes = 0.05, lean_of_points = 1e-9;
 // Hits may be reported so much before the two touch.
 inline ContinuousSettings continuous(double radii) { return {radii, std::min(1e-6, 0.01 * radii) + 1e-3 * radii, 200}; }
 
-// Of the weights of a face's nodes. A segment has its second node twice: all of the weight goes to the first of the two.
+// Whether the weights of a face's nodes belong to one node alone. A segment has its second node twice: all of the weight goes
+// to the first of the two.
 bool is_one_node(const Vec3& weights);
 Vec3 without_twin(const SurfaceFace& face, Vec3 weights);
 

@@ -65,7 +65,7 @@ void ConstraintBatch<C>::get_multipliers(std::span<Multipliers> multipliers) con
         multipliers[static_cast<std::size_t>(order_[i])][k] = lambda_[i / lanes][k][i % lanes];
 }
 
-// Of a warm start whose share is left open, types that start cold take nothing.
+// Sets the multipliers from which the step starts. Types that start cold take nothing of a warm start whose share is left open.
 template <ConstraintType C>
 void ConstraintBatch<C>::start_from(const History& history, const WarmStart& warm) {
   const double own = warm.setting >= 0 ? warm.setting : starts_cold<C> ? 0 : warm.share;
@@ -115,7 +115,8 @@ void ConstraintBatch<C>::add_directions(const StepStart& start, std::span<const 
   }
 }
 
-// Of links: both ends are pushed along one line, of two that coincide along z. In two passes, as in sweep().
+// Adds links to their bodies' sums of directions: both ends are pushed along one line, or along z where the two coincide. It
+// takes two passes, as sweep() does.
 template <ConstraintType C>
 void ConstraintBatch<C>::add_lines(const StepStart& start, std::span<const SolverBody> bodies,
                                    std::span<DirectionSum> sums) const {

@@ -75,7 +75,7 @@ inline typename ConstraintBatch<C>::Solution ConstraintBatch<C>::residual_of(std
                                                                              const Rows<stencil, rows>& at,
                                                                              const Solution& lambda, const StepStart& start,
                                                                              Vec4d over_step) const {
-  // Of a stiff constraint both ways give the same bits: which is taken depends on what else this rank has.
+  // Both ways give the same bits for a stiff constraint: which of them is taken depends on what else this rank has.
   Solution r;
   const double step = start.step;
   for (std::size_t k = 0; k < rows; ++k) {

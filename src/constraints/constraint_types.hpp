@@ -58,12 +58,12 @@ template <class C>
 inline constexpr bool joins_edges =
     !std::is_same_v<C, BendingLink> && !std::is_same_v<C, Dihedral> && !std::is_same_v<C, InversionGuard>;
 
-// Of each constraint of a set, its impulses (N s) in the last step.
+// The impulses (N s) of each constraint of a set in the last step.
 template <class C>
 using MultiplierList = std::vector<std::array<double, C::rows>>;
 struct ConstraintMultipliers : ConstraintTypes::Tuple<MultiplierList> {};
 
-// Of each type, how many colours its constraints have.
+// How many colours the constraints of each type have.
 using ConstraintColours = std::array<std::int32_t, ConstraintTypes::size>;
 
 inline std::size_t constraint_count(const ConstraintSet& set) {

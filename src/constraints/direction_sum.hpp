@@ -24,7 +24,7 @@ inline constexpr double least_sharing = 0.75;  // of the number of constraints
 struct DirectionSum {
   Vec4d squares{}, products{};  // xx, yy, zz, number of constraints; xy, yz, zx, 0
 
-  // Of constraints that may push along any direction.
+  // Adds so many constraints that may push along any direction.
   void add_any(double count) { squares += broadcast(count); }
 };
 

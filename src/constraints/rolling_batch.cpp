@@ -168,7 +168,7 @@ void RollingBatch::keep_impulses(bool together) {
 
 namespace {
 
-// Of a pair in the contacts' history; -1: it is not there.
+// The place of a pair in the contacts' history; -1: it is not there.
 std::ptrdiff_t place_of(const Multipliers& history, Id a, Id b) {
   const auto before = [](const RememberedManifold& m, const std::pair<Id, Id>& key) { return std::pair(m.id_a, m.id_b) < key; };
   const auto& all = history.manifolds;

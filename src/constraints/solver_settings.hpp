@@ -54,12 +54,12 @@ inline constexpr std::array<std::string_view, 2> joint_solve_names{"iterative", 
 // The solvers there are, the default first; solver.cpp has the table.
 std::vector<std::string> solver_names();
 
-// Of the old multipliers, where a position stage starts. What iterations leave undone is made up by the force of the step before;
-// that force lags by a h / (1 - a) behind the motion, which takes as much from the damping h of the implicit step: a third leaves
-// three quarters of it, 1/2 nothing.
+// The share of the old multipliers from which a position stage starts. What iterations leave undone is made up by the force of
+// the step before; that force lags by a h / (1 - a) behind the motion, which takes as much from the damping h of the implicit
+// step: a third leaves three quarters of it, 1/2 nothing.
 //
-// With more iterations less is left undone, and the old force does harm: it is aimed before its link turned, and with a third of
-// it a cloth that folds gains energy at 400 iterations and more. Where the scene sets no share, a step therefore starts from
+// With more iterations less is left undone, and the old force does harm: it is aimed before its link turned, and with a third
+// of it a cloth that folds gains energy at 400 iterations and more. Where the scene sets no share, a step therefore starts from
 // automatic_share up to iterations_of_share iterations, and from a share that falls as 1 / iterations beyond them.
 inline constexpr double automatic_share = 1.0 / 3;
 inline constexpr int iterations_of_share = 50;
@@ -119,8 +119,9 @@ struct SolverSettings {
   // position: the position stage alone. auto: two, but position for Jacobi solvers in scenes with constraints beside contacts,
   // which have no part in a velocity stage: all iterations are theirs then, and bodies in contact penetrate less as well.
   Stages stages = Stages::automatic;
-  // Of two stages (also together) the share of the iterations that the velocity stage does, (0, 1); open: by solver and
-  // iterations. What stands rests the sooner the more they are; what is left of penetration is the work of the others.
+  // The share of the iterations that the velocity stage does where there are two stages (two or together), in (0, 1); open: by
+  // solver and iterations. The more they are, the sooner what stands comes to rest; the others take out what is left of
+  // penetration.
   std::optional<double> velocity_share;
   // Share of the old multipliers from which the position stage starts, [0, 1/2]: of constraints other than contacts, and of
   // contacts where it is the only stage. Open: automatic_share (less of many iterations), but nothing of

@@ -7,7 +7,7 @@
 
 namespace unibody {
 
-// Of which islands a stage is (step/islands.hpp): of all, or of those without constraints beside contacts, or of the others.
+// The islands that a stage solves (step/islands.hpp): all of them, those without constraints beside contacts, or the others.
 enum class Islands { all, free, constrained };
 
 // The two stages' right-hand sides: what gap a contact may close within the step.
@@ -20,7 +20,7 @@ struct Stage {
   bool reevaluates = false;           // gaps are taken anew before each iteration
   Islands islands = Islands::all;     // all others stay as they are
 
-  // Of the velocity level: open gaps may close, and penetration falls by the share gamma a step, at any speed.
+  // The stage of the velocity level: open gaps may close, and penetration falls by the share gamma a step, at any speed.
   static Stage stabilised(double step, double gamma) { return {Kind::position, step, step * (1 / gamma - 1), 0}; }
 
   // Bias (m/s) of the normal row at a gap (m): what the approach speed is measured against. Open gaps may close within the step;

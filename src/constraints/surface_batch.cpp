@@ -47,7 +47,7 @@ void SurfaceBatch::build(const BuildContext& context) {
   for (Block& block : blocks_) scale(block, context.state.bodies, counts);
 }
 
-// Of the first side relative to the second, which a body carries that is the first.
+// How far the first side moves relative to the second, as the body carries it that is the first.
 Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
   const auto carrier = static_cast<std::size_t>(contact.slots[0]);
   const Vec3 turn = world_->angular_velocity_of(carrier);

@@ -47,7 +47,8 @@ struct Tetrahedron {
       rows.gradient[k][0] = none - (rows.gradient[k][1] + rows.gradient[k][2] + rows.gradient[k][3]);
   }
 
-  // Of row k by nodes a and b, times the identity: f_j . f_l has b_ja b_lb + b_la b_jb, b_j what each node adds to f_j.
+  // The second derivatives of row k by the places of nodes a and b, which are these numbers times the identity: f_j . f_l has
+  // b_ja b_lb + b_la b_jb, b_j what each node adds to f_j.
   static std::array<std::array<std::array<double, 4>, 4>, 6> second_derivatives(const std::array<double, 10>& p) {
     Eigen::Matrix<double, 3, 4> b;
     for (int j = 0; j < 3; ++j)

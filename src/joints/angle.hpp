@@ -11,7 +11,7 @@ struct Angle {
   static constexpr std::string_view name = "angle";
   static constexpr std::size_t rows = 1, angles = 1;
 
-  // Of the first body's axis x against the second's, about the second's axis z.
+  // The row of the angle of the first body's axis x against the second's, about the second's axis z.
   static void evaluate(const JointEnd& a, const JointEnd& b, JointRows<1>& to) {
     const Vec3 x = a.axes.col(0), along = b.axes.col(0), across = b.axes.col(1);
     const double c = x.dot(along), s = x.dot(across), squared = c * c + s * s;

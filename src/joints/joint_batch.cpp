@@ -255,7 +255,7 @@ JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<dou
   return step;
 }
 
-// Of a value of a row, a length (m).
+// A row's value as a length (m).
 template <class T>
 double JointBatch::length_of(const Part& part, std::size_t row, double x) {
   return std::abs(x) * (row + T::angles < T::rows ? 1 : part.lever);

@@ -10,7 +10,7 @@
 
 namespace unibody {
 
-// Those with a home body here, ascending, and all others of their trees. Their other bodies need not be here.
+// The joints with a home body here, ascending, and all others of their trees. The bodies of the latter need not be here.
 JointList joints_here(std::span<const Joint> joints, const World& world);
 
 // The bodies of other ranks that joints tie to this rank's, ascending; mutual between ranks. `world` has no guests yet.

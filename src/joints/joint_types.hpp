@@ -39,7 +39,7 @@ decltype(auto) with_joint_type(std::uint8_t index, F&& f) {
   return f.template operator()<std::tuple_element_t<k, JointTypes>>();
 }
 
-// Of the angle, twist or offset of a hinge, ball or slider.
+// The row that measures the angle, twist or offset of a hinge, ball or slider.
 inline std::uint8_t coordinate_of(JointKind kind) {
   if (kind == JointKind::ball) return joint_type_index<Twist>();
   return kind == JointKind::hinge ? joint_type_index<Angle>() : joint_type_index<Offset>();

@@ -9,7 +9,7 @@ struct Offset {
   static constexpr std::string_view name = "offset";
   static constexpr std::size_t rows = 1, angles = 0;
 
-  // Of the first anchor from the second, along the second body's axis z.
+  // The row of the first anchor's offset from the second, along the second body's axis z.
   static void evaluate(const JointEnd& a, const JointEnd& b, JointRows<1>& to) { joint_rows::set_offset(to, 0, 2, a, b); }
 };
 

@@ -22,7 +22,7 @@ using StepRow = api::StepReport;
 using ContactRow = api::Contact;
 using ForceRow = api::ContactForce;
 
-// Of the entries of that name. Throws InputError where there is none.
+// The ids of all bodies of the entries of that name. Throws InputError where there is none.
 std::vector<Id> ids_named(const Scene& scene, const std::string& name);
 
 // All members but those that only tell something of this rank are collective, with the same arguments on every rank. Bodies
@@ -52,17 +52,17 @@ class LiveSimulation {
 
   using Field = api::Field;
   static std::size_t width(Field field) { return field == Field::orientation ? 4 : 3; }
-  // Of all bodies, in the order of their ids, on every rank: m; w, x, y, z of unit quaternions, body to world; m/s; rad/s in
-  // world axes.
+  // The field of all bodies, in the order of their ids, on every rank. Positions are in m; orientations w, x, y, z of unit
+  // quaternions, body to world; velocities in m/s; angular velocities in rad/s, world axes.
   std::vector<double> gathered(Field field) const;
-  // Of this rank's home bodies: ids, ascending, and the field in that order. Not collective.
+  // The ids of this rank's home bodies, ascending, and the field in that order. Not collective.
   std::vector<Id> home_ids() const;
   std::vector<double> of_homes(Field field) const;
 
-  // Of this rank's pairs: a pair belongs to the rank whose home its first moving body is. The contacts at the present state.
+  // The contacts at the present state of this rank's pairs. A pair belongs to the rank whose home its first moving body is.
   std::vector<ContactRow> contacts();
-  // Of this rank's pairs, where a force acted: what contacts of bodies, cloths, threads and solids did in the last step. Not
-  // collective.
+  // The forces of this rank's pairs, where there was one: what contacts of bodies, cloths, threads and solids did in the last
+  // step. Not collective.
   std::vector<ForceRow> contact_forces() const;
   Measures measures();
   // The columns of the scene's probe of this name (probes.hpp). A flow tells what has passed since the simulation was made, a box
@@ -72,8 +72,8 @@ class LiveSimulation {
   std::vector<JointState> joint_states() const;  // of each joint of the scene, after a step
   std::uint64_t state_hash() const;              // of the program's last line
 
-  // Of moving or kinematic bodies, whose velocity the scene does not give in time. m/s, and rad/s in world axes: three numbers a
-  // body; an empty list leaves them as they are.
+  // Sets the velocities (m/s; rad/s, world axes) of moving bodies, and of kinematic ones whose velocity the scene does not give
+  // in time: three numbers a body. An empty list leaves them as they are.
   void set_velocities(std::span<const Id> ids, std::span<const double> linear, std::span<const double> angular);
   // Forces (N) and torques (N m, world axes) on dynamic bodies throughout the next step: three numbers a body, or none.
   void apply_forces(std::span<const Id> ids, std::span<const double> forces, std::span<const double> torques);

@@ -69,7 +69,7 @@ class UNIBODY_API Scene {
   std::int64_t body_count() const;
   std::int64_t frames() const;  // time.frames
   int substeps() const;         // steps a frame
-  // Of the entries of bodies, cloths, threads and solids of that name. Throws InputError where there is none.
+  // The ids of all entries of bodies, cloths, threads and solids of that name. Throws InputError where there is none.
   std::vector<std::int64_t> ids(const std::string& name) const;
   std::string body_name(std::int64_t id) const;
 
@@ -142,13 +142,13 @@ class UNIBODY_API Simulation {
 
   // The field of all bodies, on every process, in the order of the bodies' ids: three numbers a body, of orientations four.
   std::vector<double> all(Field field) const;
-  // Of the bodies that this process moves: their ids, ascending, and the field in that order. Not collective.
+  // The ids of the bodies that this process moves, ascending, and the field in that order. Not collective.
   std::vector<std::int64_t> home_ids() const;
   std::vector<double> home(Field field) const;
 
-  // Of the pairs of this process, at the present state: contacts between bodies.
+  // The contacts between bodies at the present state, of the pairs of this process.
   std::vector<Contact> contacts();
-  // Of the pairs of this process: what contacts of bodies, cloths, threads and solids did in the last step. Not collective.
+  // What contacts of bodies, cloths, threads and solids did in the last step, of the pairs of this process. Not collective.
   std::vector<ContactForce> contact_forces() const;
   std::vector<JointForce> joints() const;  // of each joint, in the scene's order, after a step
   Energies energies();
@@ -156,7 +156,8 @@ class UNIBODY_API Simulation {
   // start, a box what is in it now, and a force or a stress tells its mean over the last step, which is NaN before the first.
   std::vector<std::pair<std::string, double>> probe(const std::string& name) const;
 
-  // Of moving or kinematic bodies: three numbers a body, or none, which leaves them as they are. m/s, rad/s.
+  // Sets the velocities (m/s, rad/s) of moving or kinematic bodies: three numbers a body. An empty list leaves them as they
+  // are.
   void set_velocities(std::span<const std::int64_t> ids, std::span<const double> linear, std::span<const double> angular = {});
   // On dynamic bodies, throughout the next step: three numbers a body, or none. N, N m.
   void apply_forces(std::span<const std::int64_t> ids, std::span<const double> forces, std::span<const double> torques = {});

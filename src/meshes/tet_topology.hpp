@@ -11,7 +11,7 @@ namespace unibody {
 // The face opposite to each node of a tet, counterclockwise from the outside.
 inline constexpr std::array<std::array<std::size_t, 3>, 4> tet_faces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
-// Of positively oriented tets (m^3).
+// The volume of a tet (m^3), positive where it is positively oriented.
 double tet_volume(const TetMesh& mesh, std::size_t tet);
 
 // Turns inverted tets over, by a swap of their last two nodes; returns how many. Throws InputError "origin: found v, expected e"

@@ -20,8 +20,8 @@ int six_bits(char c) {
   return place == std::string_view::npos ? -1 : static_cast<int>(place);
 }
 
-// Of whole groups of four characters. VTK codes the head of a compressed array on its own, so that padding may stand in the
-// midst.
+// The bytes that whole groups of four characters stand for. VTK codes the head of a compressed array on its own, so that
+// padding may stand in the midst.
 std::string decoded(std::string_view text, std::size_t size) {
   std::string bytes;
   std::uint32_t group = 0;

@@ -16,8 +16,9 @@ inline constexpr double usual_weld = 1e-6;  // of the longest edge of the box ar
 // The longest edge (m) of the box around the nodes.
 double extent_of(const std::vector<Vec3>& nodes);
 
-// Of each node the number that it has afterwards. In the order of their numbers, nodes stay unless one that stays is within
-// `distance` (m) of them: of several the first. All stay where `distance` is 0. Linear in the number of nodes.
+// Welds nodes, and returns the number that each has afterwards. In the order of their numbers, nodes stay unless one that stays
+// is within `distance` (m) of them: then they become the first such. All stay where `distance` is 0. Linear in the number of
+// nodes.
 std::vector<std::int32_t> weld(std::vector<Vec3>& nodes, double distance);
 
 // Renumbers the cells, and drops those of which two corners have become one; returns how many.

@@ -32,7 +32,7 @@ std::string spread(const std::vector<double>& figures, double unit, const std::s
   return "half within " + part(0.5) + ", 95 % within " + part(0.95) + ", all within " + part(1);
 }
 
-// Of a run whose frames are not all within the accuracy: what may be done.
+// What may be done where not all frames of the run are within the accuracy.
 std::string advice(const Convergence& c) {
   if (c.asked && c.unconverged > 0)
     return "in " + of_all(c.unconverged, c) +

@@ -24,8 +24,8 @@ struct Off {
   Fault fault = Fault::residual;
 };
 
-// Of a frame: what its solve left undone (its estimated error where an accuracy is asked for, else its natural residual), how
-// deep its contacts are, how far its joints are open.
+// What a frame is off by: the largest of what its solve left undone (its estimated error where an accuracy is asked for, else
+// its natural residual), of how deep its contacts are, and of how far its joints are open.
 Off off_by(const FrameReport& report, bool asked);
 
 // Natural residuals (m) of the frames, each of the frame's worst step; and what each frame is off by (m).

@@ -29,7 +29,7 @@ class JointFiles {
   JointFiles(const JointFiles&) = delete;
   JointFiles& operator=(const JointFiles&) = delete;
 
-  // Of this rank's joints.
+  // Writes the frame's rows for this rank's joints.
   void write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
              std::span<const JointState> states);
   void close();                                                                              // nothing may follow

@@ -9,8 +9,8 @@ namespace unibody {
 
 namespace {
 
-// Of a flow: count, mass, momentum along its normal. Of a box: count, mass, momentum, mass times squared speed, volume. Of a
-// force: impulse and its moment. Of a stress: the six sums of impulse times branch.
+// The sums of one probe. A flow has its count, mass and momentum along its normal; a box its count, mass, momentum, mass times
+// squared speed and volume; a force its impulse and the moment of that; a stress the six sums of impulse times branch.
 constexpr std::size_t sums_of_one = 7;
 
 bool is_probed(const ProbedBodies& bodies, const World& world, std::size_t slot) {

@@ -28,12 +28,12 @@ class Probes {
   bool wants_impulses() const;
   void add_step(std::span<const ContactImpulse> impulses);
 
-  // Of each flow and box count (1) and mass (kg); of a flow also the momentum along its normal (kg m/s), all per frame; of a box
-  // the mean velocity by mass (m/s) and the granular temperature, a third of the mean square of velocities about it by mass
-  // (m^2/s^2), no values where nothing is in it, and the share of its room that bodies with their centres in it take; of a force
-  // its mean over the frame (N), and the mean torque (N m); of a stress its mean over the frame (Pa), positive in compression:
-  // the sum of force times branch over the contacts whose points are in the box, over its volume.
-  // The same bits on any number of ranks. Collective.
+  // The columns of all probes. Flows and boxes have their count (1) and mass (kg). A flow also has the momentum along its
+  // normal (kg m/s), all per frame. A box has the mean velocity by mass (m/s) and the granular temperature, a third of the mean
+  // square of velocities about it by mass (m^2/s^2), neither where nothing is in it, and the share of its room that bodies with
+  // their centres in it take. A force has its mean over the frame (N), and the mean torque (N m); a stress its mean over the
+  // frame (Pa), positive in compression: the sum of force times branch over the contacts whose points are in the box, over its
+  // volume. The same bits on any number of ranks. Collective.
   std::vector<NamedValue> columns(MPI_Comm comm, const World& world) const;
 
  private:

@@ -13,7 +13,7 @@ struct Strain {
   double energy = 0;                      // J, elastic
 };
 
-// Of each material of the scene. The same bits on any number of ranks. Collective.
+// The strains of each material of the scene. The same bits on any number of ranks. Collective.
 std::vector<Strain> measure_strain(MPI_Comm comm, const World& world, const ConstraintSet& constraints,
                                    std::size_t material_count);
 

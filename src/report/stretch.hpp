@@ -28,7 +28,7 @@ struct Stretch {
   std::int64_t count = 0;   // links and principal directions
 };
 
-// Of each material of the scene. The same bits on any number of ranks. Collective.
+// The stretches of each material of the scene. The same bits on any number of ranks. Collective.
 std::vector<Stretch> measure_stretch(MPI_Comm comm, const World& world, const ConstraintSet& constraints,
                                      std::size_t material_count);
 

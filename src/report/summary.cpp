@@ -52,7 +52,8 @@ Json settings_json(const Scene& scene, const SolverSettings& used) {
       .set("output", json_of(output_settings(), scene.output));
 }
 
-// Of the whole process, libraries and all, at its largest so far: what the arrays' count (bytes_per_body) leaves out is in it.
+// The memory of the whole process, libraries and all, at its largest so far. What the arrays' count (bytes_per_body) leaves out
+// is in it.
 Json peak_memory(MPI_Comm comm) {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);

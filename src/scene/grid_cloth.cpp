@@ -111,7 +111,7 @@ class GridConstraints {
     std::get<ConstraintList<Dihedral>>(out_).push_back(c);
   }
 
-  // Of the edge from p to q of a cell's triangle: the third corner.
+  // The third corner of the cell's triangle that has the edge from p to q.
   Id opposite(Id i, Id j, Id p, Id q) const {
     for (int t = 0; t < 2; ++t) {
       const auto at = cloth_.corners(i, j, t);

@@ -28,7 +28,7 @@ struct JointTemplate {
   Joint joint;
   Vec3 axis = Vec3::UnitY(), second = Vec3::UnitZ();
 
-  // Of this type and behaviour.
+  // A joint of this type and behaviour between two bodies, at a point.
   Joint between(const Body& a, const Body* b, const Vec3& point) const;
 };
 JointTemplate read_joint_template(const Value& value, const Scene& scene, const std::vector<JointKind>& kinds);

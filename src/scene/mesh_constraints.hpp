@@ -10,7 +10,7 @@
 
 namespace unibody {
 
-// Of each node, the places of the constraints that touch it: those of node k stand at [start[k], start[k + 1]).
+// The places of the constraints that touch each node: those of node k stand at [start[k], start[k + 1]).
 struct Incidence {
   std::vector<std::size_t> start, places;
 

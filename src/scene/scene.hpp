@@ -160,7 +160,7 @@ struct Scene {
   }
 };
 
-// Of a coefficient of pairs of materials: whether any pair has it.
+// Whether any pair of materials has a coefficient, such as restitution or rolling friction.
 inline bool has_any(const std::vector<double>& values) {
   return std::any_of(values.begin(), values.end(), [](double x) { return x > 0; });
 }

@@ -5,8 +5,9 @@
 
 namespace unibody {
 
-// Of the sections time, output, solver and materials all keys, types and ranges; of the entries of bodies, cloths, threads,
-// solids and joints all keys. What these may hold depends on each other, and is checked by read_scene() alone.
+// The JSON schema of a scene. It has all keys, types and ranges of the sections time, output, solver and materials, and all
+// keys of the entries of bodies, cloths, threads, solids and joints. What these may hold depends on each other, and is checked
+// by read_scene() alone.
 std::string scene_schema();
 
 }  // namespace unibody

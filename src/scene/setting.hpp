@@ -124,7 +124,7 @@ std::string text_of(const SettingList<Target>& list, const Target& target) {
   return text;
 }
 
-// Of all: "key (unit)" and the value.
+// The settings as JSON: "key (unit)" and the value of each.
 template <class Target>
 Json json_of(const SettingList<Target>& list, const Target& target) {
   Json values = Json::object();

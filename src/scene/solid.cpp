@@ -13,7 +13,7 @@ constexpr double most_unlocked_ratio = 0.45;  // from here on a run says that it
 
 const std::vector<std::string> elasticity_keys{"youngs_modulus", "poissons_ratio", "damping"};
 
-// Of a region, what it does not say is as in the rest of the solid.
+// Reads the elasticity of a solid, or of a region in it. What a region does not say is as in the rest of the solid.
 Elasticity read_elasticity(const Value& map, const Elasticity* rest) {
   Elasticity result = rest ? *rest : Elasticity{};
   const auto has = [&](const char* key) { return !rest || map.find(key); };

@@ -7,7 +7,7 @@
 
 namespace unibody {
 
-// Of the tetrahedra of a solid, or of a part of it.
+// The elasticity of the tetrahedra of a solid, or of a part of it.
 struct Elasticity {
   double youngs_modulus = 0, poissons_ratio = 0;  // Pa, 1
   double damping = 0;                             // s
@@ -31,7 +31,7 @@ struct SolidLaw {
 MeshShape block_solid(const Value& block, const SolidLaw& law);
 MeshShape mesh_solid(const Value& file, double scale, double weld_share, const SolidLaw& law, const Scene& scene);
 
-// Of each node that has one: the force (N) of the entry's `loads`, a list of {within: {min, max}, force}, each spread over the
+// Reads the forces (N) on nodes from the entry's `loads`, a list of {within: {min, max}, force}: each force is spread over the
 // triangles of the surface that lie within.
 std::map<Id, Vec3> read_loads(const Value& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene);
 

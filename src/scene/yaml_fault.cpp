@@ -54,7 +54,8 @@ std::string wrong_indentation(const std::vector<std::string>& lines, std::size_t
   return "the line begins with " + spaces_text(here) + ", expected " + allowed + " as lines above it";
 }
 
-// Of brackets before the end of the text that no other closes; texts in quotes and comments may hold any.
+// The last bracket before the end of the text that no other closes, where there is one. Texts in quotes and comments may hold
+// any.
 std::string unclosed_bracket(const std::vector<std::string>& lines) {
   std::vector<std::pair<char, std::size_t>> open;
   char quote = 0;

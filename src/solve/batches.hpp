@@ -121,7 +121,7 @@ inline constexpr std::size_t batch_place = []<std::size_t... k>(std::index_seque
 }
 (std::make_index_sequence<BatchTypes::size>{});
 
-// Of each batch, what the next step starts from.
+// What the next step starts from, of each batch.
 struct BatchHistories : BatchTypes::Histories {
   template <class B>
   typename B::History& of() {

@@ -13,10 +13,10 @@ namespace unibody {
 // taken to push along any direction.
 void find_sharers(const Batches& batches, const SolveState& state, std::span<double> sharers, std::pmr::memory_resource* memory);
 
-// Of the links on this rank, with the multipliers of the last step: see ConstraintBatch.
+// The largest geometric stiffness of the links on this rank, with the multipliers of the last step: see ConstraintBatch.
 double geometric_stiffness(Batches& batches, const SolveState& state, const BatchHistories& history);
 
-// Of all steps that follow, until it is set again or slots move.
+// Sets the form of all steps that follow, until it is set again or slots move.
 void set_form(Batches& batches, Form form);
 
 // Whether the ends of an edge move against each other, in a step at the present velocities, by more than this share of its length

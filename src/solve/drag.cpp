@@ -9,7 +9,7 @@ namespace unibody {
 
 namespace {
 
-// Of a step from speed s to s' with s - s' = k p s'^2, the loss per p: s (1 - s'/s) / p. The bound keeps its square finite.
+// The loss of a step from speed s to s' with s - s' = k p s'^2, per p: s (1 - s'/s) / p. The bound keeps its square finite.
 double loss(double speed, double k, double part) {
   const double x = std::min(1e300, 4 * k * part * speed), root = std::sqrt(1 + x);
   return speed * x / ((1 + root) * (1 + root)) / part;

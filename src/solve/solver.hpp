@@ -45,7 +45,7 @@ void start_stage(System& system, const Stage& stage);
 // After stages of some islands: all batches act again, in all islands, as they stand.
 void take_all_islands(System& system);
 
-// Of each batch on this rank (m), of those that act in the present stage; others have 0.
+// The natural residual of each batch on this rank (m) that acts in the present stage; others have 0.
 std::array<double, BatchTypes::size> residuals(const System& system);
 
 // Calls f(place in the list, batch) for each batch that acts in the present stage.
@@ -87,9 +87,10 @@ struct Split {
   double velocity_share;  // of the iterations, the velocity stage's
   double leak;            // of the position stage's multipliers, kept by the velocity stage
   double swelling = 0;    // of g h: the coherent speed at which a pile may swell before nothing leaks; 0: any
-  // Of the velocity stage, for each weight of a body that a contact may bear before it leaks less; 0: it may bear any.
+  // Iterations of the velocity stage for each weight of a body that a contact may bear before it leaks less; 0: it may bear
+  // any.
   double iterations_a_weight = 0;
-  // Of a manifold that the velocity stage left unsolved, what is left after a frame of the differences of its points' normal
+  // A manifold that the velocity stage left unsolved keeps so much, after a frame, of the differences of its points' normal
   // multipliers from their mean, where nothing renews them. The old forces lag behind the motion. Their sum bears the body's
   // weight and hardly changes. Their differences hold a rocking body upright; because they lag, they push it on, and it rocks
   // further with each swing, to a standing motion of whole columns in a pile.

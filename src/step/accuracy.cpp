@@ -17,10 +17,11 @@ namespace {
 // Frames between two samples, and while their ratios differ by more than a factor.
 constexpr double frames_between = 25, few_frames = 5, steady_factor = 1.4;
 
-// Of the ratio that a sample finds, what is reckoned with until the next: it changes as things come to touch and to rest.
+// Until the next sample the run reckons with so many times the ratio that a sample finds: it changes as things come to touch
+// and to rest.
 constexpr double reserve = 1.5;
 
-// Of a place, that the sums of a solve may come to.
+// So many roundings of a place may the sums of a solve come to.
 constexpr double roundings = 256;
 
 // Below this share of the tolerance the residual is as good as none, and its ratio to the error that of two roundings.

@@ -11,8 +11,8 @@
 
 namespace unibody {
 
-// Those to dynamic bodies that hold at this time (s) and of which one end is home here, in the order of the scene. The other end
-// must be a guest.
+// The attachments to dynamic bodies that hold at this time (s) and of which one end is home here, in the order of the scene.
+// The other end must be a guest.
 std::vector<AttachedNode> attached_nodes(const Scene& scene, const World& world, double time);
 
 // The node and the body of each attachment of which one end is home here, now or later, ascending. `world` needs no guests.

@@ -63,8 +63,8 @@ struct SolvedStep;
 struct StepPlan;
 struct System;
 
-// Of the rigid bodies of all ranks, on rank 0, from the contacts themselves rather than from the solver's layout of them.
-// Collective.
+// The contact problem of the rigid bodies of all ranks, on rank 0, from the contacts themselves rather than from the solver's
+// layout of them. Collective.
 ContactProblem contact_problem_of(const RankState& state, const System& system, const StepPlan& plan, const SolvedStep& solved);
 
 }  // namespace unibody

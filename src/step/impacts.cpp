@@ -220,7 +220,8 @@ class Impacts {
     return touch;
   }
 
-  // Of each body the first impact, by its time, then by the pair's ids: what both of its bodies have as their first comes next.
+  // Finds the first impact of each body, by its time, then by the pair's ids. An impact that is the first of both of its bodies
+  // comes next.
   void find_first() {
     const std::size_t n = world_.size() + 1;
     first_time_.assign(n, never), first_other_.assign(n, -1);

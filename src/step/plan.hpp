@@ -49,8 +49,8 @@ struct StepPlan {
   double velocity_share = 0, leak = 0, swelling = 0;  // see Split
   double most_weights = 0;  // of a body, which a contact may bear before it leaks less (ContactBatch::limit_leak); 0: any
 
-  // Of the old multipliers, what a step starts from: of contacts, and of all others; of types that start cold only where the
-  // scene says so.
+  // The shares of the old multipliers from which a step starts: of contacts, and of all others. Types that start cold take
+  // theirs only where the scene says so.
   double contacts_share = 0, share = 0;
   double uneven_share = 1;         // in this step; see Split
   bool solids_start_cold = false;  // contacts of solids start from nothing

@@ -11,7 +11,7 @@ namespace unibody {
 
 namespace {
 
-// Of the axes about which a body may turn (kg m^2).
+// The least moment of inertia about the axes about which a body may turn (kg m^2).
 double least_moment(const RankState& state, std::size_t slot) {
   const Vec3& moments = state.world.properties[slot].inertia;
   return state.scene.planar ? moments.y() : moments.minCoeff();

@@ -62,7 +62,7 @@ struct StepReport {
     if (part.worst && (!worst || part.worst->precedes(*worst))) worst = part.worst;
   }
 
-  // Of each type of constraint between centres, in the order of their list.
+  // The residual of each type of constraint between centres (m), in the order of their list.
   std::array<double, ConstraintTypes::size> constraint_residuals() const {
     std::array<double, ConstraintTypes::size> list{};
     for_each_batch_type([&]<class B>(auto place, std::type_identity<B>) {

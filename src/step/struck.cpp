@@ -85,7 +85,7 @@ class RunOver {
     ways_.add(all);
   }
 
-  // Of each of the list whether it runs over something, on any rank. Collective.
+  // Finds, for each body of the list, whether it runs over something, on any rank. Collective.
   std::vector<std::uint8_t> find() {
     for (std::size_t i = 0; i < state_.world.size(); ++i)
       if (i < state_.world.homes || state_.world.is_static(static_cast<Slot>(i))) look(i);

@@ -30,10 +30,10 @@ struct WorstConstraint {
   }
 };
 
-// Of this rank's constraints that act in the stage that was run last. Takes a pass over all of them.
+// The worst of this rank's constraints that act in the stage that was run last. Takes a pass over all of them.
 WorstConstraint worst_constraint(const System& system, const World& world);
 
-// Of all ranks. Collective.
+// The worst constraint of all ranks. Collective.
 WorstConstraint worst_over_ranks(MPI_Comm comm, const WorstConstraint& here);
 
 }  // namespace unibody

@@ -95,7 +95,7 @@ struct Counts {
   std::int64_t sum() const { return self + between; }
 };
 
-// Of each pair of surfaces with crossings: how many, and the bodies of the first.
+// Prints, for each pair of surfaces with crossings, how many there are, and the bodies of the first.
 void print_surfaces(const Topology& topology, const std::vector<Crossing>& crossings) {
   struct Found {
     std::int64_t count = 0;

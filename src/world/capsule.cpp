@@ -20,7 +20,7 @@ double tube_volume(const Shape& s) { return 2 * std::numbers::pi * radius(s) * r
 double caps_volume(const Shape& s) { return 4 * std::numbers::pi / 3 * radius(s) * radius(s) * radius(s); }
 double solid_volume(const Shape& s) { return tube_volume(s) + caps_volume(s); }
 
-// Of the tube and of two half spheres, whose centres of mass are 3/8 r beyond the tube's ends.
+// The inertia of the tube and of two half spheres, whose centres of mass are 3/8 r beyond the tube's ends.
 Vec3 solid_inertia(const Shape& s, double mass) {
   const double r = radius(s), h = half_segment(s), all = solid_volume(s);
   const double tube = mass * tube_volume(s) / all, caps = mass * caps_volume(s) / all;

@@ -24,8 +24,8 @@ struct Compound {
   Vec3 centre = Vec3::Zero();     // m, the centre of mass among the parts as given
 };
 
-// Of one density throughout; where parts overlap their mass counts twice. Or with the moments given, of a solid that the parts
-// stand for.
+// Makes a compound of one density throughout, in which the mass of parts counts twice where they overlap; or, with the moments
+// given, one whose parts stand for a solid.
 Compound make_compound(std::span<const Compound::Part> parts);
 Compound make_compound(std::span<const Compound::Part> parts, const SolidMoments& moments);
 

@@ -87,8 +87,8 @@ class Builder {
   std::vector<Facet> facets_;
 };
 
-// Of corners in one plane those on its outline, counterclockwise (Andrew's monotone chain): rounding may have left some inside
-// it.
+// Selects, of corners in one plane, those on its outline, counterclockwise (Andrew's monotone chain): rounding may have left
+// some inside it.
 std::vector<std::uint32_t> outline_in_plane(const std::vector<Vec3>& corners, std::vector<std::uint32_t> on, const Vec3& u,
                                             const Vec3& v) {
   const auto place = [&](std::uint32_t i) { return std::pair(u.dot(corners[i]), v.dot(corners[i])); };

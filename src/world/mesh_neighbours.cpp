@@ -47,8 +47,8 @@ Vec3 inwards(const MeshSurface& mesh, const Side& s) {
   return (in - along * along.dot(in)).normalized();
 }
 
-// Of all triangles at an edge, the two that go on into each other the most evenly: wherever the edge stands out towards a body it
-// is between these two.
+// Of all triangles at an edge, selects the two that go on into each other the most evenly: wherever the edge stands out towards
+// a body it is between these two.
 Pair flattest(const MeshSurface& mesh, std::span<const Side> sides) {
   Pair best{sides[0], sides[1]};
   double least = HUGE_VAL;

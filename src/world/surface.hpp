@@ -20,7 +20,7 @@ struct Surface {
   Id first_node = 0, node_count = 0;
   // Adds the cells at a node, counterclockwise; of a segment the last two nodes are equal. A pure function.
   std::function<void(Id node, std::vector<std::array<Id, 3>>& out)> cells_of = nullptr;
-  // Of a solid, for the output: the bodies at the corners of its tetrahedra, positively oriented at rest.
+  // The bodies at the corners of a solid's tetrahedra, for the output, positively oriented at rest.
   Id tetrahedron_count = 0;
   std::function<std::array<Id, 4>(Id k)> tetrahedron = nullptr;
   bool self_collision = false;  // cells touch others of the same surface
