@@ -34,7 +34,7 @@ void add_body(const Body& body, std::ostringstream& text) {
   text << ' ' << s.orientation.coeffs().transpose() << '\n';
 }
 
-// What is moved.
+// Everything that a run moves, as text.
 std::string physics_of(const Scene& scene) {
   std::ostringstream text;
   text.precision(17);

@@ -287,7 +287,7 @@ void Run::checkpoint_in_turn(std::int64_t frame) {
   if (every >= 0 && (in_turn || frame == scene_.time.frames || is_due_by_wall(frame))) checkpoint(frame);
 }
 
-// By the clock of rank 0: the ranks' clocks differ.
+// Whether a checkpoint is due by the wall time. The clock of rank 0 decides, since the ranks' clocks differ.
 bool Run::is_due_by_wall(std::int64_t frame) {
   const double seconds = 60 * scene_.output.checkpoint_minutes;
   if (seconds == 0 || frame == summary_.first_frame) return false;
@@ -310,7 +310,7 @@ bool Run::ends_by_event(const FrameReport& report) {
   return true;
 }
 
-// With a checkpoint of this frame, unless the scene wants none at all.
+// Stops the run after a frame, and writes a checkpoint of it unless the scene wants none at all.
 void Run::stop_at(std::int64_t frame, const std::string& reason) {
   const PhaseClock::Scope scope(running_.clock, Phase::output);
   const bool keeps = scene_.output.checkpoint_every >= 0;

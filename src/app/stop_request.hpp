@@ -25,7 +25,7 @@ class StopRequest {
   double start_ = 0, limit_ = 0, before_ = 0, longest_ = 0;  // s
 };
 
-// s, of "3h55m", "90m", "45s", "1h2m3s" or a number of seconds. Throws InputError.
+// The wall time (s) that "3h55m", "90m", "45s", "1h2m3s" or a number of seconds stands for. Throws InputError.
 double wall_time_of(const std::string& option, const std::string& text);
 
 }  // namespace unibody

@@ -11,7 +11,7 @@ namespace unibody {
 // Throws InputError where no step could be within the tolerance.
 void check_tolerance(const Convergence& convergence);
 
-// m: from which residual on a step's worst constraint is to be named, for stop_if_wrong() to name it.
+// The natural residual (m) from which on a step's worst constraint is to be named, for stop_if_wrong() to name it.
 double least_named(const Convergence& convergence);
 
 // Throws RunError where the step has not converged, or is off by more than its part of the accuracy that is asked for.

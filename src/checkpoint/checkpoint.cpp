@@ -179,7 +179,7 @@ auto reading(const std::string& path, Action action) {
   }
 }
 
-// Where each home body of all ranks is home: rank by id, each rank holding one block of ids.
+// A directory of the ranks at which bodies are home: rank by id, each rank holding one block of ids.
 class Directory {
  public:
   Directory(MPI_Comm comm, Id count, const World& world) : comm_(comm), blocks_(id_blocks(comm, count)) {

@@ -32,7 +32,7 @@ struct Manifold {
   double displaced = 0;  // m, along the normal: part of the gaps, where impacts in the step let bodies seem to start it elsewhere
 };
 
-// From a body's centre to the point (m), both when they are at the manifold's time.
+// The arm (m) from a body's centre to the point, both where they are at the manifold's time.
 inline Vec3 arm_of(const Manifold& m, const ContactPoint& point, const Vec3& position, const Vec3& velocity) {
   return point.position - (m.time > 0 ? Vec3(position + m.time * velocity) : position);
 }

@@ -30,7 +30,7 @@ struct Differences {
     return now;
   }
 
-  // m, the largest sum of absolute coordinates.
+  // The largest sum of absolute coordinates (m).
   double size() const {
     double largest = 0;
     for (const auto* moment : {&start, &end})

@@ -21,7 +21,8 @@ Proxy ball_at_centre(const Proxy& whole, double radius, bool planar) {
   return ball;
 }
 
-// m. The size of a hull is that of a box around it, which may be wider than it is across some other direction.
+// The radius of a body (m). The size of a hull is that of a box around it, which may be wider than it is across some other
+// direction.
 double radius_of(const Proxy& p) {
   double radius = 0.5 * p.half_size;
   if (p.kind != ShapeKind::hull) return radius;
@@ -31,7 +32,7 @@ double radius_of(const Proxy& p) {
   return radius;
 }
 
-// m, how near the centre may come to what is in a direction (unit).
+// How near the centre may come to what is in a direction (unit). m
 double distance_kept(const Proxy& p, double radius, const Vec3& direction) {
   if (p.kind != ShapeKind::hull) return radius;  // others reach as far to both sides
   const ConvexBody body = convex_body(p.shape(), p.rotation, Vec3::Zero());

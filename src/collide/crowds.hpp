@@ -40,10 +40,11 @@ class Crowds {
 
   explicit Crowds(std::vector<Member> members);  // in any order
 
-  // In place of each crowd's members, one of bounds that hold them all.
+  // Puts one member, with bounds that hold them all, in place of each crowd's members.
   void stand_for(std::span<Bounds> bounds, std::span<Role> roles, std::span<Filter> filters) const;
 
-  // In place of the pairs with crowds, those of their members that meet. bounds, roles, filters: those from before stand_for().
+  // Puts the pairs of members that meet in place of the pairs with crowds. bounds, roles, filters: those from before
+  // stand_for().
   void expand(Pairs& pairs, std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters) const;
 
  private:

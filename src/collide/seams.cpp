@@ -27,7 +27,7 @@ struct Side {
   Vec3 points[PairManifold::capacity];    // m, world, on this solid's surface, at the step's start
 };
 
-// m, between the solids at the manifold's time: where they will first touch, none.
+// The gap between the solids at the manifold's time (m): 0 where they will first touch then.
 double gap_at_its_time(const PairManifold& m, const ContactPoint& point) { return m.time > 0 ? 0 : point.gap; }
 
 int nearest_of(const PairManifold& m) {
@@ -54,7 +54,7 @@ Vec3 node_of(const Side& side, std::size_t k) {
   return side.part->position + side.part->rotation * mesh.nodes[static_cast<std::size_t>(side.triangle->nodes[k])];
 }
 
-// m, how far a solid reaches in a direction (unit).
+// How far a solid reaches in a direction (unit). m
 double reach_of(const Side& side, const Vec3& direction) {
   if (side.triangle)
     return std::max({direction.dot(node_of(side, 0)), direction.dot(node_of(side, 1)), direction.dot(node_of(side, 2))});

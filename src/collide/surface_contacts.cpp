@@ -48,7 +48,7 @@ TriangleNodes SurfaceCollider::places(const SurfaceFace& face, double time) cons
   return nodes;
 }
 
-// m, the most that a node of one side moves against one of the other.
+// The most that a node of one side moves against one of the other (m).
 double SurfaceCollider::travel(std::span<const Slot> first, std::span<const Slot> second) const {
   double fastest = 0;
   for (const Slot a : first)
@@ -101,7 +101,7 @@ bool SurfaceCollider::is_inwards(const SurfaceFace& face, const Vec3& weights, c
   return outwards.dot(direction) < 0;
 }
 
-// From the second side's point to the first's (m), at a share of the step.
+// The way from the second side's point to the first's (m), at a share of the step.
 Vec3 SurfaceCollider::apart(const Pair& pair, double time) const {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 4; ++k)

@@ -71,7 +71,7 @@ class SurfaceCollider {
   TriangleNodes places(const SurfaceFace& face, double time) const;  // time: share of the step
   double travel(std::span<const Slot> first, std::span<const Slot> second) const;
 
-  // With regard to the neighbours of the feature of a face, edge or node, that weights say.
+  // These ask about the neighbours of the feature of a face (itself, an edge or a node) that the weights tell.
   bool owns(const SurfaceFace& face, const Vec3& weights) const;
   bool is_nearest(const SurfaceFace& face, const Vec3& weights, const Vec3& direction, double lean) const;
   bool is_ridge(const SurfaceEdge& edge, const Vec3& direction) const;
@@ -97,7 +97,7 @@ class SurfaceCollider {
   };
   using FirstTouch = double (SurfaceCollider::*)(const Proxy& solid, const SurfaceFace& face, double radius) const;
   Approach approach(const Proxy& solid, const SurfaceFace& face, FirstTouch first) const;
-  // What is `apart` (m) then, without the face's radius.
+  // Adds a touch of two points, which are `apart` (m) by then, the face's radius left out.
   void add_touch(Approach& approach, const Vec3& weights, const Vec3& arm, const Vec3& normal, double apart,
                  std::uint32_t feature);
   void box_face(const Proxy& box, const SurfaceFace& face);

@@ -112,7 +112,7 @@ class SurfaceCollider::MeshFace {
       sides_[k] = {away, away.dot(local_[0]) + std::max(still_ + travel, deepest * radius_)};
     }
   }
-  // m, in the step, by itself or against the mesh.
+  // The farthest that the body, or a node of the face by itself or against it, moves along a direction in the step (m).
   double farthest_towards(const Vec3& direction) const {
     const Vec3 turned = body_.rotation * direction;
     double most = std::max(0.0, -settings_.step * turned.dot(body_.velocity));
@@ -201,7 +201,7 @@ class SurfaceCollider::MeshFace {
     collider_.add(pair, place, -normal, distance - radius_ + closed, touch.feature);
   }
 
-  // From the mesh's point to the face's, at a share of the step.
+  // The way from the mesh's point to the face's (m), at a share of the step.
   Vec3 apart(const Touch& touch, double time) const {
     return mean(collider_.places(face_, time), touch.weights) - body_.position - touch.arm -
            time * settings_.step * velocity_at(touch.arm);

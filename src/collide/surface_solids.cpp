@@ -68,7 +68,7 @@ void SurfaceCollider::add_if_through(Pair pair, const Proxy& solid, const Surfac
       std::abs(height) + 0.1 * body.size);
 }
 
-// As a box.
+// A convex solid against a face, as box_face() does for a box.
 void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature) {
   Approach near = approach(body, face, &SurfaceCollider::first_touch_of_solid);
   add_if_through(near.pair, body, face, first_feature + through_feature);

@@ -22,7 +22,7 @@ void add(TriangleContacts& out, const TriangleReach& reach, const Vec3& on_trian
                                                        static_cast<std::uint32_t>(feature)};
 }
 
-// In the box's frame, its centre at 0.
+// A box and a triangle, in the box's frame with its centre at 0.
 class BoxTriangle {
  public:
   BoxTriangle(const Vec3& half, const TriangleNodes& nodes, std::span<const Vec3> beyond, const TriangleReach& reach,

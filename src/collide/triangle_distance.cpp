@@ -10,7 +10,7 @@ namespace {
 // The end itself where t is 1: a + (b - a) may differ from b.
 Vec3 along(const Vec3& a, const Vec3& b, double t) { return t == 1 ? b : Vec3(a + t * (b - a)); }
 
-// In [0, 1]: the point nearest to the origin on the segment from a along `edge`.
+// The place, in [0, 1], of the point nearest to the origin on the segment from a along `edge`.
 double nearest_to_origin(const Vec3& a, const Vec3& edge) {
   const double squared = edge.squaredNorm();
   return squared > 0 ? std::clamp(-edge.dot(a) / squared, 0.0, 1.0) : 0.0;

@@ -23,7 +23,7 @@ struct TrianglePoint {
 
 TrianglePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
-// In [0, 1]: where on the segment from a to b the point nearest to p lies.
+// The place, in [0, 1], of the point nearest to p on the segment from a to b.
 double closest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b);
 
 struct SegmentPoints {

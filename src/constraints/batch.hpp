@@ -66,7 +66,7 @@ struct BuildContext {
   std::function<bool(bool)> any_over_ranks{};               // collective
 };
 
-// From which of the last step's multipliers a step starts.
+// Which of the last step's multipliers a step starts from.
 struct WarmStart {
   double contacts_share = 0;              // of contacts
   double free_contacts_share = 0;         // of those in free islands, where these are solved apart; else the same

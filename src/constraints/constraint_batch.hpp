@@ -50,11 +50,11 @@ class ConstraintBatch : public BatchDefaults {
 
   static void for_each_element(const Elements& elements, const std::function<void(const Key&, std::span<const Id>)>& f);
 
-  // With the bodies' slots as they are, by the constraints' colours (one of its own for each where the order is sequential).
+  // Calls f(colour, slots of the bodies) for each constraint, in its colour (in one of its own where the order is sequential).
   static void for_each_stencil(const BuildContext& context, const std::function<void(std::int32_t, std::span<const Slot>)>& f);
   static void count(const BuildContext& context, std::span<std::int32_t> counts);
 
-  // For Gauss-Seidel by colour, for the Jacobi solvers by runs of ids and by colour within a run.
+  // Lays the constraints out: by colour for Gauss-Seidel, by runs of ids and by colour within a run for the Jacobi solvers.
   void build(const BuildContext& context);
 
   // Lays out the constraints in the given order; groups[g] is the end of group g in `order`, and no block spans two groups. An
@@ -85,7 +85,7 @@ class ConstraintBatch : public BatchDefaults {
   // Largest geometric stiffness h |lambda| (c_a / m_a + c_b / m_b) / l of links with these multipliers, l their length at rest.
   double geometric_stiffness(const StepStart& start, std::span<const Multipliers> multipliers);
 
-  // In the order of the layout: evaluate, step by P^-1, extrapolate, add to the impulses.
+  // One iteration of a Jacobi solver, in the order of the layout: evaluate, step by P^-1, extrapolate, add to the impulses.
   void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
   void sweep(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
              const Extrapolation& extrapolation, SweepSums& sums);
@@ -110,7 +110,7 @@ class ConstraintBatch : public BatchDefaults {
   // Adds the directions of each constraint at the start of the step to the sums of its bodies.
   void add_directions(const StepStart& start, std::span<const SolverBody> bodies, std::span<DirectionSum> sums) const;
 
-  // For the next step, before set_multipliers().
+  // Sets the form of the next step, before set_multipliers().
   void set_form(Form form) { form_ = form; }
 
   std::size_t size() const { return order_.size(); }

@@ -132,7 +132,7 @@ class ContactBatch : public BatchDefaults {
 
   void reevaluate(std::span<const SolverBody> bodies);
 
-  // In key order.
+  // One iteration of a Jacobi solver, in key order.
   void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
 
   // Each manifold changes its bodies at once.
@@ -193,7 +193,7 @@ class ContactBatch : public BatchDefaults {
   // Points whose multipliers of both stages together are at friction's limit.
   std::int64_t sliding() const;
 
-  // What was kept and leak times what the position stage added to it; after a single stage all of its multipliers.
+  // Remembers what was kept, and `leak` times what the position stage added to it; after a single stage all of its multipliers.
   void remember(Multipliers& history, double leak) const;
 
   // Bounds the leak of each point. A point that opens at these velocities gets no leak. Where a manifold bears more than

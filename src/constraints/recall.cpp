@@ -30,7 +30,7 @@ bool is_core(const Contacts& contacts, const Manifold& m) {
   return m.count > 0 && contacts.points[m.first].feature == core_feature;
 }
 
-// In the frame of the body that carries a manifold's points.
+// The places of a manifold's points in the frame of the body that carries them.
 class Places {
  public:
   Places(const World& world, const Manifold& m) : manifold_(m) {
@@ -46,7 +46,7 @@ class Places {
   Mat3 to_body_;
 };
 
-// For each of the manifold's points the nearest old one within reach that is not taken yet; -1: none.
+// Finds, for each of the manifold's points, the nearest old one within reach that is not taken yet; -1: none.
 void match(const World& world, const Contacts& contacts, const Manifold& m, std::span<const Vec3> old, std::vector<bool>& used,
            std::span<int> matches) {
   const Shape &a = world.properties[m.slot_a].shape, &b = world.properties[m.slot_b].shape;

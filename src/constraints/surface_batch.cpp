@@ -87,7 +87,8 @@ void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, const 
   block.counted[l] = counts_here(context.world, contact) ? -1 : 0;
 }
 
-// As ContactBatch::scale_jacobi: absolute row sums of the point's own block, masses split by the bodies' constraint counts.
+// Scales the rows as ContactBatch::scale_jacobi does: absolute row sums of the point's own block, masses split by the bodies'
+// constraint counts.
 void SurfaceBatch::scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const {
   Vec4d linear = broadcast(0), split_linear = broadcast(0), split_first{};
   for (std::size_t k = 0; k < 4; ++k) {

@@ -56,7 +56,7 @@ class SurfaceBatch : public BatchDefaults {
   // Normal multipliers of all stages together: index = that of the contact in Contacts::surface.
   void normal_impulses(std::span<double> normal) const;
 
-  // N s, world axes, on the first side of each contact: of all stages together, with the same index.
+  // The total impulse (N s, world axes) of all stages together on the first side of each contact, with the same index.
   void total_impulses(std::span<Vec3> impulses) const;
 
   std::int64_t sliding() const;

@@ -19,7 +19,7 @@ class PhaseClock {
   const std::array<double, phase_names.size()>& seconds() const { return seconds_; }
   double operator[](Phase phase) const { return seconds_[static_cast<std::size_t>(phase)]; }
 
-  // In `phase` while it lives; the phase it interrupts goes on afterwards.
+  // The clock is in `phase` while this lives; the phase that it interrupts goes on afterwards.
   class Scope {
    public:
     Scope(PhaseClock& clock, Phase phase) : clock_(clock), outer_(clock.current_) { clock_.enter(phase); }

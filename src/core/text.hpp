@@ -6,7 +6,7 @@
 
 namespace unibody {
 
-// With '?' for line breaks and other control characters.
+// The message on one line, with '?' for line breaks and other control characters.
 std::string one_line(std::string message);
 
 // "a, b or c".

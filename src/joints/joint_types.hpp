@@ -18,7 +18,7 @@
 
 namespace unibody {
 
-// In the order of JointKind, a rope's being its span; then what drives and limits act on.
+// The types of joints in the order of JointKind, a rope's being its span; then what drives and limits act on.
 using JointTypes = std::tuple<Ball, Hinge, Slider, Fixed, Universal, Span, Angle, Offset, Swing, Twist>;
 
 template <class T, std::size_t k = 0>

@@ -77,7 +77,8 @@ class LiveSimulation {
   void set_velocities(std::span<const Id> ids, std::span<const double> linear, std::span<const double> angular);
   // Forces (N) and torques (N m, world axes) on dynamic bodies throughout the next step: three numbers a body, or none.
   void apply_forces(std::span<const Id> ids, std::span<const double> forces, std::span<const double> torques);
-  // From now on. rad/s, m/s, rad or m, by the joint's motor. `joint`: its place in the scene, from 0. Checkpoints don't hold it.
+  // Sets the target of a joint's motor from now on: rad/s, m/s, rad or m, by the motor. `joint`: its place in the scene, from
+  // 0. Checkpoints don't hold it.
   void set_motor(std::int64_t joint, double target);
 
   void write_checkpoint(const std::string& path) const;

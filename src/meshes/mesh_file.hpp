@@ -14,7 +14,7 @@ std::string read_bytes(const std::string& path, const std::string& expected);
 // Throws InputError "file:line: found v, expected e"; line 0: the fault has no line.
 [[noreturn]] void fail_at(const std::string& path, std::int64_t line, const std::string& found, const std::string& expected);
 
-// In quotes; only the beginning of what is long.
+// The text in quotes; of a long one only its beginning.
 std::string quote(std::string_view text);
 
 // The whole word as a number, whatever the locale.

@@ -115,7 +115,7 @@ class MshReader {
     if (count < 0) in_.fail(std::to_string(count), what);
     return count;
   }
-  // In a section of version 2.2: text even in binary files.
+  // Reads a count in a section of version 2.2, which is text even in binary files.
   std::int64_t text_count(const char* what) {
     const std::int64_t count = in_.text_whole(what);
     if (count < 0) in_.fail(std::to_string(count), what);

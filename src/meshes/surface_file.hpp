@@ -7,7 +7,7 @@
 
 namespace unibody {
 
-// As read_stl() where the name ends in .stl or .STL, else as read_obj().
+// Reads a surface as read_stl() does where the name ends in .stl or .STL, else as read_obj().
 TriangleMesh read_surface(const std::string& path, bool soup = false);
 
 }  // namespace unibody

@@ -34,7 +34,7 @@ void put(hid_t group, const std::string& name, const std::vector<std::int64_t>& 
   check(h5::write_rows(set, H5T_NATIVE_INT64, 0, rows, data.data()), name);
 }
 
-// As H5LTmake_dataset_string writes it: a scalar, closed by a zero.
+// Writes a text as H5LTmake_dataset_string does: a scalar, closed by a zero.
 void put(hid_t group, const std::string& name, const std::string& text) {
   const h5::Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "make a type");
   check(H5Tset_size(type, text.size() + 1) >= 0, name);
@@ -45,7 +45,7 @@ void put(hid_t group, const std::string& name, const std::string& text) {
   check(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) >= 0, name);
 }
 
-// In compressed columns, which FCLIB marks by nz = -1.
+// Writes a matrix in compressed columns, which FCLIB marks by nz = -1.
 void put(hid_t parent, const std::string& name, const SparseMatrix& m) {
   const auto group = h5::create_group(parent, name);
   const auto number = [](std::int64_t n) { return std::vector<std::int32_t>{static_cast<std::int32_t>(n)}; };

@@ -258,7 +258,7 @@ void Output::write_surfaces() {
   throw_if_any(good ? "" : cannot_write(path_));
 }
 
-// By rank 0 for all; nothing where the library is empty.
+// Rank 0 writes the shapes for all; nothing is written where the library is empty.
 void Output::write_shapes() {
   const ShapeLibrary& library = shape_library();
   const std::size_t counts[] = {library.hulls.size(), library.meshes.size(), library.compounds.size()};

@@ -23,7 +23,8 @@ Eigen::Matrix3d deformation_gradient(const World& world, const Constraint<C>& c)
   return edges * X;
 }
 
-// J, the sum of c_k^2 / 2 E_k over the rows: with the rows' eigenvectors, of one volumetric and five deviatoric strains.
+// The elastic energy (J), the sum of c_k^2 / 2 E_k over the rows: with the rows' eigenvectors, of one volumetric and five
+// deviatoric strains.
 template <class C>
 double energy_of(const Constraint<C>& c, const Eigen::Matrix3d& strain, double volume) {
   const double length = c.parameters[9], trace = strain.trace();

@@ -69,7 +69,7 @@ class ClothConstraints {
     }
   }
 
-  // By the type's own evaluation, so that the rest shape is at rest exactly.
+  // The angle as the constraint's own type evaluates it, so that the rest shape is at rest exactly.
   double angle(Id p, Id q, Id r, Id s) const {
     std::array<Vec3x4, 4> x;
     const std::array<Id, 4> nodes{p, q, r, s};

@@ -10,7 +10,7 @@ namespace unibody {
 
 namespace {
 
-// m, the longest edge of the faces at a node; infinite at one inside a solid, which has none.
+// The longest edge (m) of the faces at a node; infinite at a node inside a solid, which has none.
 double longest_edge(const Scene& scene, Id node) {
   std::vector<std::array<Id, 3>> cells;
   scene.surfaces.back().cells_of(node, cells);

@@ -19,7 +19,7 @@ struct Lcg {
     return static_cast<double>(state >> 11) * 0x1p-53 * 2 - 1;
   }
 
-  // As n calls of next(), in O(log n): n steps are one step s -> a_n s + c_n, found by repeated squaring.
+  // Does what n calls of next() do, in O(log n): n steps are one step s -> a_n s + c_n, found by repeated squaring.
   void jump(std::uint64_t n) {
     std::uint64_t a_power = a, c_power = c;  // of 2^i steps
     for (; n != 0; n >>= 1) {

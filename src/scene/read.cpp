@@ -150,7 +150,7 @@ void read_materials(const Value& value, Scene& scene) {
   if (friction.changes()) scene.friction_in_time = std::move(friction);
 }
 
-// In the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.
+// The sections in the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.
 const Field<Scene> sections[] = {
     {"title", [](const Value& v, Scene& s) { s.title = v.string("a text"); }},
     {"time",

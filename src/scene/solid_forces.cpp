@@ -23,7 +23,8 @@ Part read_part(const Value& value, const Scene& scene) {
   return part;
 }
 
-// By area over the triangles that lie in the part with all of their nodes: a third of a triangle's share at each.
+// Spreads each force by area over the triangles that lie in the part with all of their nodes: a third of a triangle's share at
+// each.
 std::map<Id, Vec3> read_loads(const Value& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene) {
   std::map<Id, Vec3> loads;
   const Value* list = entry.find("loads");

@@ -103,7 +103,7 @@ int parts_of(double angle) {
   return static_cast<int>(std::min<double>(most_parts, std::ceil(angle / turn_of_part)));
 }
 
-// With this momentum (kg m^2/s), freely.
+// The orientation of a body that turns freely with this momentum (kg m^2/s) for a step.
 Quat turned_freely(Quat orientation, const Vec3& momentum, const Vec3& inertia, double step, int parts) {
   for (int k = 0; k < parts; ++k) {
     const Mat3 R = orientation.toRotationMatrix();

@@ -22,7 +22,7 @@ struct FreeMotion {
   Vec3 gyroscopic;  // kg m^2/s: I w - I w~ before torque, what the mean spin leaves out of the momentum
 };
 
-// In the world's axes, of a body with these inverse principal moments (1/(kg m^2)).
+// The inverse inertia in the world's axes of a body with these inverse principal moments (1/(kg m^2)).
 InverseInertia inverse_inertia(const Quat& orientation, const Vec3& inverse_moments);
 
 FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, const Vec3& gravity, double step, bool planar);

@@ -77,7 +77,8 @@ class Newton {
     check_petsc(VecDestroy(&places));
   }
 
-  // As far as round-off lets it: the last steps end at the floor of the residual, or in a line search that finds no descent.
+  // Solves as far as round-off lets it: the last steps end at the floor of the residual, or in a line search that finds no
+  // descent.
   NewtonResult attempt(SNESLineSearchType type) {
     SNESLineSearch search;
     check_petsc(SNESGetLineSearch(snes_, &search));

@@ -18,7 +18,7 @@ namespace unibody {
 struct System : SolveState {
   explicit System(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
-  // As at first, but for the batches that last.
+  // Makes the system as it was at first, but for the batches that last.
   void clear(std::pmr::memory_resource* memory);
 
   template <class B>

@@ -84,17 +84,17 @@ Bounds SurfaceGuard::path(const Point& point, std::span<const Vec3> velocity, co
   return {from.cwiseMin(to).array() - more, from.cwiseMax(to).array() + more};
 }
 
-// m, by how much a solve may take a feature off its way for it to be looked for still; no more than Halo knows of.
+// By how much a solve may take a feature off its way for it to be looked for still (m): no more than Halo knows of.
 double SurfaceGuard::slack(std::span<const Slot> nodes) const { return surface_slack(world_, nodes); }
 
-// m, a side's part of how far apart pairs are kept.
+// A side's part of how far apart pairs are kept (m).
 double SurfaceGuard::kept(Slot s) const {
   const Shape& shape = world_.properties[static_cast<std::size_t>(s)].shape;
   if (surfaces_.is_node(s)) return kept_share * shape.size.x();
   return is_round(shape) ? kept_of_radius * shape.size.x() : 0;
 }
 
-// rad/s, with which bodies will turn in the step; of guests from their homes.
+// The angular velocities (rad/s) with which bodies will turn in the step; those of guests come from their homes.
 std::vector<Vec3> SurfaceGuard::spins(std::span<const SolverBody> bodies, const Halo& halo) {
   if (!world_.has_rotations) return std::vector<Vec3>(world_.size(), Vec3::Zero());
   const std::vector<Vec3> before = world_.angular_velocity;
@@ -161,7 +161,7 @@ void SurfaceGuard::find_pairs() {
   broad_phase_.find(bounds_, roles_, pairs_, filters_);
 }
 
-// What touches no cell that something which has moved touches.
+// Leaves out the features that touch no cell which something that has moved touches.
 void SurfaceGuard::leave_out_distant() {
   const double cell = 2 * face_size_;
   std::unordered_set<std::uint64_t> cells;

@@ -10,7 +10,7 @@ namespace unibody {
 
 namespace {
 
-// kg m^2, what resists turning: exact where the inertia is the same about all axes, else a mean, which the restart tests take.
+// What resists turning (kg m^2): exact where the inertia is the same about all axes, else a mean, which the restart tests take.
 double inertia_of(const SolveState& state, std::size_t i) {
   if (state.isotropic[i]) return state.bodies[i].inverse_inertia > 0 ? 1 / state.bodies[i].inverse_inertia : 0;
   const InverseInertia& w = state.inertia[i];

@@ -35,7 +35,7 @@ BuildContext build_context(RankState& state, const System& system) {
 
 namespace {
 
-// Where nothing turns: homes and guests are particles, most of them alike.
+// predict() where nothing turns: homes and guests are particles, most of them alike.
 void predict_particles(const RankState& state, System& system) {
   const BodyProperties* kind = nullptr;
   double inverse_mass = 0;

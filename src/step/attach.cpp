@@ -11,7 +11,7 @@ bool is_home(const World& world, Id id) {
   return std::binary_search(world.id.begin(), end, id);
 }
 
-// By slot, the body that holds it; -1: none. Empty where nobody here is held.
+// The body that holds each slot's node; -1: none. Empty where nobody here is held.
 std::vector<Id> holders(const Scene& scene, const World& world, double time) {
   std::vector<Id> holder;
   const auto note = [&](Id node, Id body, double release) {

@@ -21,7 +21,7 @@ void Blow::solve(double restitution, double friction) {
   solve_at(low * restitution, friction);
 }
 
-// By projected Gauss-Seidel. Returns twice the work of the impulses (J).
+// Solves by projected Gauss-Seidel. Returns twice the work of the impulses (J).
 double Blow::solve_at(double restitution, double friction) {
   for (std::uint32_t k = 0; k < count; ++k) impulse[k].setZero();
   for (int pass = 0; pass < 200; ++pass) {

@@ -128,7 +128,7 @@ class Impacts {
   }
   Vec3 velocity(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].v); }
   Vec3 spin(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].w); }
-  // m, at a time of the step.
+  // The place of a body at a time of the step (m).
   Vec3 place(Slot s, double t) const {
     const auto i = static_cast<std::size_t>(s);
     return world_.position[i] + state_.displaced[i] + t * velocity(s) + 0.5 * t * (t - step_) * acceleration(s);

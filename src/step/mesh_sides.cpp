@@ -23,7 +23,7 @@ struct Count {
   std::int64_t behind = 0, in_front = 0;
 };
 
-// m, how deep a body's centre lies that is all behind: less what bodies that touch the surface may overlap with it.
+// How deep the centre lies (m) of a body that is all behind: less what bodies that touch the surface may overlap with it.
 double whole_depth(const Shape& shape) { return shape.kind == ShapeKind::particle ? 0 : 0.45 * smallest_size(shape); }
 
 void count(const Place& place, const Vec3& x, const Shape& shape, Count& result) {

@@ -35,7 +35,7 @@ void go_back(RankState& state, System& system, const StepOrigin& origin);
 // The form in which the constraints between centres are solved from now on.
 void set_form(RankState& state, System& system, Form form);
 
-// In the total form: whether the ends of an edge, anywhere, move too far against each other for it to converge. Collective.
+// Whether, in the total form, the ends of an edge move too far against each other anywhere for it to converge. Collective.
 bool leaves_total_form(const RankState& state, const System& system);
 
 }  // namespace unibody

@@ -20,7 +20,7 @@ double speed_of_surface(const SolverBody& body, const Proxy& proxy, bool turns) 
   return turns ? linear + proxy.radius * Eigen::Map<const Vec3>(body.w).norm() : linear;
 }
 
-// m, that a body's centre goes in the step.
+// How far a body's centre goes in the step (m).
 Vec3 way_of(const RankState& state, const System& system, std::size_t i) {
   const Vec3 way = state.step() * Eigen::Map<const Vec3>(system.bodies[i].v);
   return state.displaced.empty() ? way : Vec3(way + state.displaced[i]);
@@ -70,7 +70,7 @@ std::vector<Struck> of_all_ranks(const std::vector<Struck>& here, MPI_Comm comm)
   return all;
 }
 
-// m, between centres that go straight ways within the same time.
+// The least distance (m) between centres that go straight ways within the same time.
 double least_distance(const Vec3& apart, const Vec3& way) {
   const double length = way.squaredNorm();
   const double t = length > 0 ? std::clamp(-apart.dot(way) / length, 0.0, 1.0) : 0;

@@ -40,7 +40,7 @@ std::int32_t opposite(const MeshSurface& mesh, const Side& s) {
   return mesh.triangles[static_cast<std::size_t>(s.triangle)].nodes[static_cast<std::size_t>(s.place + 2) % 3];
 }
 
-// From the edge into the triangle, square to the edge.
+// The direction from the edge into the triangle, square to the edge.
 Vec3 inwards(const MeshSurface& mesh, const Side& s) {
   const auto node = [&](std::int32_t n) -> const Vec3& { return mesh.nodes[static_cast<std::size_t>(n)]; };
   const Vec3 along = (node(s.high) - node(s.low)).normalized(), in = node(opposite(mesh, s)) - node(s.low);

@@ -7,7 +7,7 @@ namespace unibody {
 
 namespace {
 
-// In the order of ShapeKind.
+// All kinds of shapes, in the order of ShapeKind.
 constexpr const ShapeType* shape_types[] = {&sphere_type,  &box_type,      &plane_type, &disc_type,     &particle_type,
                                             &capsule_type, &cylinder_type, &hull_type,  &compound_type, &mesh_type};
 static_assert(std::size(shape_types) == shape_names.size());

@@ -16,7 +16,7 @@ struct SolidMoments {
   Quat axes = Quat::Identity();  // principal axes -> those of the nodes: of all choices the least turn
 };
 
-// From the second moments of the mass about its centre, per mass (m^2).
+// The moments that follow from the second moments of the mass about its centre, per mass (m^2).
 SolidMoments moments_of(double volume, const Vec3& centre, const Mat3& second);
 
 SolidMoments solid_moments(std::span<const Vec3> nodes, std::span<const std::array<std::int32_t, 3>> triangles);
