@@ -75,7 +75,7 @@ Off off_by(const FrameReport& report, bool asked) {
 
 void Convergence::add(const FrameReport& report) {
   const Off off = off_by(report, asked);
-  offs.push_back(off.length), residuals.push_back(report.natural_residual);
+  offs.push_back(off.length), residuals.push_back(report.natural_residual), rates.push_back(report.residual_rate);
   if (off.length > most_off.length) most_off = off, most_off_frame = report.step;
   unconverged += report.converged ? 0 : 1;
   if (report.natural_residual <= worst_residual) return;
@@ -115,6 +115,7 @@ std::string told(const WorstConstraint& worst, const Scene& scene) {
 std::string told(const Convergence& c, const Scene& scene) {
   if (c.residuals.empty()) return "";
   std::string text = (c.judges() ? verdict(c) : "") + told_residuals(c);
+  text += "what should rest may creep by so much a second: " + spread(c.rates, 1, " m") + "\n";
   if (c.worst) text += "farthest from solved: frame " + std::to_string(c.worst_frame) + ", " + told(*c.worst, scene) + "\n";
   return text;
 }
@@ -130,6 +131,8 @@ Json json_of(const Convergence& c, const Scene& scene) {
   json.set("tolerance (m)", c.tolerance).set("frames_not_converged", c.unconverged);
   json.set("median_natural_residual (m)", within(c.residuals, 0.5));
   json.set("natural_residual_of_95_percent (m)", within(c.residuals, 0.95));
+  json.set("median_natural_residual_rate (m/s)", within(c.rates, 0.5));
+  json.set("worst_natural_residual_rate (m/s)", within(c.rates, 1));
   json.set("worst_natural_residual (m)", c.worst_residual).set("worst_frame", c.worst_frame);
   if (std::isfinite(c.smallest_size)) json.set("smallest_size (m)", c.smallest_size);
   if (!c.worst) return json;

@@ -35,6 +35,7 @@ struct Convergence {
   double accuracy = default_accuracy;   // share of that size by which the frames are judged
   bool asked = false;                   // by the scene: the iterations were picked for it
   std::vector<double> residuals, offs;  // m
+  std::vector<double> rates;            // m/s, FrameReport::residual_rate
   std::int64_t unconverged = 0;         // frames of which a step did not converge
   double worst_residual = 0;            // m
   std::int64_t worst_frame = 0;         // the first of those with that residual; 0: none has more than 0

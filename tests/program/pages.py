@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """The pages: links lead to what is there, the README is short, and what it shows works as it says."""
+import csv
 import re
 import subprocess
 import sys
 import unittest
 
+import h5py
 import yaml
 
 from unibody_runs import SOURCE, ProgramTest, unibody
@@ -97,6 +99,37 @@ class HopperTutorial(ProgramTest):
         steady = [row[2] for row in rows[5:9]]  # 1.25 to 2.25 s
         for rate in steady:
             self.assertAlmostEqual(rate, sum(steady) / 4, delta=0.1 * sum(steady) / 4, msg="the rate depends on the filling")
+
+
+class GripperTutorial(ProgramTest):
+    def run_with(self, force):
+        """The report's rows by column, and how high the box is at the end (m)."""
+        text = (SOURCE / "docs" / "tutorial-gripper.md").read_text(encoding="utf-8")
+        scene = self.scene(re.search(r"```yaml\n(.*?)```", text, re.DOTALL).group(1), "gripper.yaml")
+        self.good(scene, "run", "-overwrite", *(word for k in (0, 1) for word in ("-set", f"joints[{k}].motor.max_force={force}")))
+        with open(self.folder / "run/report.csv", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        with h5py.File(self.folder / "run/frames.h5") as file:
+            height = file["frames/000300/position"][1, 2]
+        return {name: [float(row[name] or 0) for row in rows] for name in rows[0]}, height
+
+    def test_statics_and_the_page_say_the_same(self):
+        columns, height = self.run_with(30)
+        press, carry = columns["finger_force_x (N)"], columns["finger_force_z (N)"]
+        self.assertAlmostEqual(press[-1], 30, delta=1e-3 * 30)
+        self.assertAlmostEqual(carry[-1], 9.81, delta=1e-3 * 9.81)
+        self.assertAlmostEqual(max(carry), 9.81 + 1.8, delta=0.02 * 11.6)  # the mean of a frame in which the acceleration falls
+        self.assertAlmostEqual(height, 0.4, delta=2e-4)
+
+    def test_less_force_slips_and_still_less_does_not_lift(self):
+        # The box has 22 / 2 - 9.81 = 1.19 m/s^2 until it is as fast as the hand, whose acceleration is 1.8 (1 - 2 t) m/s^2.
+        caught_up = (1.8 - 1.19) / 1.8
+        slip = (1.8 - 1.19) / 2 * caught_up ** 2 - 1.8 / 3 * caught_up ** 3
+        self.assertAlmostEqual(slip, 0.012, delta=0.0005)  # as the page says
+        self.assertAlmostEqual(0.4 - self.run_with(22)[1], slip, delta=0.05 * slip)
+        columns, height = self.run_with(18)
+        self.assertEqual(max(columns["lifted_count (1)"]), 0)
+        self.assertAlmostEqual(height, 0.1, delta=1e-4)
 
 
 if __name__ == "__main__":
