@@ -132,5 +132,37 @@ class GripperTutorial(ProgramTest):
         self.assertAlmostEqual(height, 0.1, delta=1e-4)
 
 
+class CapeTutorial(ProgramTest):
+    def columns_of(self, name, *options):
+        text = (SOURCE / "docs" / "tutorial-cape.md").read_text(encoding="utf-8")
+        scene = self.scene(re.search(r"```yaml\n(.*?)```", text, re.DOTALL).group(1), "cape.yaml")
+        self.good(scene, name, *options)
+        with open(self.folder / name / "report.csv", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        return {column: [float(row[column] or 0) for row in rows] for column in rows[0]}
+
+    def test_the_cape_follows_and_goes_through_nothing(self):
+        columns = self.columns_of("cape")
+        self.assertEqual(max(columns["crossings (1)"]), 0)
+        self.assertEqual(max(columns["held_pairs (1)"]), 0)
+        stretch = columns["stretch_max[wool] (1)"]
+        self.assertLess(max(stretch), 0.07)
+        self.assertLess(stretch[-1], 0.01)
+        with h5py.File(self.folder / "cape/frames.h5") as file:
+            places = [file[f"frames/{frame:06d}/position"][:] for frame in (0, 250)]
+        # Half a turn about z and 1.5 m along y take (x, y, z) to (-x, 1.5 - y, z).
+        edge = abs(places[0][:, 2] - 1.36) < 1e-6
+        self.assertEqual(edge.sum(), 21)
+        for before, after in zip(places[0][edge], places[1][edge]):
+            for found, right in zip(after, (-before[0], 1.5 - before[1], before[2])):
+                self.assertAlmostEqual(found, right, delta=1e-4)
+        self.assertAlmostEqual(places[1][2:, 2].min(), 0.36, delta=0.01)  # it hangs down
+
+    def test_more_iterations_stretch_it_less(self):
+        peaks = [max(self.columns_of(name, "-set", f"solver.iterations={n}")["stretch_max[wool] (1)"])
+                 for name, n in (("few", 50), ("more", 200))]
+        self.assertLess(peaks[1], 0.6 * peaks[0])
+
+
 if __name__ == "__main__":
     unittest.main()
