@@ -82,7 +82,7 @@ void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, const
   plan.surface_recovery_time = settings.recovery_time.value_or(0);
 }
 
-// No step does less for an accuracy than it would without one.
+// Each stage goes for the usual tolerance in as many iterations as it is meant to have of the usual number.
 void plan_least_iterations(const Split& split, StepPlan& plan) {
   plan.least_velocity_iterations = plan.two_stages ? static_cast<int>(split.velocity_share * default_iterations) : 0;
   plan.least_position_iterations = default_iterations - plan.least_velocity_iterations;
