@@ -208,7 +208,7 @@ bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_spe
   return found.normal.dot(t.normal) > 0;
 }
 
-// Adds the nearest points to a triangle's manifold, where no corner in it says as much as they do.
+// Adds the nearest points of the body and a triangle to their manifold, unless a corner that is in it has nearly as small a gap.
 void add_nearest_unless_said(const ConvexBody& body, Cores cores, const ConvexDistance& distance, double least,
                              PairManifold& out) {
   if (cores != Cores::apart || least <= distance.gap + face_loss(body.size, distance.gap)) return;

@@ -58,9 +58,9 @@ std::vector<std::string> solver_names();
 // the step before; that force lags by a h / (1 - a) behind the motion, which takes as much from the damping h of the implicit
 // step: a third leaves three quarters of it, 1/2 nothing.
 //
-// With more iterations less is left undone, and the old force does harm: it is aimed before its link turned, and with a third
-// of it a cloth that folds gains energy at 400 iterations and more. Where the scene sets no share, a step therefore starts from
-// automatic_share up to iterations_of_share iterations, and from a share that falls as 1 / iterations beyond them.
+// With more iterations less is left undone, and the old force does harm: its direction is that before the link turned, and with a
+// third of it a cloth that folds gains energy at 400 iterations and more. Where the scene sets no share, a step therefore starts
+// from automatic_share up to iterations_of_share iterations, and from a share that falls as 1 / iterations beyond them.
 inline constexpr double automatic_share = 1.0 / 3;
 inline constexpr int iterations_of_share = 50;
 

@@ -77,9 +77,8 @@ TEST(StepPlan, TheToleranceFallsWithTheStep) {
   EXPECT_DOUBLE_EQ(unibody::plan({}, weightless).tolerance, 6e-6);
 }
 
-// Up to 50 iterations a third of the old multipliers, then as much less as there are more iterations.
-// A step is stopped by its part of the accuracy, over the ratio of its error to its residual; in as many iterations as it would
-// have without one it is after the usual tolerance.
+// With an accuracy a step stops at a residual: the part of the accuracy that falls to this step, divided by the ratio of error to
+// residual. The first iterations of each stage go for the usual tolerance instead.
 TEST(StepPlan, AnAccuracyIsAToleranceByTheRatioOfErrorToResidual) {
   SolverSettings settings = solver("accelerated_jacobi", 1000);
   settings.accuracy = 1e-2;
@@ -108,6 +107,7 @@ TEST(StepPlan, AnAccuracyIsAToleranceByTheRatioOfErrorToResidual) {
   EXPECT_EQ(without.aim, without.tolerance);
 }
 
+// Up to 50 iterations a third of the old multipliers, then as much less as there are more iterations.
 TEST(StepPlan, TheOldMultipliersCountLessOfMoreIterations) {
   const auto share = [](int iterations) { return unibody::plan(solver("accelerated_jacobi", iterations), cloth()).share; };
   EXPECT_EQ(share(10), 1.0 / 3);
