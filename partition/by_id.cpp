@@ -7,6 +7,16 @@
 
 namespace unibody {
 
+namespace {
+
+int rank_in(MPI_Comm comm) {
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  return rank;
+}
+
+}  // namespace
+
 IdBlocks id_blocks(MPI_Comm comm, Id count) {
   IdBlocks blocks{count, 1};
   check_mpi(MPI_Comm_size(comm, &blocks.ranks));
@@ -43,9 +53,16 @@ std::vector<std::byte> exchange_bytes(MPI_Comm comm, std::span<const int> target
   return received;
 }
 
+void place_rows(MPI_Comm comm, const IdBlocks& blocks, bool twice, Id rows_here, Id& first, Id& total) {
+  check_block_complete(comm, blocks, blocks.size(rank_in(comm)) + (twice ? 1 : 0));
+  Id last = 0;
+  check_mpi(MPI_Scan(&rows_here, &last, 1, MPI_INT64_T, MPI_SUM, comm));
+  check_mpi(MPI_Allreduce(&rows_here, &total, 1, MPI_INT64_T, MPI_SUM, comm));
+  first = last - rows_here;
+}
+
 void check_block_complete(MPI_Comm comm, const IdBlocks& blocks, Id rows_found) {
-  int rank = 0;
-  check_mpi(MPI_Comm_rank(comm, &rank));
+  const int rank = rank_in(comm);
   int bad = rows_found == blocks.size(rank) ? blocks.ranks : rank;
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &bad, 1, MPI_INT, MPI_MIN, comm));
   if (bad == blocks.ranks) return;

@@ -41,12 +41,25 @@ std::vector<Record> exchange(MPI_Comm comm, std::span<const int> target, std::sp
   return received;
 }
 
-// Throws RunError on every rank when rows_found differs from the block's size anywhere: a body is missing or has two homes.
+// Where this rank's rows stand in the table of all, and how many there are. Throws RunError on every rank when a body has two
+// homes. Collective.
+void place_rows(MPI_Comm comm, const IdBlocks& blocks, bool twice, Id rows_here, Id& first, Id& total);
+
+// Throws RunError on every rank when rows_found differs from the block's size anywhere: a body is missing.
 void check_block_complete(MPI_Comm comm, const IdBlocks& blocks, Id rows_found);
 
-// record(slot) of every body of the scene, in order of id: the rows of this rank's block. Collective.
+// Rows of bodies in ascending order of id: this rank's share of a table.
+template <class Record>
+struct RowsById {
+  std::vector<Id> ids;
+  std::vector<Record> rows;
+  Id first = 0, total = 0;  // the place of the first row in the table; rows of the whole table
+};
+
+// record(slot) of every body of the world, in order of id; a rank has those of its block of `count` ids. Throws RunError on every
+// rank where a body has two homes. Collective.
 template <class RecordOf>
-auto rows_by_id(MPI_Comm comm, const World& world, Id count, RecordOf record) {
+auto present_by_id(MPI_Comm comm, const World& world, Id count, RecordOf record) {
   using Record = decltype(record(std::size_t{}));
   struct Row {
     Id id;
@@ -65,17 +78,31 @@ auto rows_by_id(MPI_Comm comm, const World& world, Id count, RecordOf record) {
   const Id first = blocks.first(rank);
   std::vector<Record> rows(static_cast<std::size_t>(blocks.size(rank)));
   std::vector<bool> seen(rows.size());
-  Id found = 0;
+  bool twice = false;
   const auto put = [&](Id id, const Record& value) {
     const auto row = static_cast<std::size_t>(id - first);
-    found += seen[row] ? count + 1 : 1;  // a second row for an id spoils the count
+    twice = twice || seen[row];
     rows[row] = value, seen[row] = true;
   };
   for (const Row& row : received) put(row.id, row.record);
   for (std::size_t slot = world.first_static(); slot < world.size(); ++slot)
     if (blocks.owner(world.id[slot]) == rank) put(world.id[slot], record(slot));
-  check_block_complete(comm, blocks, found);
-  return rows;
+  RowsById<Record> result;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (!seen[k]) continue;
+    result.ids.push_back(first + static_cast<Id>(k));
+    result.rows.push_back(rows[k]);
+  }
+  place_rows(comm, blocks, twice, static_cast<Id>(result.rows.size()), result.first, result.total);
+  return result;
+}
+
+// The same where all `count` bodies are there. Throws RunError on every rank where one is missing.
+template <class RecordOf>
+auto rows_by_id(MPI_Comm comm, const World& world, Id count, RecordOf record) {
+  auto present = present_by_id(comm, world, count, record);
+  check_block_complete(comm, id_blocks(comm, count), static_cast<Id>(present.rows.size()));
+  return std::move(present.rows);
 }
 
 }  // namespace unibody

@@ -5,6 +5,7 @@
 #include <span>
 #include <sstream>
 
+#include "changes/changes.hpp"
 #include "checkpoint/checkpoint.hpp"
 #include "core/agreement.hpp"
 #include "core/checked.hpp"
@@ -34,6 +35,28 @@ void add_body(const Body& body, std::ostringstream& text) {
   text << ' ' << s.orientation.coeffs().transpose() << '\n';
 }
 
+// What changes the scene while it runs; nothing where nothing does.
+void add_comings(const Scene& scene, std::ostringstream& text) {
+  for (const BodyGroup& group : scene.groups) {
+    if (group.start != Start::present) text << "start " << group.first << ' ' << static_cast<int>(group.start) << '\n';
+    if (const Inlet* inlet = group.inlet.get()) {
+      text << "inlet " << inlet->rate.text() << ' ' << inlet->by_mass << ' ' << inlet->from << ' ' << inlet->until << '\n';
+      for (const Id k : {Id{0}, group.count - 1}) add_body(inlet->place(k, 1), text);
+    }
+  }
+  for (const Outlet& o : scene.outlets)
+    text << "outlet " << o.low.transpose() << ' ' << o.high.transpose() << ' ' << o.bodies.first << ' ' << o.bodies.end << ' '
+         << o.bodies.material << '\n';
+  for (const Event& event : scene.events) {
+    text << "event " << static_cast<int>(event.action) << ' ' << event.time << ' ' << event.value.text();
+    if (event.when)
+      text << ' ' << event.when->column << ' ' << event.when->above << ' ' << event.when->value << ' ' << event.when->after;
+    for (const std::vector<std::size_t>* numbers : {&event.groups, &event.joints})
+      for (const std::size_t number : *numbers) text << ' ' << number;
+    text << ' ' << event.materials[0] << ' ' << event.materials[1] << '\n';
+  }
+}
+
 // Everything that a run moves, as text.
 std::string physics_of(const Scene& scene) {
   std::ostringstream text;
@@ -56,6 +79,7 @@ std::string physics_of(const Scene& scene) {
   }
   for (const BodyGroup& group : scene.groups)
     if (group.load) text << "load " << group.first << ' ' << group.load->force.text() << ' ' << group.load->torque.text() << '\n';
+  add_comings(scene, text);
   text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
   for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
   for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
@@ -85,14 +109,17 @@ std::string physics_of(const Scene& scene) {
 
 // What a body is does not change in a run: the file must say what the scene does. Its reals may have come from another machine's
 // sines and roots.
-void check_same_body(const std::string& path, const Body& body, const Body& of_scene, std::span<const Pin> pins) {
+// may_be_held: by an event, or from the start until one.
+void check_same_body(const std::string& path, const Body& body, const Body& of_scene, std::span<const Pin> pins,
+                     bool may_be_held) {
   const BodyProperties &p = body.properties, &q = of_scene.properties;
   const auto near = [](const Vec3& a, const Vec3& b) { return (a - b).norm() <= 1e-9 * (a.norm() + b.norm()); };
   const char* other = nullptr;
   if (p.shape.kind != q.shape.kind || p.shape.data != q.shape.data || !near(p.shape.size, q.shape.size)) other = "shape";
   const auto pin = std::lower_bound(pins.begin(), pins.end(), body.id, [](const Pin& a, Id id) { return a.id < id; });
   const bool is_held = p.motion == Motion::pinned && q.is_dynamic() && pin != pins.end() && pin->id == body.id;  // for now
-  if (p.motion != q.motion && !is_held) other = "motion";
+  const bool holds_or_not = may_be_held && !p.is_static() && !q.is_static();
+  if (p.motion != q.motion && !is_held && !holds_or_not) other = "motion";
   if (p.material != q.material) other = "material";
   if (p.group != q.group) other = "group";
   if (!near(p.force, q.force) || !near(p.torque, q.torque)) other = "force or torque";
@@ -100,6 +127,14 @@ void check_same_body(const std::string& path, const Body& body, const Body& of_s
   if (other != nullptr)
     throw InputError("'" + path + "' is damaged: body " + std::to_string(body.id) + " has another " + other +
                      " than in the scene");
+}
+
+bool is_fixed_by_event(const Scene& scene, const BodyGroup& group) {
+  const auto fixes = [&](const Event& event) {
+    return event.action == Event::Action::fix &&
+           std::ranges::any_of(event.groups, [&](std::size_t g) { return &scene.groups[g] == &group; });
+  };
+  return std::ranges::any_of(scene.events, fixes);
 }
 
 }  // namespace
@@ -124,8 +159,9 @@ std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, 
       const Id last = group.is_static ? group.first + group.count : std::min(group.first + group.count, end);
       if (first >= last) continue;
       auto& to = group.is_static ? statics : homes;
+      const bool may_be_held = group.start == Start::held || is_fixed_by_event(scene, group);
       for (const Body& body : checkpoint.read_bodies(first, last)) {
-        check_same_body(options.restart, body, group.make(body.id - group.first), scene.pins);
+        check_same_body(options.restart, body, group.make(body.id - group.first), scene.pins, may_be_held);
         to.push_back(body);
       }
     }
@@ -133,6 +169,7 @@ std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, 
   simulation.world = make_world(homes, statics, scene.has_rotations());
   simulation.history.contacts() = checkpoint.read_multipliers(simulation.world);
   simulation.make_constraints();
+  start_past(scene, simulation.history);
   agree<InputError>(comm, "", [&] { checkpoint.read_histories(simulation.elements(), simulation.history); });
   return checkpoint.frame();
 }

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <optional>
 
-#include "app/end_events.hpp"
+#include "app/column_events.hpp"
 #include "app/frame_times.hpp"
 #include "app/machine_memory.hpp"
 #include "app/overview.hpp"
@@ -19,6 +19,7 @@
 #include "app/wishes.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "report/changing_bodies.hpp"
 #include "report/contact_file.hpp"
 #include "report/elastic_energy.hpp"
 #include "report/folder_lock.hpp"
@@ -52,7 +53,7 @@ void add_error_columns(const StepReport& step, std::vector<NamedValue>& columns)
 // A run, from the scene to its last frame. All members are collective.
 class Run {
  public:
-  Run(MPI_Comm comm, const Scene& scene, const Options& options)
+  Run(MPI_Comm comm, Scene& scene, const Options& options)
       : comm_(comm),
         scene_(scene),
         options_(options),
@@ -71,7 +72,7 @@ class Run {
     start_world();
     check_wishes(comm_, scene_, options_, summary_.first_frame);
     tell_overview();
-    if (!scene_.end_events.empty()) check_end_events(scene_, further_columns({}, {}));
+    if (!scene_.events.empty()) check_event_columns(scene_, further_columns({}, {}));
     if (options_.check) return {state_hash(comm_, simulation_.world), false};
     const FolderLock lock(comm_, options_.output);
     prepare_output_directory(comm_, options_.output, options_.overwrite, options_.restart, options_.appends);
@@ -89,10 +90,15 @@ class Run {
       dump(frame);
       times_.frame_done(report);
       report_file_->append(report);
+      const Event* end = note_events(scene_, report, simulation_.history.past);
       checkpoint_in_turn(frame);  // last: a run that goes on from it finds the rest of the frame written
       progress.frame_done(report);
       summary_.add(report), last_frame_ = frame;
-      if (frame == scene_.time.frames || ends_by_event(report)) break;
+      if (frame == scene_.time.frames) break;
+      if (end != nullptr) {
+        end_by(*end, frame);
+        break;
+      }
       if (const std::string reason = stop.reason(); !reason.empty()) {
         stop_at(frame, reason);
         break;
@@ -112,7 +118,7 @@ class Run {
   void checkpoint_in_turn(std::int64_t frame);
   bool is_due_by_wall(std::int64_t frame);
   void checkpoint(std::int64_t frame);
-  bool ends_by_event(const FrameReport& report);
+  void end_by(const Event& event, std::int64_t frame);
   void stop_at(std::int64_t frame, const std::string& reason);
   void dump(std::int64_t frame);
   void finish();
@@ -204,6 +210,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   StepReport last;
   SurfaceGuard::Held held;
   std::int64_t impacts = 0;
+  running_.start_frame(frame);
   probes_.start_frame(simulation_.world);
   for (int s = 0; s < scene_.time.substeps; ++s) {
     const bool last_step = s + 1 == scene_.time.substeps;
@@ -253,6 +260,7 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, const Frame
   if (scene_.solver.accuracy) columns.push_back({"estimated_error (m)", report.estimated_error});
   if (options_.error_estimate > 0) add_error_columns(step, columns);
   add(probes_.columns(comm_, world));
+  add(past_columns(comm_, scene_, world, simulation_.history.past));
   if (!simulation_.has_surfaces()) return columns;
   columns.push_back({"held_pairs (1)", static_cast<double>(step.guard.pairs)});
   if (!scene_.output.crossings) return columns;
@@ -265,7 +273,8 @@ void Run::open_files() {
   const std::int64_t kept_to = options_.appends ? summary_.first_frame : -1;
   if (options_.appends) ReportFile::check_columns(comm_, options_.output + "/report.csv", further_columns({}, {}));
   if (scene_.output.every > 0)
-    frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces, kept_to);
+    frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces, kept_to,
+                    changing_bodies(scene_));
   report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, {}), kept_to);
   if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints, kept_to);
   if (scene_.output.contacts > 0) contact_file_.emplace(comm_, options_.output, scene_, kept_to);
@@ -301,13 +310,10 @@ void Run::checkpoint(std::int64_t frame) {
   checkpointed_ = frame, checkpoint_wall_ = MPI_Wtime();
 }
 
-bool Run::ends_by_event(const FrameReport& report) {
-  const EndEvent* event = end_event_of(scene_, report);
-  if (event == nullptr) return false;
-  if (scene_.output.checkpoint_every >= 0 && checkpointed_ != report.step) checkpoint(report.step);
-  summary_.status = "ended by the scene: " + told(*event);
-  if (rank_ == 0) std::printf("\n%s, after frame %lld\n", summary_.status.c_str(), static_cast<long long>(report.step));
-  return true;
+void Run::end_by(const Event& event, std::int64_t frame) {
+  if (scene_.output.checkpoint_every >= 0 && checkpointed_ != frame) checkpoint(frame);
+  summary_.status = "ended by the scene: " + told(event);
+  if (rank_ == 0) std::printf("\n%s, after frame %lld\n", summary_.status.c_str(), static_cast<long long>(frame));
 }
 
 // Stops the run after a frame, and writes a checkpoint of it unless the scene wants none at all.
@@ -373,7 +379,7 @@ int run(MPI_Comm comm, const Options& given) {
     return 0;
   }
   end_run_out_of_memory();
-  const Scene scene = read_scene(options.scene, options.overrides, room_of(comm));
+  Scene scene = read_scene(options.scene, options.overrides, room_of(comm));
   tell_bodies_in_scene(scene.body_count());
   check_ranks_of_solver(comm, scene);
   std::vector<std::string> notes = scene.notes;

@@ -2,6 +2,7 @@
 
 #include "app/bad_body.hpp"
 #include "app/restart.hpp"
+#include "changes/changes.hpp"
 #include "checkpoint/checkpoint.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
@@ -23,7 +24,7 @@ void check_ranks_of_solver(MPI_Comm comm, const Scene& scene) {
                      " ranks, expected an iterative solver (newton runs on one rank only)");
 }
 
-RunningScene::RunningScene(MPI_Comm comm, const Scene& scene, const Options& options)
+RunningScene::RunningScene(MPI_Comm comm, Scene& scene, const Options& options)
     : simulation(comm, scene, clock, options.shared_memory),
       comm_(comm),
       scene_(scene),
@@ -32,16 +33,27 @@ RunningScene::RunningScene(MPI_Comm comm, const Scene& scene, const Options& opt
 
 std::int64_t RunningScene::start() {
   std::int64_t frame = 0;
-  if (options_.restart.empty())
+  if (!scene_.events.empty()) fix_scene();  // as it is before they change it
+  if (options_.restart.empty()) {
     simulation.world = build_world(comm_, scene_);
-  else
+    start_past(scene_, simulation.history);
+  } else {
     frame = restore(comm_, scene_, options_, simulation);
+    repeat_past(scene_, simulation.history);
+  }
   simulation.steps_done = frame * scene_.time.substeps;
   simulation.resolve_automatic_settings();
   check_accuracy(simulation);
   if (options_.restart.empty()) simulation.make_constraints();
   simulation.move_homes(balance_.homes(parts_of(simulation)));
   return frame;
+}
+
+void RunningScene::start_frame(std::int64_t frame) {
+  if (scene_.events.empty() && !scene_.bodies_come_and_go()) return;
+  if (change_scene(simulation, scene_, frame) != Changed::much) return;
+  simulation.move_homes(balance_.homes(parts_of(simulation)));
+  balance_.changed();
 }
 
 StepReport RunningScene::step(const StepRequest& request, std::int64_t frame, int substep) {
@@ -68,10 +80,12 @@ void RunningScene::rebalance() {
 
 double RunningScene::imbalance() { return balance_.imbalance(parts_of(simulation)); }
 
-void RunningScene::fix_scene() { mark_ = mark_of(scene_); }
+void RunningScene::fix_scene() {
+  if (mark_.empty()) mark_ = mark_of(scene_);
+}
 
 void RunningScene::write_checkpoint(const std::string& path, std::int64_t frame) {
-  if (mark_.empty()) fix_scene();
+  fix_scene();
   unibody::write_checkpoint(comm_, path, mark_, frame, static_cast<double>(frame) * scene_.time.frame, scene_.body_count(),
                             simulation.elements(), simulation.history);
 }

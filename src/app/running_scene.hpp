@@ -22,11 +22,15 @@ class RunningScene {
  public:
   // The scene and the options must outlive it. Of the options it goes by restart, other_settings, random_partition, rebalance and
   // shared_memory alone.
-  RunningScene(MPI_Comm comm, const Scene& scene, const Options& options);
+  // Events of the scene change its motors and coefficients of friction.
+  RunningScene(MPI_Comm comm, Scene& scene, const Options& options);
 
   // Makes the bodies, or reads them from the checkpoint that the options name, and gives each to a rank. Returns the frame at
   // which the scene stands then: 0, or the checkpoint's. Throws InputError where the checkpoint is damaged or of another scene.
   std::int64_t start();
+
+  // What happens between the frame before and this one (from 1): events, inlets and outlets. To be called before its first step.
+  void start_frame(std::int64_t frame);
 
   // The next step, which belongs to this frame (from 1) and is its substep-th (from 0). Throws RunError, with the body named,
   // where the step leads to a state that is not finite, or to surfaces that pass through each other.
@@ -49,7 +53,7 @@ class RunningScene {
   void stop_if_not_held(const StepReport& report, std::int64_t frame) const;
 
   MPI_Comm comm_;
-  const Scene& scene_;
+  Scene& scene_;
   const Options& options_;
   std::string mark_;  // of the scene, for checkpoints; empty: not needed yet
   Balance balance_;

@@ -9,6 +9,7 @@
 
 #include "checkpoint/checkpoint_histories.hpp"
 #include "checkpoint/checkpoint_joints.hpp"
+#include "checkpoint/checkpoint_past.hpp"
 #include "checkpoint/checkpoint_rows.hpp"
 #include "checkpoint/checkpoint_seal.hpp"
 #include "core/agreement.hpp"
@@ -50,9 +51,16 @@ std::vector<PointRow> point_rows(MPI_Comm comm, Id count, const World& world, co
   return rows;
 }
 
-bool write_bodies(hid_t file, const std::vector<BodyRow>& rows, hsize_t first, hsize_t count) {
-  const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, count, body_columns);
-  return h5::write_rows(dataset, H5T_NATIVE_DOUBLE, first, rows.size(), rows.data());
+constexpr const char* id_table = "body_ids";
+
+// count: of all that there may be. Where some are absent, the ids of the others stand beside the rows.
+bool write_bodies(hid_t file, const RowsById<BodyRow>& bodies, Id count) {
+  const auto first = static_cast<hsize_t>(bodies.first), total = static_cast<hsize_t>(bodies.total);
+  const auto dataset = h5::create_dataset(file, "bodies", H5T_IEEE_F64LE, total, body_columns);
+  const bool good = h5::write_rows(dataset, H5T_NATIVE_DOUBLE, first, bodies.rows.size(), bodies.rows.data());
+  if (bodies.total == count) return good;
+  const auto ids = h5::create_dataset(file, id_table, H5T_STD_I64LE, total, 1);
+  return h5::write_rows(ids, H5T_NATIVE_INT64, first, bodies.ids.size(), bodies.ids.data()) && good;
 }
 
 constexpr const char* torque_table = "multipliers/torque";
@@ -83,37 +91,6 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
   return h5::write_rows(torque, H5T_NATIVE_DOUBLE, first, rows.size(), torques.data()) && all;
 }
 
-constexpr const char* ratio_attribute = "error_ratio";
-constexpr const char* next_attribute = "error_next_step";
-constexpr const char *parts_attribute = "step_parts", *calm_attribute = "calm_steps", *deep_attribute = "deep_steps";
-
-// Writes what an accuracy has found out. A run without one has nothing of that.
-void write_accuracy(hid_t file, const History& history) {
-  const bool is_first = history.fineness.parts == 1 && history.fineness.calm == 0 && history.fineness.deep == 0;
-  if (history.error_ratio.next < 0 && is_first) return;
-  h5::write_attribute(file, ratio_attribute, history.error_ratio.ratio);
-  h5::write_attribute(file, next_attribute, history.error_ratio.next);
-  const Fineness& fineness = history.fineness;
-  h5::write_attribute(file, parts_attribute, std::int64_t{fineness.parts});
-  h5::write_attribute(file, calm_attribute, std::int64_t{fineness.calm});
-  h5::write_attribute(file, deep_attribute, std::int64_t{fineness.deep});
-}
-
-void read_accuracy(hid_t file, History& history) {
-  history.error_ratio = {}, history.fineness = {};
-  if (!h5::has_attribute(file, next_attribute)) return;
-  ErrorRatio& known = history.error_ratio;
-  known = {h5::read_double(file, ratio_attribute), h5::read_integer(file, next_attribute)};
-  const auto small = [&](const char* name) {
-    const std::int64_t x = h5::read_integer(file, name);
-    if (x < 0 || x > std::numeric_limits<int>::max()) throw std::runtime_error(std::string("its ") + name + " is out of range");
-    return static_cast<int>(x);
-  };
-  if (!(known.ratio >= 0 && std::isfinite(known.ratio)) || known.next < -1)
-    throw std::runtime_error("its ratio of error to residual is out of range");
-  history.fineness = {std::max(small(parts_attribute), 1), small(calm_attribute), small(deep_attribute)};
-}
-
 }  // namespace
 
 std::string fingerprint(const std::string& scene_text) { return hex(Hash().add(std::string_view(scene_text)).value()); }
@@ -123,11 +100,11 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
   const World& world = elements.world;
   const HistoryRows rows = history_rows(comm, count, elements, history);
   const JointRowBlock joints = joint_row_block(comm, elements.joints, history.joints());
-  const auto bodies = rows_by_id(comm, world, count, [&](std::size_t s) { return to_row(world.properties[s], world.state(s)); });
+  const auto bodies =
+      present_by_id(comm, world, count, [&](std::size_t s) { return to_row(world.properties[s], world.state(s)); });
   const auto points = point_rows(comm, count, world, history.contacts());
   int rank = 0;
   check_mpi(MPI_Comm_rank(comm, &rank));
-  const Id first = id_blocks(comm, count).first(rank);
   const std::string part = path + ".part";
   std::array<std::int64_t, 2> sums{static_cast<std::int64_t>(points.size()), history.contacts().torques.empty() ? 0 : 1};
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_INT64_T, MPI_SUM, comm));
@@ -145,8 +122,8 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     h5::write_attribute(file, "frame", frame);
     h5::write_attribute(file, "time", time);
     h5::write_attribute(file, "bodies", count);
-    write_accuracy(file, history);
-    bool good = write_bodies(file, bodies, static_cast<hsize_t>(first), static_cast<hsize_t>(count));
+    bool good = write_past(comm, file, history);
+    good = write_bodies(file, bodies, count) && good;
     good = write_points(comm, file, points, total, has_torques) && good;
     good = write_history_rows(comm, file, rows) && good;
     good = write_joint_rows(file, joints) && good;
@@ -311,6 +288,21 @@ Body checked_body(Id id, const BodyRow& row) {
 
 }  // namespace
 
+namespace {
+
+// Ascending, each of a body that there may be.
+std::vector<Id> read_ids(hid_t file, Id count, Id present) {
+  const auto table = h5::open_table(file, id_table, present, 1, H5T_STD_I64LE);
+  std::vector<Id> ids(static_cast<std::size_t>(present));
+  h5::read_rows(table, H5T_NATIVE_INT64, 0, ids.size(), ids.data());
+  const bool ascend = std::ranges::adjacent_find(ids, std::ranges::greater_equal()) == ids.end();
+  if (!ascend || (!ids.empty() && (ids.front() < 0 || ids.back() >= count)))
+    throw std::runtime_error("its ids of bodies are none");
+  return ids;
+}
+
+}  // namespace
+
 Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint) : comm_(comm), path_(path) {
   agree<InputError>(comm, "", [&] {
     std::error_code error;
@@ -328,8 +320,11 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
       frame_ = h5::read_integer(file_, "frame"), time_ = h5::read_double(file_, "time");
       if (frame_ < 0 || !std::isfinite(time_) || time_ < 0) throw std::runtime_error("its frame or time is out of range");
       const auto bodies = h5::open_table(file_, "bodies", {}, body_columns, H5T_IEEE_F64LE);
-      count_ = static_cast<Id>(h5::rows_of(bodies));
-      if (h5::read_integer(file_, "bodies") != count_) throw std::runtime_error("its number of bodies is not that of its table");
+      count_ = h5::read_integer(file_, "bodies");
+      present_ = static_cast<Id>(h5::rows_of(bodies));
+      if (h5::has_link(file_, id_table)) ids_ = read_ids(file_, count_, present_);
+      if (count_ != present_ && std::ssize(ids_) != present_)
+        throw std::runtime_error("its number of bodies is not that of its table");
     });
   });
 }
@@ -337,11 +332,17 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
 std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
   return reading(path_, [&] {
     if (first < 0 || last > count_ || first > last) throw std::runtime_error("it has no such bodies");
-    std::vector<BodyRow> rows(static_cast<std::size_t>(last - first));
-    h5::read_rows(h5::open_table(file_, "bodies", count_, body_columns, H5T_IEEE_F64LE), H5T_NATIVE_DOUBLE,
-                  static_cast<hsize_t>(first), rows.size(), rows.data());
+    const auto row_of = [&](Id id) -> Id { return ids_.empty() ? id : std::ranges::lower_bound(ids_, id) - ids_.begin(); };
+    if (count_ != present_ && ids_.empty()) return std::vector<Body>{};  // all are absent
+    const Id begin = row_of(first), end = row_of(last);
+    std::vector<BodyRow> rows(static_cast<std::size_t>(end - begin));
+    h5::read_rows(h5::open_table(file_, "bodies", present_, body_columns, H5T_IEEE_F64LE), H5T_NATIVE_DOUBLE,
+                  static_cast<hsize_t>(begin), rows.size(), rows.data());
     std::vector<Body> bodies(rows.size());
-    for (std::size_t k = 0; k < rows.size(); ++k) bodies[k] = checked_body(first + static_cast<Id>(k), rows[k]);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const Id row = begin + static_cast<Id>(k);
+      bodies[k] = checked_body(ids_.empty() ? row : ids_[static_cast<std::size_t>(row)], rows[k]);
+    }
     return bodies;
   });
 }
@@ -349,7 +350,7 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
 void Checkpoint::read_histories(const Elements& elements, History& history) const {
   reading(path_, [&] {
     unibody::read_histories(file_, elements, history);
-    read_accuracy(file_, history);
+    read_past(file_, history);
     if (elements.joints != nullptr) history.joints() = read_joint_impulses(file_, *elements.joints->list);
   });
 }

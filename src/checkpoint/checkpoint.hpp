@@ -31,10 +31,10 @@ class Checkpoint {
 
   std::int64_t frame() const { return frame_; }
   double time() const { return time_; }     // s
-  Id body_count() const { return count_; }  // statics included
+  Id body_count() const { return count_; }  // statics and those that are absent included
 
-  // Bodies [first, last), each number of them within its range: a kind of shape that there is, a shape that the library has, an
-  // orientation of length 1, a mass > 0 ... Not collective: each rank reads what it needs.
+  // Those of bodies [first, last) that are there, each number of them within its range: a kind of shape that there is, a shape
+  // that the library has, an orientation of length 1, a mass > 0 ... Not collective: each rank reads what it needs.
   std::vector<Body> read_bodies(Id first, Id last) const;
 
   // The multipliers of all pairs with a home body of `world` (only its home and static ids are looked at), in order of key. Each
@@ -51,7 +51,8 @@ class Checkpoint {
   h5::Handle file_;
   std::int64_t frame_ = 0;
   double time_ = 0;
-  Id count_ = 0;
+  Id count_ = 0, present_ = 0;
+  std::vector<Id> ids_;  // of the bodies that are there; empty: all are, or none
 };
 
 }  // namespace unibody

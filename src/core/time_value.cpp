@@ -18,6 +18,13 @@ TimeValue TimeValue::sine(double mean, double amplitude, double frequency, doubl
   return value;
 }
 
+TimeValue TimeValue::later(double by) const {
+  TimeValue value = *this;
+  for (auto& point : value.points_) point[0] += by;
+  value.phase_ -= 2 * M_PI * frequency_ * by;
+  return value;
+}
+
 std::size_t TimeValue::piece_at(double time) const {
   const auto after = std::upper_bound(points_.begin(), points_.end(), time, [](double t, const auto& p) { return t < p[0]; });
   return after == points_.begin() ? 0 : static_cast<std::size_t>(after - points_.begin()) - 1;

@@ -25,6 +25,9 @@ class TimeValue {
   // mean + amplitude sin(2 pi frequency t + phase); Hz, rad
   static TimeValue sine(double mean, double amplitude, double frequency, double phase);
 
+  // The same law that starts `by` s later.
+  TimeValue later(double by) const;
+
   bool changes() const { return !points_.empty() || amplitude_ != 0; }
   double at(double time) const;
   // Over (from, to), from < to: the integral over the length, exact but for round-off.

@@ -47,6 +47,9 @@ struct Joint {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
 };
 
+// Whether its angle or its twist is what limits and a motor are about, rather than an offset.
+inline bool turns_about_axis(JointKind kind) { return kind == JointKind::hinge || kind == JointKind::ball; }
+
 // Impulses (N s or N m s) of a joint in the last step: of its own rows, six at most, of limits, motor and friction; of a ball's
 // cone behind its three rows.
 struct JointImpulses {

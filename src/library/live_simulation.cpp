@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "changes/changes.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "report/state_hash.hpp"
@@ -62,6 +63,11 @@ std::vector<Id> ids_named(const Scene& scene, const std::string& name) {
 
 LiveSimulation::LiveSimulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint) : scene_(scene), first_(scene) {
   check_ranks_of_solver(comm, scene);
+  for (const Event& event : scene.events)
+    if (event.when && event.action != Event::Action::end)
+      throw InputError(event.when->place +
+                       ": found an event that depends on a column of report.csv, expected events at a time: a " +
+                       "simulation that a program steps through writes no report.csv");
   check_mpi(MPI_Comm_dup(comm, &comm_));
   try {
     start(checkpoint);
@@ -85,6 +91,7 @@ void LiveSimulation::check_open() const {
 void LiveSimulation::start(const std::string& checkpoint) {
   const std::vector<Joint> joints = scene_.joints;
   scene_.joints = first_.joints;  // the checkpoint is of the scene as it was given
+  scene_.friction_in_time = first_.friction_in_time;
   options_.restart = checkpoint;
   std::unique_ptr<RunningScene> other;
   try {
@@ -96,6 +103,9 @@ void LiveSimulation::start(const std::string& checkpoint) {
     throw;
   }
   scene_.joints = joints;
+  for (const Event& event : scene_.events)
+    for (const std::size_t joint : event.joints) scene_.joints[joint].target = first_.joints[joint].target;
+  repeat_past(scene_, other->simulation.history);
   running_ = std::move(other);
   probes_.emplace(scene_.probes, step_length());
   flows_.clear(), latest_.clear(), impulses_.clear(), report_.clear();
@@ -126,6 +136,7 @@ void LiveSimulation::step() {
   const int substeps = scene_.time.substeps;
   const std::int64_t frame = simulation.steps_done / substeps + 1;
   const int substep = static_cast<int>(simulation.steps_done % substeps);
+  if (substep == 0) running_->start_frame(frame);
   probes_->start_frame(simulation.world);
   StepRequest request;
   request.impulses = true;
@@ -203,7 +214,14 @@ std::vector<double> LiveSimulation::gathered(Field field) const {
   };
   add(0, world.homes), add(world.first_static(), world.size());
   unite(comm_, bits);
-  return doubles_of(bits);
+  std::vector<double> numbers = doubles_of(bits);
+  if (!scene_.bodies_come_and_go()) return numbers;
+  std::vector<std::uint64_t> present(static_cast<std::size_t>(scene_.body_count()));
+  for (std::size_t i = 0; i < world.size(); ++i) present[static_cast<std::size_t>(world.id[i])] = 1;
+  unite(comm_, present);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (present[i / n] == 0) numbers[i] = std::nan("");
+  return numbers;
 }
 
 std::vector<Id> LiveSimulation::home_ids() const {

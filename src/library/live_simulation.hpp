@@ -52,8 +52,8 @@ class LiveSimulation {
 
   using Field = api::Field;
   static std::size_t width(Field field) { return field == Field::orientation ? 4 : 3; }
-  // The field of all bodies, in the order of their ids, on every rank. Positions are in m; orientations w, x, y, z of unit
-  // quaternions, body to world; velocities in m/s; angular velocities in rad/s, world axes.
+  // The field of all bodies, in the order of their ids, on every rank; NaN of those that are absent. Positions are in m;
+  // orientations w, x, y, z of unit quaternions, body to world; velocities in m/s; angular velocities in rad/s, world axes.
   std::vector<double> gathered(Field field) const;
   // The ids of this rank's home bodies, ascending, and the field in that order. Not collective.
   std::vector<Id> home_ids() const;

@@ -43,8 +43,9 @@ FramesFile::FramesFile(const std::string& path) : path_(file_of(path)) {
   if (!h5::has_link(file_, "frames")) refuse("has no group /frames: expected the frames.h5 of a run of unibody");
   frames_ = h5::member_numbers(file_, "frames");
   if (frames_.empty()) refuse("holds no frame yet: expected one at least");
-  const std::string name = numbered("/frames", frames_.front()) + "/position";
-  body_count_ = static_cast<Id>(h5::dimensions(open_array(name, any, {3}, H5T_FLOAT))[0]);
+  const std::string first = numbered("/frames", frames_.front()), name = first + "/position";
+  body_count_ = static_cast<Id>(h5::has_link(file_, first + "/id") ? h5::dimensions(h5::open_dataset(file_, "bodies/id"))[0]
+                                                                   : h5::dimensions(open_array(name, any, {3}, H5T_FLOAT))[0]);
 }
 
 void FramesFile::refuse(const std::string& fault) const { throw InputError("'" + path_ + "' " + fault); }
@@ -108,14 +109,35 @@ double FramesFile::time(std::int64_t frame) const {
   return h5::read_double(own, "time");
 }
 
+// Of those that are there, and 0 of the others.
+void FramesFile::read_present(const std::string& name, const std::string& ids_name, std::vector<Vec3>& out) const {
+  const auto ids_table = h5::open_dataset(file_, ids_name);
+  const auto extent = h5::dimensions(ids_table);
+  if (extent.size() != 1 || extent[0] > static_cast<hsize_t>(body_count_)) refuse(ids_name + " is no list of bodies");
+  std::vector<Id> ids(extent[0]);
+  std::vector<Vec3> places(extent[0]);
+  h5::read_rows(ids_table, H5T_NATIVE_INT64, 0, extent[0], ids.data());
+  h5::read_rows(open_array(name, extent[0], {3}, H5T_FLOAT), H5T_NATIVE_DOUBLE, 0, extent[0], places.data());
+  out.assign(static_cast<std::size_t>(body_count_), Vec3::Zero());
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    if (ids[k] < 0 || ids[k] >= body_count_) refuse(ids_name + " names body " + std::to_string(ids[k]) + ", which there is not");
+    out[static_cast<std::size_t>(ids[k])] = places[k];
+  }
+}
+
 void FramesFile::positions(std::int64_t frame, std::vector<Vec3>& out) const {
   const h5::Quiet quiet;
   const std::string name = numbered("/frames", frame) + "/position";
   const auto rows = static_cast<hsize_t>(body_count_);
-  const auto dataset = open_array(name, rows, {3}, H5T_FLOAT);
   static_assert(sizeof(Vec3) == 3 * sizeof(double));
-  out.resize(rows);
-  h5::read_rows(dataset, H5T_NATIVE_DOUBLE, 0, rows, out.data());
+  const std::string ids_name = numbered("/frames", frame) + "/id";
+  if (!h5::has_link(file_, ids_name)) {
+    const auto dataset = open_array(name, rows, {3}, H5T_FLOAT);
+    out.resize(rows);
+    h5::read_rows(dataset, H5T_NATIVE_DOUBLE, 0, rows, out.data());
+  } else {
+    read_present(name, ids_name, out);
+  }
   for (std::size_t k = 0; k < out.size(); ++k)
     if (!out[k].allFinite()) refuse(name + " of body " + std::to_string(k) + " is not finite: expected a place (m)");
 }

@@ -29,10 +29,12 @@ class FramesFile {
   };
   std::vector<Cells> surfaces() const;
 
-  double time(std::int64_t frame) const;                             // s
-  void positions(std::int64_t frame, std::vector<Vec3>& out) const;  // m, of all bodies; all finite
+  double time(std::int64_t frame) const;  // s
+  // m, of all bodies; all finite, and 0 of those that are absent in the frame.
+  void positions(std::int64_t frame, std::vector<Vec3>& out) const;
 
  private:
+  void read_present(const std::string& name, const std::string& ids_name, std::vector<Vec3>& out) const;
   [[noreturn]] void refuse(const std::string& fault) const;
   h5::Handle open_array(const std::string& name, hsize_t rows, std::initializer_list<hsize_t> columns, H5T_class_t kind) const;
 

@@ -11,6 +11,7 @@
 #include "core/disk.hpp"
 #include "core/errors.hpp"
 #include "partition/by_id.hpp"
+#include "report/frames_xdmf.hpp"
 #include "report/shape_output.hpp"
 #include "world/shape_library.hpp"
 
@@ -73,14 +74,6 @@ struct BlockWriter {
   }
 };
 
-std::string data_item(const std::string& path, Id rows, int columns, const char* type, int precision) {
-  return xdmf_item("frames.h5", path, rows, columns, type, precision);
-}
-
-std::string attribute(const std::string& name, const char* kind, const std::string& item) {
-  return xdmf_attribute(name, kind, "Node", item);
-}
-
 }  // namespace
 
 void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep,
@@ -92,13 +85,14 @@ void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool 
 }
 
 Output::Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world,
-               std::vector<Surface> surfaces, std::int64_t kept_to)
+               std::vector<Surface> surfaces, std::int64_t kept_to, std::optional<ChangingBodies> changing)
     : comm_(comm),
       path_(directory + "/frames.h5"),
       xdmf_path_(directory + "/frames.xdmf"),
       single_(settings.single_precision),
       count_(count),
-      surfaces_(std::move(surfaces)) {
+      surfaces_(std::move(surfaces)),
+      changing_(std::move(changing)) {
   check_mpi(MPI_Comm_rank(comm, &rank_));
   int goes_on = 0;
   if (rank_ == 0 && kept_to >= 0) goes_on = std::filesystem::exists(path_) ? 1 : 0;
@@ -153,13 +147,15 @@ void Output::extend(std::int64_t kept_to) {
   }
   throw_if_any(fault);
   std::vector<double> times;
+  std::vector<Id> rows;
   for (const std::int64_t frame : kept_) {
     const h5::Handle group(H5Gopen2(frames_, h5::numbered(frame).c_str(), H5P_DEFAULT), H5Gclose,
                            "open group " + h5::numbered(frame));
     times.push_back(h5::read_double(group, "time"));
+    rows.push_back(static_cast<Id>(h5::dimensions(h5::open_dataset(group, "position"))[0]));
   }
   bool good = rank_ != 0 || xdmf_.start(xdmf_path_);
-  for (std::size_t k = 0; k < kept_.size() && rank_ == 0 && good; ++k) good = append_xdmf(kept_[k], times[k]);
+  for (std::size_t k = 0; k < kept_.size() && rank_ == 0 && good; ++k) good = append_xdmf(kept_[k], times[k], rows[k]);
   throw_if_any(good ? "" : "cannot write " + xdmf_path_);
 }
 
@@ -194,8 +190,7 @@ void Output::reserve(Id numbers) const {
 }
 
 void Output::write_bodies(const World& world) {
-  const auto rows = rows_by_id(comm_, world, count_, [&](std::size_t slot) {
-    const BodyProperties& p = world.properties[slot];
+  const auto row_of = [](const BodyProperties& p) {
     const bool dynamic = !p.is_static(), plane = p.shape.kind == ShapeKind::plane;
     const Vec3 size = plane ? Vec3::Zero() : p.shape.size, moments = dynamic ? p.inertia : Vec3::Zero();
     return std::array<double, 11>{size[0],
@@ -209,8 +204,15 @@ void Output::write_bodies(const World& world) {
                                   static_cast<double>(p.motion),
                                   static_cast<double>(p.material),
                                   static_cast<double>(p.shape.data)};
-  });
+  };
+  const auto of_world = [&](std::size_t slot) { return row_of(world.properties[slot]); };
   const Id first = id_blocks(comm_, count_).first(rank_);
+  std::vector<std::array<double, 11>> rows;
+  if (changing_)  // as the scene has them, whether they are there or not
+    for (Id id = first; id < id_blocks(comm_, count_).first(rank_ + 1); ++id)
+      rows.push_back(row_of(changing_->body_of(id).properties));
+  else
+    rows = rows_by_id(comm_, world, count_, of_world);
   std::vector<std::int64_t> ids(rows.size());
   for (std::size_t k = 0; k < ids.size(); ++k) ids[k] = first + static_cast<Id>(k);
 
@@ -253,6 +255,15 @@ void Output::write_surfaces() {
     };
     write_cells("cells", surface.count, surface.corners, surface.cell);
     if (surface.tetrahedron_count > 0) write_cells("tetrahedra", surface.tetrahedron_count, 4, surface.tetrahedron);
+    if (changing_) {  // the same by the places of nodes among nodes
+      const auto among_nodes = [this](auto ids) {
+        for (Id& id : ids) id -= changing_->first_node;
+        return ids;
+      };
+      write_cells("node_cells", surface.count, surface.corners, [&](Id k) { return among_nodes(surface.cell(k)); });
+      if (surface.tetrahedron_count > 0)
+        write_cells("node_tetrahedra", surface.tetrahedron_count, 4, [&](Id k) { return among_nodes(surface.tetrahedron(k)); });
+    }
     h5::write_attribute(own, "name", surface.name.empty() ? "surface " + std::to_string(n) : surface.name);
   }
   throw_if_any(good ? "" : cannot_write(path_));
@@ -292,22 +303,25 @@ void Output::write_shapes() {
 }
 
 void Output::write(std::int64_t frame, double time, const World& world) {
-  const auto rows = rows_by_id(comm_, world, count_, [&](std::size_t slot) {
+  const auto present = present_by_id(comm_, world, count_, [&](std::size_t slot) {
     const BodyState s = world.state(slot);
     const Vec3 &x = s.position, &v = s.velocity, &w = s.angular_velocity;
     const Quat& q = s.orientation;
     return std::array<double, 13>{x[0], x[1], x[2], q.w(), q.x(), q.y(), q.z(), v[0], v[1], v[2], w[0], w[1], w[2]};
   });
-  reserve(13 * count_);
+  if (!changing_) check_block_complete(comm_, id_blocks(comm_, count_), static_cast<Id>(present.rows.size()));
+  const auto& rows = present.rows;
+  reserve((changing_ ? 20 : 13) * present.total);
   const h5::Quiet quiet;
   std::string fault;
   try {
     const auto group = h5::create_group(frames_, h5::numbered(frame));
-    BlockWriter writer{group, count_, id_blocks(comm_, count_).first(rank_)};
+    BlockWriter writer{group, present.total, present.first};
     writer.reals("position", single_, rows, 0, 3);
     writer.reals("orientation", single_, rows, 3, 4);
     writer.reals("velocity", single_, rows, 7, 3);
     writer.reals("angular_velocity", single_, rows, 10, 3);
+    if (changing_) writer.good = write_present(group, present) && writer.good;
     h5::write_attribute(group, "time", time);
     h5::write_attribute(group, "frame", frame);
     if (!writer.good || H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = cannot_write(path_);
@@ -315,55 +329,39 @@ void Output::write(std::int64_t frame, double time, const World& world) {
     fault = e.what();
   }
   throw_if_any(fault);
-  throw_if_any(rank_ == 0 && !append_xdmf(frame, time) ? cannot_write(xdmf_path_) : "");
+  throw_if_any(rank_ == 0 && !append_xdmf(frame, time, present.total) ? cannot_write(xdmf_path_) : "");
 }
 
-// The bodies of the frame at this path in the file, as points.
-std::string Output::xdmf_bodies(const std::string& at) const {
-  const int real = single_ ? 4 : 8;
-  // The points' numbers are the ids. Without them readers of version 3 make no cells, and nothing is drawn.
-  std::string grid = "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"" + std::to_string(count_) +
-                     "\" NodesPerElement=\"1\">" + data_item("/bodies/id", count_, 1, "Int", 8) + "</Topology>\n";
-  grid += "      <Geometry GeometryType=\"XYZ\">" + data_item(at + "position", count_, 3, "Float", real) + "</Geometry>\n";
-  grid += attribute("orientation", "Matrix", data_item(at + "orientation", count_, 4, "Float", real));
-  grid += attribute("velocity", "Vector", data_item(at + "velocity", count_, 3, "Float", real));
-  grid += attribute("angular_velocity", "Vector", data_item(at + "angular_velocity", count_, 3, "Float", real));
-  grid += attribute("size", "Vector", data_item("/bodies/size", count_, 3, "Float", real));
-  grid += attribute("shape", "Scalar", data_item("/bodies/shape", count_, 1, "Char", 1));
-  grid += attribute("id", "Scalar", data_item("/bodies/id", count_, 1, "Int", 8));
-  return grid;
-}
+Id Output::nodes() const { return changing_ ? count_ - changing_->first_node : 0; }
 
-// Cloths as triangles, threads as segments and solids as tetrahedra between the bodies of that frame.
-std::string Output::xdmf_surfaces(const std::string& at) const {
-  const int real = single_ ? 4 : 8;
-  std::string grids;
-  for (std::size_t n = 0; n < surfaces_.size(); ++n) {
-    const Surface& surface = surfaces_[n];
-    const bool solid = surface.tetrahedron_count > 0;
-    const Id count = solid ? surface.tetrahedron_count : surface.count;
-    const int corners = solid ? 4 : surface.corners;
-    const std::string kind = solid ? "Tetrahedron" : corners == 3 ? "Triangle" : "Polyline\" NodesPerElement=\"2";
-    const std::string cells = "/surfaces/" + h5::numbered(static_cast<std::int64_t>(n)) + (solid ? "/tetrahedra" : "/cells");
-    grids += "    <Grid Name=\"surface " + std::to_string(n) + "\" GridType=\"Uniform\">\n";
-    grids += "      <Topology TopologyType=\"" + kind + "\" NumberOfElements=\"" + std::to_string(count) + "\">" +
-             data_item(cells, count, corners, "Int", 8) + "</Topology>\n";
-    grids += "      <Geometry GeometryType=\"XYZ\">" + data_item(at + "position", count_, 3, "Float", real) + "</Geometry>\n";
-    grids += attribute("velocity", "Vector", data_item(at + "velocity", count_, 3, "Float", real));
-    grids += "    </Grid>\n";
+// What a frame says beside states where bodies come and go: who is there, and the nodes of surfaces by themselves.
+bool Output::write_present(hid_t group, const RowsById<std::array<double, 13>>& present) {
+  BlockWriter writer{group, present.total, present.first};
+  std::vector<std::int64_t> row(present.ids.size());
+  std::vector<std::array<double, 4>> of_body;
+  std::vector<std::array<double, 13>> of_node;
+  for (std::size_t k = 0; k < row.size(); ++k) {
+    row[k] = present.first + static_cast<Id>(k);
+    const Shape shape = changing_->body_of(present.ids[k]).properties.shape;
+    const Vec3 size = shape.kind == ShapeKind::plane ? Vec3(Vec3::Zero()) : shape.size;
+    of_body.push_back({size[0], size[1], size[2], static_cast<double>(shape.kind)});
+    if (present.ids[k] >= changing_->first_node) of_node.push_back(present.rows[k]);
   }
-  return grids;
+  writer.write("id", H5T_STD_I64LE, H5T_NATIVE_INT64, 0, present.ids);
+  writer.write("row", H5T_STD_I64LE, H5T_NATIVE_INT64, 0, row);
+  writer.reals("size", single_, of_body, 0, 3);
+  writer.write("shape", H5T_STD_I8LE, H5T_NATIVE_INT8, 0, pack<std::int8_t>(of_body, 3, 1));
+  if (nodes() == 0) return writer.good;
+  BlockWriter node_writer{group, nodes(), std::max<Id>(0, present.first - (present.total - nodes()))};  // nodes come last
+  node_writer.reals("node_position", single_, of_node, 0, 3);
+  node_writer.reals("node_velocity", single_, of_node, 7, 3);
+  return writer.good && node_writer.good;
 }
 
 // One write puts the new frame and the closing tags over the old closing tags, so that the file is whole before and after.
-bool Output::append_xdmf(std::int64_t frame, double time) {
-  const std::string at = "/frames/" + h5::numbered(frame) + "/", clock = xdmf_time(time);
-  const std::string bodies = "    <Grid Name=\"bodies\" GridType=\"Uniform\">\n";
-  std::string grid = bodies + clock + xdmf_bodies(at) + "    </Grid>\n";
-  if (!surfaces_.empty())
-    grid = "    <Grid Name=\"scene\" GridType=\"Collection\" CollectionType=\"Spatial\">\n" + clock + bodies + xdmf_bodies(at) +
-           "    </Grid>\n" + xdmf_surfaces(at) + "    </Grid>\n";
-  return xdmf_.append(grid);
+bool Output::append_xdmf(std::int64_t frame, double time, Id rows) {
+  const FramesXdmf text{single_, surfaces_, changing_.has_value(), nodes()};
+  return xdmf_.append(text.frame(frame, time, rows));
 }
 
 }  // namespace unibody

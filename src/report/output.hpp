@@ -5,15 +5,23 @@
 //                            where the scene has cloths or threads, in their order
 //   /frames/000000/{position, orientation, velocity, angular_velocity}   attributes time (s) and frame
 //
+// Where bodies come and go a frame has a row for each body that is there, and beside these: id, of each row, ascending; row, its
+// number; size and shape; and of nodes of cloths, threads and solids alone node_position and node_velocity, to which node_cells
+// and node_tetrahedra of /surfaces refer.
+//
 // Both files are whole after each frame: a run that is killed between two frames leaves all that it wrote.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/hdf5.hpp"
+#include "partition/by_id.hpp"
 #include "report/xdmf_file.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
@@ -26,13 +34,19 @@ namespace unibody {
 void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep = "",
                               bool appends = false);
 
+// What the frames of a scene whose bodies come and go need to know of it.
+struct ChangingBodies {
+  std::function<Body(Id id)> body_of;  // there or not
+  Id first_node = 0;                   // nodes are always there, and have the last ids; without any: the number of bodies
+};
+
 class Output {
  public:
   // Creates both files and writes /bodies and /surfaces. `count` is the number of all bodies of the scene. kept_to: where the
   // files are there, their frames up to this one stay; -1: none does. Throws InputError, and leaves the files as they are, where
   // they are of other bodies or another precision. Collective, as are all members but holds().
   Output(MPI_Comm comm, const std::string& directory, const OutputSettings& settings, Id count, const World& world,
-         std::vector<Surface> surfaces = {}, std::int64_t kept_to = -1);
+         std::vector<Surface> surfaces = {}, std::int64_t kept_to = -1, std::optional<ChangingBodies> changing = {});
   ~Output();
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
@@ -49,9 +63,9 @@ class Output {
   void write_bodies(const World& world);
   void write_surfaces();
   void write_shapes();
-  bool append_xdmf(std::int64_t frame, double time);
-  std::string xdmf_bodies(const std::string& at) const;
-  std::string xdmf_surfaces(const std::string& at) const;
+  bool write_present(hid_t group, const RowsById<std::array<double, 13>>& present);
+  bool append_xdmf(std::int64_t frame, double time, Id rows);
+  Id nodes() const;
   void throw_if_any(const std::string& fault) const;
 
   MPI_Comm comm_;
@@ -59,6 +73,7 @@ class Output {
   bool single_;
   Id count_;
   std::vector<Surface> surfaces_;
+  std::optional<ChangingBodies> changing_;  // none: all bodies are always there
   int rank_ = 0;
   std::vector<std::int64_t> kept_;  // frames, ascending
   h5::Handle file_, frames_;

@@ -7,6 +7,7 @@
 #include "core/text.hpp"
 #include "scene/generators.hpp"
 #include "scene/in_time.hpp"
+#include "scene/presence.hpp"
 #include "scene/shape_files.hpp"
 #include "world/shape_type.hpp"
 
@@ -131,7 +132,7 @@ const GeneratorType* find_generator(const Value& entry) {
 }
 
 std::vector<std::string> keys_with(const GeneratorType* type) {
-  std::vector<std::string> keys{"name", "material", "position", "orientation"};
+  std::vector<std::string> keys{"name", "material", "position", "orientation", "start"};
   const Takes takes = type ? type->takes : Takes::shape;
   if (takes != Takes::nothing)
     for (const char* key : {"mass", "density", "motion", "velocity", "angular_velocity", "path", "force", "torque"})
@@ -205,20 +206,25 @@ void read_entry(const Value& entry, Scene& scene) {
   BodyGroup group;
   group.line = entry.line;
   if (const Value* name = entry.find("name")) group.name = name->string("a name");
+  if (const Value* inlet = entry.find("inlet")) check_inlet_name(entry, *inlet, scene);
   const Generated generated = read_generated(entry, body, type, scene);
   group.first = scene.body_count();
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
   group.generated = type != nullptr;
   group.motion = body.motion, group.load = body.load;
+  read_start(entry, body, generated, group);
   check_room(count_of(entry, type), scene, group.count, group.is_static);
-  group.make = [first = group.first, make = generated.make, position, orientation](Id k) {
-    Body result = make(k);
-    result.id = first + k;
-    result.state.position = position + orientation * result.state.position;
-    if (result.properties.shape.kind != ShapeKind::particle) result.state.orientation = orientation * result.state.orientation;
-    return result;
+  const auto put = [first = group.first, held = group.start == Start::held, position, orientation](Id k, Body body_in_frame) {
+    body_in_frame.id = first + k;
+    BodyState& state = body_in_frame.state;
+    state.position = position + orientation * state.position;
+    if (body_in_frame.properties.shape.kind != ShapeKind::particle) state.orientation = orientation * state.orientation;
+    if (held) body_in_frame.properties.motion = Motion::pinned;
+    return body_in_frame;
   };
+  group.make = [make = generated.make, put](Id k) { return put(k, make(k)); };
+  if (group.inlet) put_inlet(position, orientation, put, group);
   check_places(entry, group);
   // An entry has bodies of one kind, or boxes, or a chain's ball at the end.
   group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle ||

@@ -1,34 +1,209 @@
 #include "scene/events.hpp"
 
+#include <algorithm>
+
+#include "core/text.hpp"
+#include "scene/in_time.hpp"
+#include "scene/setting.hpp"
+
 namespace unibody {
 
 namespace {
 
-EndEvent read_end(const Value& when) {
-  when.map({"column", "below", "above", "after"});
-  EndEvent event;
+using Action = Event::Action;
+
+ColumnCondition read_condition(const Value& when) {
+  ColumnCondition condition;
   const Value& column = when.need("column", "the name of a column of report.csv, as kinetic_energy");
-  event.column = column.string("the name of a column of report.csv, as kinetic_energy");
-  event.place = *column.origin + (column.line > 0 ? ":" + std::to_string(column.line) : "") + ": key '" + column.key + "'";
+  condition.column = column.string("the name of a column of report.csv, as kinetic_energy");
+  condition.place = *column.origin + (column.line > 0 ? ":" + std::to_string(column.line) : "") + ": key '" + column.key + "'";
   const Value *below = when.find("below"), *above = when.find("above");
   if (below && above) above->fail("above beside below", "only one of them");
   if (!below && !above) when.fail_missing("below", "a number, or above: one");
-  event.above = above != nullptr;
-  event.value = (above ? above : below)->number(any_number, "in the unit of the column");
-  if (const Value* after = when.find("after")) event.after = after->number(not_negative, "s");
-  return event;
+  condition.above = above != nullptr;
+  condition.value = (above ? above : below)->number(any_number, "in the unit of the column");
+  if (const Value* after = when.find("after")) condition.after = after->number(not_negative, "s");
+  return condition;
+}
+
+void read_when(const Value& when, Event& event) {
+  if (when.kind != Value::Kind::map) when.fail_expected("a map with time, or with column and below or above");
+  when.map({"time", "column", "below", "above", "after"});
+  const Value* time = when.find("time");
+  if (!time) {
+    event.when = read_condition(when);
+    return;
+  }
+  for (const char* key : {"column", "below", "above", "after"})
+    if (const Value* other = when.find(key)) other->fail(std::string(key) + " beside time", "a time, or a column");
+  event.time = time->number(not_negative, "s");
+}
+
+// Whether a joint holds a body of the group, or a node is held by one or tied to one.
+const char* tie_of(const Scene& scene, const BodyGroup& group) {
+  const auto holds = [&](Id id) { return id >= group.first && id < group.first + group.count; };
+  if (std::ranges::any_of(scene.joints, [&](const Joint& j) { return holds(j.ids[0]) || holds(j.ids[1]); })) return "a joint";
+  if (std::ranges::any_of(scene.pins, [&](const Pin& p) { return holds(p.body); })) return "a node pinned to them";
+  if (std::ranges::any_of(scene.attachments, [&](const Attachment& a) { return holds(a.body); })) return "a node tied to them";
+  return nullptr;
+}
+
+void check_bodies(const Value& value, const BodyGroup& group, const Scene& scene, Action action) {
+  const std::string name = group.name;
+  if (group.inlet) value.fail(name + ", whose bodies come in by an inlet", "bodies that are there by another way");
+  if (action == Action::fix || action == Action::release) {
+    if (group.is_static)
+      value.fail(name + ", which the scene moves or holds", "bodies that are dynamic (start: held holds them)");
+    return;
+  }
+  if (const char* tie = tie_of(scene, group)) value.fail(name + ", with " + tie, "bodies without joints and nodes tied to them");
+}
+
+std::size_t read_group(const Value& value, const Scene& scene, Action action) {
+  const std::string name = value.string("the name of an entry of bodies");
+  const auto begin = scene.groups.begin(), end = scene.groups.end() - std::ssize(scene.constraint_groups);
+  const auto is_named = [&](const BodyGroup& group) { return !name.empty() && group.name == name; };
+  const auto group = std::find_if(begin, end, is_named);
+  if (group == end) {
+    std::vector<std::string> names;
+    for (auto g = begin; g != end; ++g) names.push_back(g->name);
+    value.fail(value.found() + ", a name that no entry of bodies has" + did_you_mean(name, names),
+               "the name of an entry of bodies");
+  }
+  if (std::find_if(std::next(group), end, is_named) != end) value.fail(name + ", the name of several entries", "a name of one");
+  check_bodies(value, *group, scene, action);
+  return static_cast<std::size_t>(group - begin);
+}
+
+// A name, or a list of names.
+template <class Read>
+void for_each_name(const Value& value, Read&& read) {
+  if (value.kind != Value::Kind::list) return read(value);
+  for (const Value& name : value.list("names")) read(name);
+}
+
+void read_motors(const Value& entry, const Scene& scene, Event& event) {
+  for_each_name(entry.need("joints", "the name of a joint, or a list of names"), [&](const Value& value) {
+    const std::string name = value.string("the name of a joint");
+    const auto named = scene.joints_named.find(name);
+    if (named == scene.joints_named.end()) {
+      std::vector<std::string> names;
+      for (const auto& [other, joints] : scene.joints_named) names.push_back(other);
+      value.fail(value.found() + ", a name that no joint has" + did_you_mean(name, names), "the name of a joint");
+    }
+    for (const std::size_t joint : named->second) {
+      if (scene.joints[joint].motor == Motor::none) value.fail(name + ", a joint without a motor", "a joint with a motor");
+      event.joints.push_back(joint);
+    }
+  });
+  const Joint& first = scene.joints[event.joints.front()];
+  const auto is_alike = [&](std::size_t joint) {
+    return scene.joints[joint].motor == first.motor && turns_about_axis(scene.joints[joint].kind) == turns_about_axis(first.kind);
+  };
+  if (!std::ranges::all_of(event.joints, is_alike))
+    entry.find("joints")->fail("joints whose motors differ in kind", "motors that all have a speed, or an angle, or an offset");
+  const bool angle = turns_about_axis(first.kind);
+  const char* key = first.motor == Motor::speed ? "speed" : angle ? "angle" : "offset";
+  const std::string unit = first.motor == Motor::speed ? (angle ? "rad/s" : "m/s") : angle ? "degrees" : "m";
+  for (const char* other : {"speed", "angle", "offset"})
+    if (const Value* given = entry.find(other); given && std::string(other) != key)
+      given->fail(std::string(other) + " of a motor that has " + key, std::string("the key ") + key + " (" + unit + ")");
+  const Value& target = entry.need(key, "a number, or values in time that count from the event (" + unit + ")");
+  event.value = unit == "degrees" ? read_in_time(target, {-180, 180}, unit, M_PI / 180) : read_in_time(target, any_number, unit);
+}
+
+void read_friction(const Value& entry, Scene& scene, Event& event) {
+  const Value& between = entry.need("between", "a list of 2 materials");
+  if (between.kind != Value::Kind::list || between.entries.size() != 2) between.fail_expected("a list of 2 materials");
+  for (std::size_t k = 0; k < 2; ++k) event.materials[k] = static_cast<int>(between.entries[k].choice(scene.materials));
+  const Value& friction = entry.need("friction", "a number >= 0, or values in time that count from the event");
+  event.value = read_in_time(friction, not_negative, "");
+}
+
+// What each action needs to be told beside `do` and `when`.
+struct ActionType {
+  const char* name;
+  std::vector<std::string> keys;
+  void (*read)(const Value& entry, Scene& scene, Event& event);
+};
+
+void read_nothing(const Value&, Scene&, Event&) {}
+
+void read_groups(const Value& entry, Scene& scene, Event& event) {
+  for_each_name(entry.need("bodies", "the name of an entry of bodies, or a list of names"),
+                [&](const Value& name) { event.groups.push_back(read_group(name, scene, event.action)); });
+}
+
+// In the order of Event::Action.
+const std::array<ActionType, 7>& action_types() {
+  static const std::array<ActionType, 7> types{
+      {{"end", {}, read_nothing},
+       {"add", {"bodies"}, read_groups},
+       {"remove", {"bodies"}, read_groups},
+       {"fix", {"bodies"}, read_groups},
+       {"release", {"bodies"}, read_groups},
+       {"motor",
+        {"joints", "speed", "angle", "offset"},
+        [](const Value& entry, Scene& scene, Event& event) { read_motors(entry, scene, event); }},
+       {"friction", {"between", "friction"}, read_friction}}};
+  return types;
+}
+
+void read_event(const Value& entry, Scene& scene) {
+  entry.map(event_keys());
+  std::vector<std::string> names;
+  for (const ActionType& type : action_types()) names.emplace_back(type.name);
+  const std::size_t action = entry.need("do", one_of(names)).choice(names);
+  const ActionType& type = action_types()[action];
+  for (const auto& [key, value] : entry.children)
+    if (key != "do" && key != "when" && std::ranges::find(type.keys, key) == type.keys.end())
+      value.fail(key + " beside do: " + type.name, type.keys.empty() ? "no such key" : "the keys " + one_of(type.keys));
+  Event event;
+  event.action = static_cast<Action>(action);
+  read_when(entry.need("when", "a map with time, or with column and below or above"), event);
+  type.read(entry, scene, event);
+  scene.events.push_back(std::move(event));
 }
 
 }  // namespace
 
-std::vector<std::string> event_keys() { return {"do", "when"}; }
+void check_starts(const Value& root, const Scene& scene) {
+  for (std::size_t g = 0; g < scene.groups.size(); ++g) {
+    const BodyGroup& group = scene.groups[g];
+    if (group.start != Start::absent || group.inlet) continue;
+    const auto adds = [g](const Event& event) {
+      return event.action == Action::add && std::ranges::find(event.groups, g) != event.groups.end();
+    };
+    if (std::ranges::none_of(scene.events, adds))
+      root.fail_missing("events", "one that adds " + (group.name.empty() ? "bodies[" + std::to_string(g) + "]" : group.name) +
+                                      ", which is absent at the start");
+  }
+}
+
+std::vector<std::string> event_keys() {
+  std::vector<std::string> keys{"do", "when"};
+  for (const ActionType& type : action_types())
+    for (const std::string& key : type.keys)
+      if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
+  return keys;
+}
 
 void read_events(const Value& list, Scene& scene) {
-  for (const Value& entry : list.list("events")) {
-    entry.map(event_keys());
-    entry.need("do", "end").choice({"end"});
-    scene.end_events.push_back(read_end(entry.need("when", "a map with column, and below or above")));
-  }
+  for (const Value& entry : list.list("events")) read_event(entry, scene);
+  const auto changes_friction = [](const Event& event) { return event.action == Action::friction; };
+  if (std::ranges::any_of(scene.events, changes_friction) && !scene.friction_in_time)
+    scene.friction_in_time = FrictionInTime::of(scene.friction, scene.materials.size());
+}
+
+std::string text_of(const Event& event, const Scene& scene) {
+  if (event.action == Action::end) return "end the run";
+  std::string text = action_types()[static_cast<std::size_t>(event.action)].name;
+  for (const std::size_t g : event.groups) text += " " + scene.groups[g].name;
+  for (const auto& [name, joints] : scene.joints_named)
+    if (!event.joints.empty() && std::ranges::find(event.joints, joints.front()) != event.joints.end()) text += " " + name;
+  if (event.action == Action::friction)
+    for (const int material : event.materials) text += " " + scene.materials[static_cast<std::size_t>(material)];
+  return text;
 }
 
 }  // namespace unibody

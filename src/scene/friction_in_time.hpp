@@ -14,6 +14,21 @@ struct FrictionInTime {
   std::vector<TimeValue> materials;             // of each material with itself
   std::vector<std::optional<TimeValue>> pairs;  // materials x materials, symmetric: those that the scene lists
 
+  // Constant coefficients, materials x materials, of which each pair has its own.
+  static FrictionInTime of(const std::vector<double>& coefficients, std::size_t material_count) {
+    FrictionInTime friction;
+    for (std::size_t i = 0; i < material_count; ++i) friction.materials.emplace_back(coefficients[i * material_count + i]);
+    for (const double mu : coefficients) friction.pairs.emplace_back(mu);
+    return friction;
+  }
+
+  // From now on a and b have another law.
+  void set(int a, int b, const TimeValue& law) {
+    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b), n = materials.size();
+    if (i == j) materials[i] = law;
+    pairs[i * n + j] = pairs[j * n + i] = law;
+  }
+
   bool changes() const {
     for (const TimeValue& own : materials)
       if (own.changes()) return true;

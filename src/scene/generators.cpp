@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "scene/articulated.hpp"
+#include "scene/mix.hpp"
 #include "scene/random.hpp"
 #include "scene/static_parts.hpp"
 
@@ -85,37 +86,19 @@ Generated read_lattice(const Value& value, const BodyTemplate& body, const Scene
   return {read_count(value), lattice};
 }
 
-// One kind of body in a pile.
-struct Ingredient {
-  Shape shape;
-  double share = 1, smallest = 1, largest = 1;
-
-  Shape scaled(double factor) const { return {shape.kind, shape.size * factor, shape.data}; }
-};
-
 struct Pile {
   Cells cells;
-  double edge = 0, largest_radius = 0;  // m, of a cell; of the largest bounding sphere
+  double edge = 0;  // m, of a cell
   std::uint64_t seed = 1;
   bool planar = false;
-  std::vector<Ingredient> mix;
+  Mix mix;
   BodyTemplate body;
-
-  double total_share() const {
-    double sum = 0;
-    for (const Ingredient& ingredient : mix) sum += ingredient.share;
-    return sum;
-  }
 
   // The bounding sphere stays within the middle of its cell, so that no two bodies overlap whatever their orientation.
   Body operator()(Id k) const {
     BodyRandom random(seed, k);
-    double rest = random.next() * total_share();
-    std::size_t i = 0;
-    while (i + 1 < mix.size() && rest >= mix[i].share) rest -= mix[i++].share;
-    const double spread = std::log(mix[i].largest / mix[i].smallest);
-    const Shape shape = mix[i].scaled(mix[i].smallest * std::exp(random.next() * spread));
-    const double room = std::max(largest_radius - bounding_radius(shape), 0.0);
+    const Shape shape = mix.draw(random);
+    const double room = std::max(mix.largest_radius() - bounding_radius(shape), 0.0);
     const double x = centred(cells.x(k), cells.nx) * edge + random.between(-room, room);
     const double y = centred(cells.y(k), cells.ny) * edge + random.between(-room, room);
     const double z = (static_cast<double>(cells.z(k)) + 0.5) * edge + random.between(-room, room);
@@ -124,36 +107,12 @@ struct Pile {
   }
 };
 
-Ingredient read_ingredient(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"shape", "share", "scale"});
-  Ingredient ingredient;
-  const Value& shape = value.need("shape", "a map with a shape as its key");
-  ingredient.shape = read_shape(shape, scene);
-  const ShapeKind kind = ingredient.shape.kind;
-  if (kind == ShapeKind::plane || kind == ShapeKind::mesh)
-    shape.fail("a " + shape.children[0].first + " in a pile", "a shape that can move");
-  ingredient.share = read_optional(value, "share", 1, positive, "");
-  if (const Value* scale = value.find("scale")) {
-    const auto range = scale->numbers(2, positive, "smallest and largest factor");
-    if (range[1] < range[0]) scale->fail_expected("the smaller of the two factors first");
-    if (kind == ShapeKind::compound) scale->fail_expected("no scale for a compound");
-    ingredient.smallest = range[0];
-    ingredient.largest = range[1];
-  }
-  for (const double factor : {ingredient.smallest, ingredient.largest}) check_mass(value, body, ingredient.scaled(factor));
-  return ingredient;
-}
-
 Generated read_pile(const Value& value, const BodyTemplate& body, const Scene& scene) {
   value.map({"count", "columns", "mix", "gap", "seed"});
   Pile pile;
   pile.cells = read_columns(value, scene);
-  for (const Value& entry : value.need("mix", "a list of shapes with share and scale").list("shapes with share and scale")) {
-    pile.mix.push_back(read_ingredient(entry, body, scene));
-    const Ingredient& last = pile.mix.back();
-    pile.largest_radius = std::max(pile.largest_radius, bounding_radius(last.scaled(last.largest)));
-  }
-  pile.edge = 2 * pile.largest_radius + read_optional(value, "gap", 0, not_negative, "m");
+  pile.mix = Mix::read(value.need("mix", "a list of shapes with share and scale"), body, scene);
+  pile.edge = 2 * pile.mix.largest_radius() + read_optional(value, "gap", 0, not_negative, "m");
   pile.seed = read_seed(value);
   pile.planar = scene.planar;
   pile.body = body;
@@ -238,6 +197,7 @@ const std::vector<GeneratorType>& generator_types() {
       {"pile", Takes::no_shape, read_pile},    {"container", Takes::nothing, read_container},
       {"hopper", Takes::nothing, read_hopper}, {"chain", Takes::shape, read_chain},
       {"tree", Takes::no_shape, read_tree},    {"ragdolls", Takes::no_shape, read_ragdolls},
+      {"inlet", Takes::no_shape, read_inlet},
   };
   return types;
 }

@@ -10,6 +10,7 @@ struct Generated {
   Id count = 0;
   std::function<Body(Id k)> make;
   std::vector<Joint> joints = {};  // between its bodies by their numbers here, and the world, all in the entry's frame
+  std::shared_ptr<const Inlet> inlet = nullptr;  // by which its bodies come in, in the entry's frame; null: they are there
 };
 
 enum class Takes { shape, no_shape, nothing };  // of the template: all of it; all but the shape; neither (static parts)
@@ -19,6 +20,8 @@ struct GeneratorType {
   Takes takes;
   Generated (*read)(const Value& value, const BodyTemplate& body, const Scene& scene);
 };
+
+Generated read_inlet(const Value& value, const BodyTemplate& body, const Scene& scene);  // inlets.cpp
 
 // The list of all generators: a new one is one function and one line there.
 const std::vector<GeneratorType>& generator_types();

@@ -16,7 +16,6 @@ namespace {
 constexpr double degree = M_PI / 180;
 const std::vector<std::string> kinds{joint_names.begin(), joint_names.end()};
 
-bool turns_about_axis(JointKind kind) { return kind == JointKind::hinge || kind == JointKind::ball; }
 bool needs_axis(const Joint& joint) {
   return joint.has_coordinate() || joint.kind == JointKind::universal || joint.has_cone() || joint.is_limited();
 }
@@ -220,7 +219,7 @@ std::vector<std::string> joint_keys(JointKind kind) {
 std::vector<std::string> joint_entry_keys(JointKind kind) {
   const bool rope = kind == JointKind::rope;
   std::vector<std::string> keys = joint_keys(kind);
-  keys.insert(keys.end(), {"type", "bodies", "anchors", rope ? "points" : "anchor"});
+  keys.insert(keys.end(), {"name", "type", "bodies", "anchors", rope ? "points" : "anchor"});
   if (rope) keys.emplace_back("length");
   if (takes_axis(kind)) keys.insert(keys.end(), {"axis", "axes"});
   if (kind == JointKind::universal) keys.emplace_back("second_axis");
@@ -272,7 +271,11 @@ JointTemplate read_joint_template(const Value& value, const Scene& scene, const 
 }
 
 void read_joints(const Value& list, Scene& scene) {
-  for (const Value& entry : list.list("joints")) scene.joints.push_back(read_joint(entry, scene));
+  for (const Value& entry : list.list("joints")) {
+    scene.joints.push_back(read_joint(entry, scene));
+    if (const Value* name = entry.find("name"))  // several may have the same
+      scene.joints_named[name->string("a name")].push_back(scene.joints.size() - 1);
+  }
 }
 
 }  // namespace unibody

@@ -11,35 +11,11 @@ namespace unibody {
 
 namespace {
 
-// Its columns' names are words of a CSV file.
-std::string read_name(const Value& value, const Scene& scene) {
-  const std::string name = value.string("a name");
-  const auto is_good = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-'; };
-  if (name.empty() || !std::ranges::all_of(name, is_good)) value.fail_expected("a name of letters, digits, - and _");
-  if (std::ranges::any_of(scene.probes, [&](const Probe& probe) { return probe.name == name; }))
-    value.fail(name + " a second time", "a name of its own for each probe");
-  return name;
-}
-
 // Nodes of flexible bodies have ids behind those of bodies.
 Id end_of_bodies(const Scene& scene) {
   Id end = scene.body_count();
   for (const ConstraintGroup& group : scene.constraint_groups) end = std::min(end, group.first);
   return end;
-}
-
-ProbedBodies read_probed(const Value& entry, const Scene& scene) {
-  ProbedBodies bodies{0, end_of_bodies(scene), -1};
-  if (const Value* of = entry.find("of")) {
-    const std::string name = of->string("the name of an entry of bodies");
-    const auto group =
-        std::ranges::find_if(scene.groups, [&](const BodyGroup& g) { return g.name == name && g.first < bodies.end; });
-    if (group == scene.groups.end()) of->fail_expected("the name of an entry of bodies");
-    if (group->is_static) of->fail(name + ", which the scene moves or holds", "bodies that are dynamic");
-    bodies.first = group->first, bodies.end = group->first + group->count;
-  }
-  if (const Value* material = entry.find("material")) bodies.material = static_cast<int>(material->choice(scene.materials));
-  return bodies;
 }
 
 void read_flow(const Value& flow, const Scene& scene, Probe& probe) {
@@ -120,13 +96,38 @@ const Value* kind_of(const Value& entry) {
 
 }  // namespace
 
+// Its columns' names are words of a CSV file.
+std::string read_column_name(const Value& value, const std::vector<std::string>& taken, const std::string& what) {
+  const std::string name = value.string("a name");
+  const auto is_good = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-'; };
+  if (name.empty() || !std::ranges::all_of(name, is_good)) value.fail_expected("a name of letters, digits, - and _");
+  if (std::ranges::find(taken, name) != taken.end()) value.fail(name + " a second time", "a name of its own for each " + what);
+  return name;
+}
+
+ProbedBodies read_probed(const Value& entry, const Scene& scene) {
+  ProbedBodies bodies{0, end_of_bodies(scene), -1};
+  if (const Value* of = entry.find("of")) {
+    const std::string name = of->string("the name of an entry of bodies");
+    const auto group =
+        std::ranges::find_if(scene.groups, [&](const BodyGroup& g) { return g.name == name && g.first < bodies.end; });
+    if (group == scene.groups.end()) of->fail_expected("the name of an entry of bodies");
+    if (group->is_static) of->fail(name + ", which the scene moves or holds", "bodies that are dynamic");
+    bodies.first = group->first, bodies.end = group->first + group->count;
+  }
+  if (const Value* material = entry.find("material")) bodies.material = static_cast<int>(material->choice(scene.materials));
+  return bodies;
+}
+
 std::vector<std::string> probe_keys() { return {"name", "of", "material", "flow", "box", "force", "stress"}; }
 
 void read_probes(const Value& list, Scene& scene) {
+  std::vector<std::string> names;
   for (const Value& entry : list.list("probes")) {
     entry.map(probe_keys());
     Probe probe;
-    probe.name = read_name(entry.need("name", "a name"), scene);
+    probe.name = read_column_name(entry.need("name", "a name"), names, "probe");
+    names.push_back(probe.name);
     probe.bodies = read_probed(entry, scene);
     const Value* kind = kind_of(entry);
     if (kind == entry.find("flow")) read_flow(*kind, scene, probe);

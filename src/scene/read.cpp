@@ -12,6 +12,7 @@
 #include "scene/flexible.hpp"
 #include "scene/in_time.hpp"
 #include "scene/joints.hpp"
+#include "scene/outlets.hpp"
 #include "scene/probes.hpp"
 #include "scene/resolution.hpp"
 #include "scene/settings.hpp"
@@ -171,6 +172,7 @@ const Field<Scene> sections[] = {
     {"solids", read_solids},
     {"joints", read_joints},
     {"probes", read_probes},
+    {"outlets", read_outlets},
     {"events", read_events},
 };
 
@@ -226,6 +228,12 @@ Body Scene::body(Id id) const {
   return group.make(id - group.first);
 }
 
+bool Scene::bodies_come_and_go() const {
+  const auto removes = [](const Event& event) { return event.action == Event::Action::remove; };
+  return !outlets.empty() || std::ranges::any_of(events, removes) ||
+         std::ranges::any_of(groups, [](const BodyGroup& g) { return g.start == Start::absent; });
+}
+
 std::string Scene::body_name(Id id) const {
   const BodyGroup& group = group_of(id);
   if (group.name.empty()) return "body " + std::to_string(id);
@@ -240,6 +248,7 @@ Scene read_sections(const Value& root, const std::string& path, const Room& room
   scene.room = room;
   read_fields(root, sections, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
+  check_starts(root, scene);
   check_resolution(scene);
   check_form(root, scene);
   const auto is_static = [&](Id id) { return scene.group_of(id).is_static; };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <limits>
 #include <map>
@@ -16,6 +17,8 @@
 #include "joints/joint.hpp"
 #include "scene/event.hpp"
 #include "scene/friction_in_time.hpp"
+#include "scene/inlet.hpp"
+#include "scene/outlet.hpp"
 #include "scene/probe.hpp"
 #include "world/body.hpp"
 #include "world/surface.hpp"
@@ -58,6 +61,10 @@ struct LoadInTime {
   TimeVector torque;  // N m, world axes
 };
 
+// What the bodies of an entry are when a run starts.
+enum class Start : std::uint8_t { present, absent, held };
+inline constexpr std::array<std::string_view, 3> start_names{"present", "absent", "held"};
+
 // A run of bodies of consecutive ids made by one entry of `bodies`. `make(k)`, 0 <= k < count, is a pure function of k, so
 // that each rank builds only its own share of a large scene. The result's id is first + k.
 struct BodyGroup {
@@ -66,11 +73,13 @@ struct BodyGroup {
   bool is_static = false;  // all fixed or kinematic: replicated on every rank
   bool rotates = true;     // false: particles
   bool generated = false;  // by a generator, even if it is one body
-  std::string name;        // of the entry; may be empty
-  int line = 0;            // of the entry in the file; 0: it is not from there
+  Start start = Start::present;
+  std::string name;  // of the entry; may be empty
+  int line = 0;      // of the entry in the file; 0: it is not from there
   std::function<Body(Id k)> make;
   std::shared_ptr<const MotionInTime> motion;  // of kinematic bodies; null: their velocities are constant
   std::shared_ptr<const LoadInTime> load;      // of dynamic bodies; null: it is constant
+  std::shared_ptr<const Inlet> inlet;          // by which they come in; null: they are there, or an event adds them
 };
 
 // The patch of neighbours that a node belongs to, where nothing is known of its neighbours: a run of numbers.
@@ -142,9 +151,11 @@ struct Scene {
   std::vector<Attachment> attachments;  // ascending nodes
   std::vector<Surface> surfaces;
   std::vector<Joint> joints;
+  std::map<std::string, std::vector<std::size_t>> joints_named;  // their places in `joints`, of those that have a name
   std::int32_t joint_colours = 0, joint_trees = 0;
   std::vector<Probe> probes;
-  std::vector<EndEvent> end_events;
+  std::vector<Event> events;
+  std::vector<Outlet> outlets;
   std::vector<std::string> notes;  // what a person should know of what was read
 
   Vec3 gravity_at(double t) const { return gravity_in_time ? gravity_in_time->at(t) : gravity; }
@@ -153,6 +164,7 @@ struct Scene {
   Id body_count() const;
   const BodyGroup& group_of(Id id) const;  // id in [0, body_count())
   bool has_rotations() const;              // false: all bodies but fixed ones are particles
+  bool bodies_come_and_go() const;         // some are absent at the start, or may be later
   Body body(Id id) const;                  // id in [0, body_count())
   std::string body_name(Id id) const;      // "crate" or "pile[17]"; "body 17" where the entry has no name
   double friction_of(int material_a, int material_b) const {

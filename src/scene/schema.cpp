@@ -5,6 +5,7 @@
 #include "scene/events.hpp"
 #include "scene/flexible.hpp"
 #include "scene/joints.hpp"
+#include "scene/outlets.hpp"
 #include "scene/probes.hpp"
 #include "scene/settings.hpp"
 
@@ -102,7 +103,9 @@ std::string scene_schema() {
       .set("solids", list_of(map_of(solid_keys(), {"thickness"}), "soft solids"))
       .set("joints", list_of(joint(), "joints between bodies"))
       .set("probes", list_of(map_of(probe_keys(), {"name"}), "what report.csv measures beside its usual columns"))
-      .set("events", list_of(map_of(event_keys(), event_keys()), "what happens when something else has happened"));
+      .set("outlets", list_of(map_of(outlet_keys(), {"name", "box"}), "boxes in which bodies leave the scene"))
+      .set("events",
+           list_of(map_of(event_keys(), {"do", "when"}), "what happens at a time, or when something else has happened"));
   return Json::object()
              .set("$schema", "http://json-schema.org/draft-07/schema#")
              .set("title", "A scene of Unibody")

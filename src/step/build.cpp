@@ -17,6 +17,7 @@ World build_world(MPI_Comm comm, const Scene& scene) {
 
   std::vector<Body> homes, statics;
   for (const BodyGroup& group : scene.groups) {
+    if (group.start == Start::absent) continue;
     const Id first = group.is_static ? 0 : std::max<Id>(0, begin - group.first);
     const Id last = group.is_static ? group.count : std::min(group.count, end - group.first);
     for (Id k = first; k < last; ++k) {

@@ -24,10 +24,33 @@ struct ErrorRatio {
   std::int64_t next = -1;  // the step, since time 0, of which the error is to be estimated next; -1: none has been yet
 };
 
+// What has come in by an inlet, and what waits for room.
+struct InletPast {
+  Id drawn = 0;               // bodies below this number have become due
+  double drawn_mass = 0;      // kg, of those
+  std::vector<Id> waiting{};  // numbers of those that have found no room yet, ascending
+  Id placed = 0;
+  double placed_mass = 0;  // kg
+};
+
+// What has left by an outlet.
+struct OutletPast {
+  Id removed = 0;
+  double removed_mass = 0;  // kg
+};
+
+// What has happened in a run of the scene's events, inlets and outlets, each in their order in the scene: the same on all ranks.
+struct Past {
+  std::vector<std::int64_t> events;  // the frame at whose start each took or takes effect, from 1; 0: it has not happened
+  std::vector<InletPast> inlets;
+  std::vector<OutletPast> outlets;
+};
+
 // The multipliers of the last step, of each batch; of the contacts those from which the next velocity stage starts.
 struct History : BatchHistories {
   ErrorRatio error_ratio;
   Fineness fineness;
+  Past past;
   const Multipliers& contacts() const { return of<ContactBatch>(); }
   Multipliers& contacts() { return of<ContactBatch>(); }
   const std::vector<JointImpulses>& joints() const { return of<JointBatch>(); }

@@ -12,7 +12,9 @@ void set_prescribed_velocities(RankState& state) {
   for (const BodyGroup* group : state.prescribed) {
     const Vec3 velocity = group->motion->mean_velocity(from, to), spin = group->motion->angular_velocity.mean(from, to);
     for (Id k = 0; k < group->count; ++k) {
-      const auto slot = static_cast<std::size_t>(world.find(group->first + k));  // statics are on every rank
+      const Slot found = world.find(group->first + k);  // statics are on every rank
+      if (found < 0) continue;                          // absent
+      const auto slot = static_cast<std::size_t>(found);
       world.velocity[slot] = velocity;
       if (!world.has_rotations) continue;
       world.angular_velocity[slot] = spin_of_turn(spin, state.step(), !state.is_tied(group->first + k));

@@ -6,6 +6,7 @@
 #include "partition/migrate.hpp"
 #include "solve/centre_constraints.hpp"
 #include "step/assemble.hpp"
+#include "step/build.hpp"
 #include "step/division.hpp"
 #include "step/move_history.hpp"
 #include "step/newton_step.hpp"
@@ -19,10 +20,26 @@ namespace unibody {
 Simulation::Simulation(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool in_shared_memory)
     : RankState(over, of, timed_by, in_shared_memory) {}
 
+namespace {
+
+// m, of this rank's share of the moving bodies that are there at any time.
+double smallest_of_all(const Scene& scene, int rank, int ranks) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const BodyGroup& group : scene.groups) {
+    if (group.is_static) continue;
+    for (Id k = group.count * rank / ranks; k < group.count * (rank + 1) / ranks; ++k)
+      smallest = std::min(smallest, smallest_size(group.make(k).properties.shape));
+  }
+  return smallest;
+}
+
+}  // namespace
+
 void Simulation::resolve_automatic_settings() {
   double& smallest = traits.smallest_size;
   smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < world.homes; ++i) smallest = std::min(smallest, smallest_size(world.properties[i].shape));
+  if (scene.bodies_come_and_go()) smallest = smallest_of_all(scene, halo.rank(), halo.size());
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, comm()));
   collide_settings.margin = plan(scene.solver, traits).margin;
 }
@@ -129,6 +146,40 @@ void Simulation::move_homes(std::span<const int> home) {
   const PhaseClock::Scope scope(clock, Phase::partition);
   HistoriesByRank records = histories_by_rank(*this, home);
   migrate(comm(), world, history.contacts(), home);
+  make_constraints();
+  take_histories(*this, std::move(records));
+  detected_ = false;
+}
+
+namespace {
+
+// The bodies of slots [first, last) that stay, and those that come, in ascending id.
+std::vector<Body> changed(const World& world, std::size_t first, std::size_t last, const std::vector<Id>& removed,
+                          const std::vector<Body>& added) {
+  std::vector<Body> bodies;
+  for (std::size_t i = first; i < last; ++i)
+    if (!std::ranges::binary_search(removed, world.id[i])) bodies.push_back(world.body(i));
+  bodies.insert(bodies.end(), added.begin(), added.end());
+  std::ranges::sort(bodies, {}, &Body::id);
+  return bodies;
+}
+
+}  // namespace
+
+void Simulation::change_bodies(const BodyChanges& changes) {
+  std::vector<Id> removed = changes.removed;
+  std::ranges::sort(removed);
+  const std::vector<int> stay(world.homes, halo.rank());
+  HistoriesByRank records = histories_by_rank(*this, stay);
+  const std::vector<Body> homes = changed(world, 0, world.homes, removed, changes.homes),
+                          statics = changed(world, world.first_static(), world.size(), removed, changes.statics);
+  world = make_world(homes, statics, scene.has_rotations());
+  Multipliers& multipliers = history.contacts();
+  Multipliers kept;
+  const auto is_removed = [&](Id id) { return std::ranges::binary_search(removed, id); };
+  for (std::size_t i = 0; i < multipliers.manifolds.size(); ++i)
+    if (!is_removed(multipliers.manifolds[i].id_a) && !is_removed(multipliers.manifolds[i].id_b)) kept.append(multipliers, i);
+  multipliers = keep_own(world, kept);
   make_constraints();
   take_histories(*this, std::move(records));
   detected_ = false;

@@ -31,6 +31,14 @@ class Simulation : public RankState {
   // Moves every home body to its new home rank, and makes the constraints of those that are here then.
   void move_homes(std::span<const int> home);
 
+  // Between steps, takes the bodies of these ids out of the world, then adds others, none of which is there already: statics on
+  // every rank alike, all others on one. Collective where any rank has something to change.
+  struct BodyChanges {
+    std::vector<Id> removed;  // those that are not here do not matter
+    std::vector<Body> homes, statics;
+  };
+  void change_bodies(const BodyChanges& changes);
+
   // All constraints of the bodies that are home here, not yet loaded. detect() does it where nobody has.
   void make_constraints();
 

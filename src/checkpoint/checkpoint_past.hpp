@@ -1,0 +1,19 @@
+// What a checkpoint keeps of a run beside its bodies and multipliers: what an accuracy has found out, and what has happened of
+// the scene's events, inlets and outlets.
+#pragma once
+
+#include <mpi.h>
+
+#include "core/hdf5.hpp"
+#include "step/history.hpp"
+
+namespace unibody {
+
+// Nothing of what a run has none of. Returns whether all was written; throws std::runtime_error where HDF5 does. Collective.
+bool write_past(MPI_Comm comm, hid_t file, const History& history);
+
+// history.past says how many events, inlets and outlets the scene has. Throws std::runtime_error where the file says anything
+// else, or what cannot be.
+void read_past(hid_t file, History& history);
+
+}  // namespace unibody

@@ -1,0 +1,34 @@
+// What bodies of several shapes and sizes are mixed of.
+#pragma once
+
+#include <vector>
+
+#include "scene/body_entry.hpp"
+#include "scene/random.hpp"
+#include "scene/size_distribution.hpp"
+
+namespace unibody {
+
+class Mix {
+ public:
+  // A list of maps {shape, share, scale}; the shapes can move, and have a mass in each of their sizes.
+  static Mix read(const Value& list, const BodyTemplate& body, const Scene& scene);
+
+  Shape draw(BodyRandom& random) const;                      // takes two draws
+  double largest_radius() const { return largest_radius_; }  // m, of the largest bounding sphere
+
+ private:
+  struct Ingredient {
+    Shape shape;
+    double share = 1;
+    SizeDistribution sizes;
+
+    Shape scaled(double factor) const { return {shape.kind, shape.size * factor, shape.data}; }
+  };
+  static Ingredient read_ingredient(const Value& value, const BodyTemplate& body, const Scene& scene);
+
+  std::vector<Ingredient> ingredients_;
+  double total_share_ = 0, largest_radius_ = 0;
+};
+
+}  // namespace unibody
