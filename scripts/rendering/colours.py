@@ -17,7 +17,7 @@ def colours(kind, bodies, position, velocity, bottom, top):
         rgb = on_ramp(position[:, 2], bottom, top)
     else:
         speed = np.linalg.norm(velocity, axis=1)
-        rgb = on_ramp(speed, 0, max(1e-9, np.percentile(speed[bodies.dynamic], 98)))
+        rgb = on_ramp(speed, 0, max(1e-9, np.nanpercentile(speed[bodies.dynamic], 98)))
     return np.clip(np.where(bodies.dynamic[:, None], rgb, NOT_DYNAMIC), 0, 1)
 
 
@@ -30,6 +30,7 @@ def by_number(count):
 
 
 def on_ramp(value, start, end):
+    value = np.nan_to_num(value)  # of bodies that are absent
     t = np.clip((value - start) / max(1e-9, end - start), 0, 1) * (len(RAMP) - 1)
     return np.stack([np.interp(t, range(len(RAMP)), RAMP[:, c]) for c in range(3)], 1)
 

@@ -9,6 +9,7 @@
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "report/changing_bodies.hpp"
 #include "world/shapes.hpp"
 
 namespace unibody {
@@ -133,6 +134,7 @@ void tell_scene(const Simulation& simulation, const Bodies& bodies, std::vector<
     lines.push_back("  what moves  " + number(bodies.mass) + " kg, from " + number(bodies.smallest) + " m (thinnest) to " +
                     number(bodies.largest) + " m (longest), between " + place(bodies.low.data()) + " and " +
                     place(bodies.high.data()) + " m");
+  for (std::string& line : told_changes(scene)) lines.push_back(std::move(line));
 }
 
 void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
@@ -175,7 +177,7 @@ void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector
                        " m: lengths are in metres; are these in another unit?");
   int ranks = 1;
   check_mpi(MPI_Comm_size(simulation.comm(), &ranks));
-  if (any && ranks > bodies.moved[0] + bodies.nodes)
+  if (any && !scene.bodies_come_and_go() && ranks > bodies.moved[0] + bodies.nodes)
     warnings.push_back(counted(ranks, "rank") + " for " + counted(bodies.moved[0] + bodies.nodes, "dynamic") +
                        " bodies: the others have nothing to do; fewer ranks are faster");
 }

@@ -123,7 +123,7 @@ void check_same_body(const std::string& path, const Body& body, const Body& of_s
   if (p.material != q.material) other = "material";
   if (p.group != q.group) other = "group";
   if (!near(p.force, q.force) || !near(p.torque, q.torque)) other = "force or torque";
-  if (q.is_dynamic() && (std::abs(p.mass - q.mass) > 1e-9 * q.mass || !near(p.inertia, q.inertia))) other = "mass or inertia";
+  if (!q.is_static() && (std::abs(p.mass - q.mass) > 1e-9 * q.mass || !near(p.inertia, q.inertia))) other = "mass or inertia";
   if (other != nullptr)
     throw InputError("'" + path + "' is damaged: body " + std::to_string(body.id) + " has another " + other +
                      " than in the scene");

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "app/column_events.hpp"
+#include "app/frame_columns.hpp"
 #include "app/frame_times.hpp"
 #include "app/machine_memory.hpp"
 #include "app/overview.hpp"
@@ -29,9 +30,7 @@
 #include "report/progress.hpp"
 #include "report/report.hpp"
 #include "report/state_hash.hpp"
-#include "report/strain.hpp"
 #include "report/summary.hpp"
-#include "report/surface_report.hpp"
 #include "report/version.hpp"
 #include "scene/schema.hpp"
 #include "scene/settings.hpp"
@@ -40,15 +39,6 @@
 namespace unibody {
 
 namespace {
-
-// The columns of -error_estimate; without a step that was asked for it, empty cells.
-void add_error_columns(const StepReport& step, std::vector<NamedValue>& columns) {
-  const StepError error = step.error.value_or(StepError{});
-  const bool known = step.error.has_value();
-  columns.push_back({"error_estimate (m)", error.distance, known});
-  columns.push_back({"error_relative (1)", error.relative, known});
-  columns.push_back({"error_reference_residual (m)", error.reference_residual, known});
-}
 
 // A run, from the scene to its last frame. All members are collective.
 class Run {
@@ -245,28 +235,8 @@ FrameReport Run::do_frame(std::int64_t frame) {
   return report;
 }
 
-// What a scene's types of bodies and constraints have to tell beside the columns of all scenes.
 std::vector<NamedValue> Run::further_columns(const StepReport& step, const FrameReport& report) {
-  const World& world = simulation_.world;
-  auto columns = constraint_columns(comm_, scene_, world, simulation_.constraints, step.constraint_residuals());
-  const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
-  add(strain_columns(comm_, scene_, world, simulation_.constraints));
-  columns.push_back({"impacts (1)", static_cast<double>(step.impacts)});
-  if (!scene_.constraint_groups.empty()) columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
-  if (scene_.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
-  add(joint_columns(comm_, scene_.joints.size(), simulation_.joint_slots, simulation_.joint_states(),
-                    step.residual_of<JointBatch>()));
-  if (simulation_.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
-  if (scene_.solver.accuracy) columns.push_back({"estimated_error (m)", report.estimated_error});
-  if (options_.error_estimate > 0) add_error_columns(step, columns);
-  add(probes_.columns(comm_, world));
-  add(past_columns(comm_, scene_, world, simulation_.history.past));
-  if (!simulation_.has_surfaces()) return columns;
-  columns.push_back({"held_pairs (1)", static_cast<double>(step.guard.pairs)});
-  if (!scene_.output.crossings) return columns;
-  const PhaseClock::Scope scope(running_.clock, Phase::output);
-  columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm_, world, simulation_.surfaces))});
-  return columns;
+  return unibody::further_columns({scene_, options_, simulation_, probes_, running_.clock}, step, report);
 }
 
 void Run::open_files() {
@@ -341,7 +311,7 @@ void Run::finish() {
   summary_.state_hash = state_hash(comm_, simulation_.world);
   summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
   summary_.restarted_from = options_.restart;
-  summary_.last_frame = last_frame_;
+  summary_.last_frame = last_frame_, summary_.past = simulation_.history.past;
   summary_.wall_total = MPI_Wtime() - start_;
   times_.finish();
   summary_.phases = times_.phases;

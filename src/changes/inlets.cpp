@@ -30,7 +30,7 @@ void draw_due(const BodyGroup& group, double now, InletPast& past) {
 
 // A body as something that is in the way: it stands still.
 Body as_obstacle(Body body) {
-  if (body.properties.is_dynamic()) body.properties.motion = Motion::fixed;
+  body.properties.motion = Motion::fixed;
   body.state.velocity.setZero(), body.state.angular_velocity.setZero();
   return body;
 }

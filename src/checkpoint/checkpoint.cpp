@@ -282,7 +282,7 @@ Body checked_body(Id id, const BodyRow& row) {
   if (static_cast<std::size_t>(of.kind) >= shape_names.size() || of.data >= shape_library().count(of.kind)) fail("a shape");
   if (!(of.size.minCoeff() >= 0)) fail("a size");
   if (!(std::abs(body.state.orientation.norm() - 1) < 1e-6)) fail("an orientation");
-  if (body.properties.is_dynamic() && !(body.properties.mass > 0 && body.properties.inertia.minCoeff() >= 0)) fail("a mass");
+  if (!body.properties.is_static() && !(body.properties.mass > 0 && body.properties.inertia.minCoeff() >= 0)) fail("a mass");
   return body;
 }
 

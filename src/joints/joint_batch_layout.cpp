@@ -50,6 +50,18 @@ void JointBatch::count(const BuildContext& context, std::span<std::int32_t> coun
   }
 }
 
+namespace {
+
+// rad/s, at which a body with a joint turns in a step of this length (s) by `speed` times it: q + h/2 (w q), made a unit
+// quaternion, is turned by 2 atan(h w / 2). Beyond what a step can follow it is the speed itself.
+double spin_that_turns(double speed, double step) {
+  constexpr double most_turn = 2;  // rad
+  const double half = 0.5 * step * speed;
+  return std::abs(half) < 0.5 * most_turn ? std::tan(half) / (0.5 * step) : speed;
+}
+
+}  // namespace
+
 void JointBatch::add_parts(const Joint& joint, const Part& common, double time) {
   Part part = common;
   part.type = static_cast<std::uint8_t>(joint.kind);
@@ -69,7 +81,11 @@ void JointBatch::add_parts(const Joint& joint, const Part& common, double time) 
   }
   if (joint.is_limited()) add_row(JointImpulses::limits, Law::within, joint.lower, joint.upper);
   const double end = time + step_;
-  if (joint.motor == Motor::speed) add_row(JointImpulses::motor, Law::rate, joint.target.mean(time, end), joint.strength);
+  if (joint.motor == Motor::speed) {
+    const bool one_turns = turns_about_axis(joint.kind) && (common.side[0].inverse_mass == 0 || common.side[1].inverse_mass == 0);
+    const double speed = joint.target.mean(time, end);
+    add_row(JointImpulses::motor, Law::rate, one_turns ? spin_that_turns(speed, step_) : speed, joint.strength);
+  }
   if (joint.motor == Motor::position) {
     const double from = joint.target.at(time), to = joint.target.at(end);
     add_row(JointImpulses::motor, Law::place, to, joint.strength);

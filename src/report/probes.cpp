@@ -15,7 +15,7 @@ constexpr std::size_t sums_of_one = 7;
 
 bool is_probed(const ProbedBodies& bodies, const World& world, std::size_t slot) {
   const BodyProperties& body = world.properties[slot];
-  return world.id[slot] >= bodies.first && world.id[slot] < bodies.end && body.is_dynamic() &&
+  return world.id[slot] >= bodies.first && world.id[slot] < bodies.end && !body.is_static() &&
          (bodies.material < 0 || body.material == bodies.material);
 }
 

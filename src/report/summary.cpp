@@ -16,6 +16,7 @@
 #include "core/hash.hpp"
 #include "core/hdf5.hpp"
 #include "core/json.hpp"
+#include "report/changing_bodies.hpp"
 #include "report/plan_json.hpp"
 #include "report/version.hpp"
 #include "scene/settings.hpp"
@@ -119,7 +120,7 @@ void Summary::add(const FrameReport& report) {
 }
 
 std::string told(const Summary& summary, const Scene& scene) {
-  std::string text = told(summary.convergence, scene);
+  std::string text = told(summary.convergence, scene) + told(summary.past, scene);
   std::array<char, 256> line{};
   if (const ErrorSamples& e = summary.errors; e.count > 0) {
     std::snprintf(line.data(), line.size(),
@@ -155,6 +156,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
                                  .set("samples", e.count)
                                  .set("worst", error_json(e.worst_frame, e.worst))
                                  .set("last", error_json(e.last_frame, e.last)));
+  if (!scene.events.empty() || scene.bodies_come_and_go()) j.set("changes", json_of(summary.past, scene));
   j.set("peak_memory", peak_memory(comm));
   if (scene.solver.form == Form::total) j.set("steps_in_incremental_form", summary.form_left);
   j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);

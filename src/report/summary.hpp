@@ -9,6 +9,7 @@
 #include "report/convergence.hpp"
 #include "report/report.hpp"
 #include "scene/scene.hpp"
+#include "step/history.hpp"
 #include "step/plan.hpp"
 
 namespace unibody {
@@ -44,6 +45,7 @@ struct Summary {
   std::vector<std::string> files;  // written, in the order of mention
   std::uint64_t state_hash = 0;
   Id dynamic_bodies = 0;
+  Past past;                        // what has happened of events, inlets and outlets
   std::string status = "finished";  // or why it stopped
 
   std::int64_t frames() const { return last_frame - first_frame; }

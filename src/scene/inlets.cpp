@@ -72,7 +72,6 @@ struct InletBodies {
 
 Generated read_inlet(const Value& value, const BodyTemplate& body, const Scene& scene) {
   value.map({"count", "box", "disc", "rate", "mass_rate", "from", "until", "mix", "seed"});
-  if (!body.properties.is_dynamic()) value.fail("an inlet of bodies that are not dynamic", "no motion beside it");
   InletBodies bodies;
   bodies.mouth = read_mouth(value, scene);
   bodies.mix = Mix::read(value.need("mix", "a list of shapes with share and scale"), body, scene);

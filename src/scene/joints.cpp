@@ -137,7 +137,7 @@ void read_axes(const Value& entry, const Scene& scene, const std::array<Place, 2
 void set_lever(const Body& a, const Body* b, Joint& joint) {
   joint.lever = 0;
   for (const Body* body : {&a, b})
-    if (body && body->properties.is_dynamic()) joint.lever = std::max(joint.lever, bounding_radius(body->properties.shape));
+    if (body && !body->properties.is_static()) joint.lever = std::max(joint.lever, bounding_radius(body->properties.shape));
 }
 
 JointKind read_kind(const Value& entry, const std::vector<std::string>& names) {
@@ -158,7 +158,7 @@ Joint read_joint(const Value& entry, const Scene& scene) {
   if (b.body && a.body->id == b.body->id) bodies.fail("the same body twice", "two bodies");
   for (std::size_t e = 0; e < 2; ++e)
     if (const auto& body = (e == 0 ? a : b).body) check_turns(bodies.entries[e], joint.kind, body->properties.shape);
-  if (!a.body->properties.is_dynamic() && !(b.body && b.body->properties.is_dynamic()))
+  if (a.body->properties.is_static() && !(b.body && !b.body->properties.is_static()))
     bodies.fail("no body that moves freely", "at least one dynamic body");
   joint.ids = {a.body->id, b.body ? b.body->id : -1};
   const std::array<Place, 2> at{Place(a.body), Place(b.body)};

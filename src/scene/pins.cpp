@@ -62,7 +62,7 @@ std::vector<Id> nodes_within(const Value& value, const Scene& scene, Id first, I
 void add_pin(Pin pin, const Body* body, Scene& scene, Id first) {
   bool tied = false;
   if (body) {
-    tied = body->properties.is_dynamic();
+    tied = !body->properties.is_static();
     pin.body = body->id;
     pin.place =
         body->state.orientation.conjugate() * (scene.groups.back().make(pin.id - first).state.position - body->state.position);

@@ -33,7 +33,7 @@ Extent extent_of(const Body& body, double acceleration) {
   const double size = smallest_size(p.shape), radius = bounding_radius(p.shape);
   Extent e{size, s.position.cwiseAbs().maxCoeff(), s.velocity.stableNorm(), 0};
   if (std::isfinite(radius)) e.speed = std::max(e.speed, s.angular_velocity.stableNorm() * radius);
-  if (p.is_dynamic()) e.gained = std::sqrt(acceleration * size);
+  if (!p.is_static()) e.gained = std::sqrt(acceleration * size);
   return e;
 }
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <numbers>
 #include <stdexcept>
 
 #include "meshes/convex_pieces.hpp"
@@ -15,7 +14,7 @@
 #include "meshes/triangle_soup.hpp"
 #include "meshes/weld.hpp"
 #include "scene/body_entry.hpp"
-#include "scene/random.hpp"
+#include "scene/made_meshes.hpp"
 #include "scene/weld_key.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
@@ -71,89 +70,6 @@ Compound::Part read_part(const Value& value, const Scene& scene) {
   if (const Value* position = value.find("position")) part.place = read_vector(*position, scene, "m");
   if (const Value* turn = value.find("orientation")) part.turn = read_orientation(*turn, scene);
   return part;
-}
-
-// z = heights at (cells + 1)^2 nodes over a rectangle about the origin; triangles face up.
-TriangleMesh height_field(const std::array<double, 2>& size, const std::array<Id, 2>& cells,
-                          const std::function<double(Id, Id)>& z) {
-  TriangleMesh mesh;
-  const Id nx = cells[0] + 1, ny = cells[1] + 1;
-  for (Id j = 0; j < ny; ++j)
-    for (Id i = 0; i < nx; ++i)
-      mesh.nodes.emplace_back(size[0] * (static_cast<double>(i) / static_cast<double>(cells[0]) - 0.5),
-                              size[1] * (static_cast<double>(j) / static_cast<double>(cells[1]) - 0.5), z(i, j));
-  for (Id j = 0; j + 1 < ny; ++j)
-    for (Id i = 0; i + 1 < nx; ++i) {
-      const auto a = static_cast<std::int32_t>(i + nx * j), b = a + 1, c = a + static_cast<std::int32_t>(nx), d = c + 1;
-      if ((i + j) % 2 == 0) {
-        mesh.triangles.push_back({a, b, d}), mesh.triangles.push_back({a, d, c});
-      } else {
-        mesh.triangles.push_back({a, b, c}), mesh.triangles.push_back({b, d, c});
-      }
-    }
-  return mesh;
-}
-
-// Hills: eight waves of lengths from the field's to a quarter of it, in directions and phases that the seed gives.
-std::function<double(Id, Id)> hills(double height, std::uint64_t seed, const std::array<Id, 2>& cells) {
-  struct Wave {
-    double x, y, phase;
-  };
-  BodyRandom random(seed, 0);
-  std::vector<Wave> waves;
-  for (int k = 0; k < 8; ++k) {
-    const double turns = random.between(1, 4), angle = random.between(-std::numbers::pi, std::numbers::pi);
-    waves.push_back({turns * std::cos(angle), turns * std::sin(angle), random.between(0, 1)});
-  }
-  return [=](Id i, Id j) {
-    double sum = 0;
-    for (const Wave& w : waves)
-      sum += std::sin(2 * std::numbers::pi *
-                      (w.x * static_cast<double>(i) / static_cast<double>(cells[0]) +
-                       w.y * static_cast<double>(j) / static_cast<double>(cells[1]) + w.phase));
-    return height * sum / 8;
-  };
-}
-
-// below: m, how far down it is solid at least.
-TriangleMesh read_height_field(const Value& value, double& below) {
-  value.map({"size", "cells", "heights", "hills", "seed"});
-  const auto size = value.need("size", "2 numbers > 0 (m)").numbers(2, positive, "m");
-  const Value& count = value.need("cells", "2 integers >= 1");
-  if (count.kind != Value::Kind::list || count.entries.size() != 2) count.fail_expected("2 integers >= 1");
-  below = std::min(size[0], size[1]) / 4;
-  const std::array<Id, 2> cells{count.entries[0].integer(1, 10'000), count.entries[1].integer(1, 10'000)};
-  const Value *heights = value.find("heights"), *height = value.find("hills"), *seed = value.find("seed");
-  if ((heights != nullptr) == (height != nullptr)) value.fail("both or none of heights and hills", "one of the two");
-  if (height) {
-    const auto number = static_cast<std::uint64_t>(seed ? seed->integer(0) : 1);
-    return height_field({size[0], size[1]}, cells, hills(height->number(any_number, "m"), number, cells));
-  }
-  if (seed) seed->fail_expected("no seed beside heights");
-  const auto z = heights->numbers(static_cast<std::size_t>((cells[0] + 1) * (cells[1] + 1)), any_number, "m, row by row along x");
-  return height_field({size[0], size[1]}, cells, [&](Id i, Id j) { return z[static_cast<std::size_t>(i + (cells[0] + 1) * j)]; });
-}
-
-// The side and both ends of a drum, facing its axis.
-TriangleMesh read_tube(const Value& value) {
-  value.map({"radius", "length", "sides"});
-  const double radius = value.need("radius", "a number > 0 (m)").number(positive, "m");
-  const double length = value.need("length", "a number > 0 (m)").number(positive, "m");
-  const Value* count = value.find("sides");
-  const auto n = static_cast<std::int32_t>(count ? count->integer(3, 10'000) : 64);
-  TriangleMesh mesh;
-  for (std::int32_t k = 0; k < n; ++k) {
-    const double angle = 2 * std::numbers::pi * k / n, x = radius * std::cos(angle), y = radius * std::sin(angle);
-    mesh.nodes.emplace_back(x, y, -length / 2), mesh.nodes.emplace_back(x, y, length / 2);
-  }
-  const std::int32_t bottom = 2 * n, top = bottom + 1;
-  mesh.nodes.emplace_back(0, 0, -length / 2), mesh.nodes.emplace_back(0, 0, length / 2);
-  for (std::int32_t k = 0; k < n; ++k) {
-    const std::int32_t a = 2 * k, b = 2 * ((k + 1) % n);
-    mesh.triangles.push_back({a, b + 1, b}), mesh.triangles.push_back({a, a + 1, b + 1});
-    mesh.triangles.push_back({bottom, a, b}), mesh.triangles.push_back({top, b + 1, a + 1});
-  }
-  return mesh;
 }
 
 // Where a mesh comes from that has no file.
@@ -272,17 +188,25 @@ Shape read_compound(const Value& value, const Scene& scene) {
 }
 
 Shape read_mesh_shape(const Value& value, const Scene& scene) {
-  value.map({"file", "scale", "weld", "sides", "height_field", "tube"});
-  const Value *file = value.find("file"), *field = value.find("height_field"), *tube = value.find("tube");
-  if ((file != nullptr) + (field != nullptr) + (tube != nullptr) != 1)
-    value.fail("not one of file, height_field and tube", "one of the three");
+  value.map({"file", "scale", "weld", "sides", "height_field", "tube", "revolve"});
+  const Value *file = value.find("file"), *made = nullptr;
+  int count = file ? 1 : 0;
+  for (const char* key : {"height_field", "tube", "revolve"})
+    if (const Value* found = value.find(key)) made = found, ++count;
+  if (count != 1) value.fail("not one of file, height_field, tube and revolve", "one of the four");
+  const bool revolves = made != nullptr && made == value.find("revolve");
   for (const char* key : {"scale", "weld", "sides"})
-    if (const Value* other = value.find(key); other && !file) other->fail_expected("no " + std::string(key) + " without a file");
+    if (const Value* other = value.find(key); other && !file && !(revolves && other->key.ends_with("sides")))
+      other->fail_expected("no " + std::string(key) + " without a file");
   if (file) return read_soup(value, scene);
   double below = 0;
-  const TriangleMesh mesh = field ? read_height_field(*field, below) : read_tube(*tube);
-  check_mesh(mesh, place_of(field ? *field : *tube));
-  return shape_library().add(make_mesh_shape(mesh.nodes, mesh.triangles, below));
+  const TriangleMesh mesh = revolves                             ? read_revolved(*made)
+                            : made == value.find("height_field") ? read_height_field(*made, below)
+                                                                 : read_tube(*made);
+  check_mesh(mesh, place_of(*made));
+  MeshSurface surface = make_mesh_shape(mesh.nodes, mesh.triangles, below);
+  if (revolves) choose_sides(value, surface.is_solid, surface);
+  return shape_library().add(std::move(surface));
 }
 
 std::string note_of(const Shape& shape) { return shape.kind == ShapeKind::mesh ? shape_library().meshes[shape.data].note : ""; }

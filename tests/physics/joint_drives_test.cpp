@@ -182,6 +182,22 @@ TEST(JointDrive, ASlidersMotorReachesItsPlace) {
 }
 
 // A wheel slows by T / I until it stands, in a step that takes only what is left.
+// However far the wheel turns in a step, it is where its speed says.
+TEST(JointDrive, AHingesMotorTurnsAsFastAsItsSpeed) {
+  for (const char* solver : solver_list)
+    for (const double speed : {3.0, -40.0, 90.0}) {  // rad/s
+      Experiment run(
+          scene_from_text("gravity: [0, 0, 0]\nbodies: [{name: wheel, shape: {cylinder: {radius: 0.1, length: 0.1}}, mass: 2}]\n"
+                          "joints: [{type: hinge, bodies: [wheel, world], anchor: [0, 0, 0], axis: [0, 0, 1], "
+                          "motor: {max_torque: 1.0e+6, speed: " +
+                          std::to_string(speed) + "}}]\n" + settings(solver, 50)));
+      for (int k = 1; k <= 100; ++k) {
+        run.step();
+        ASSERT_NEAR(std::remainder(joint(run).coordinate - k * h * speed, 2 * std::numbers::pi), 0, 1e-6) << solver << speed << k;
+      }
+    }
+}
+
 TEST(JointDrive, AHingesFrictionSlowsAWheel) {
   const double inertia = 3 * (0.4 * 0.4 + 0.2 * 0.2) / 12, torque = 0.2;
   for (const char* solver : solver_list) {
