@@ -11,7 +11,7 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_bodies = 141, tag_manifolds = 142, tag_points = 143, tag_places = 144, tag_torques = 145;
+constexpr int tag_bodies = 141, tag_manifolds = 142, tag_points = 143, tag_places = 144, tag_torques = 145, tag_creeps = 146;
 
 // Rank to which the body is going, for home bodies; -1 for ids that are not home here.
 int destination(const World& world, std::span<const int> home, Id id) {
@@ -68,9 +68,10 @@ void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<co
   const auto points = exchange(&Multipliers::points, tag_points);
   const auto places = exchange(&Multipliers::places, tag_places);
   const auto torques = exchange(&Multipliers::torques, tag_torques);
+  const auto creeps = exchange(&Multipliers::creeps, tag_creeps);
   Multipliers all;
   for (std::size_t r = 0; r < ranks; ++r) {
-    const Multipliers from{manifolds[r], points[r], torques[r], places[r]};
+    const Multipliers from{manifolds[r], points[r], torques[r], creeps[r], places[r]};
     for (std::size_t i = 0; i < from.manifolds.size(); ++i) all.append(from, i);
   }
 

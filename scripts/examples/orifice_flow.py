@@ -22,7 +22,7 @@ K = 1.4
 
 def flow(orifice, settings):
     """kg/s, and the density of the grains in the silo (kg/m^3); and whether this process is the first."""
-    profile = f"[[{orifice / 2}, 0], [0.05, 0], [0.05, 0.25]]"
+    profile = [[orifice / 2, 0], [0.05, 0], [0.05, 0.25]]
     scene = unibody.Scene.load(os.path.join(ROOT, "scenes", "beverloo.yaml"),
                                set={"bodies[0].shape.mesh.revolve.profile": profile, **settings})
     passed = []

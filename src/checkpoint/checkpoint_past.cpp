@@ -44,7 +44,7 @@ void read_accuracy(hid_t file, History& history) {
 // A table of the group "past", of which rank 0 writes all rows, since every rank knows them. None where there are no rows.
 class Table {
  public:
-  Table(const char* name, hsize_t columns, const char* about) : name_(name), columns_(columns), about_(about) {}
+  Table(const char* name, hsize_t width, const char* about) : name_(name), columns_(width), about_(about) {}
 
   bool write(MPI_Comm comm, hid_t group, const std::vector<std::int64_t>& whole) const {
     return write_as(comm, group, H5T_STD_I64LE, H5T_NATIVE_INT64, whole);

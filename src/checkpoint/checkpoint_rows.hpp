@@ -21,6 +21,7 @@ struct PointRow {
   std::int64_t owner, id_a, id_b, place_in_manifold, placed;  // placed: 1, or 0 where no place is kept
   std::array<double, 7> reals;                                // place, normal, tangential
   std::array<double, 3> torque;                               // N m, of the manifold's first point: its rolling friction
+  std::array<double, 3> creep;                                // m, the same
 };
 constexpr Id key_columns = 5;
 

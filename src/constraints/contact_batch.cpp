@@ -7,6 +7,7 @@
 #include "collide/collide.hpp"
 #include "constraints/carried.hpp"
 #include "constraints/contact_for_each.hpp"
+#include "constraints/creep.hpp"
 #include "constraints/friction.hpp"
 #include "world/world.hpp"
 
@@ -42,6 +43,7 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       kept_impulses_(memory),
       leak_shares_(memory),
       uneven_shares_(memory),
+      creeps_(memory),
       constrained_(memory),
       hidden_(memory) {}
 
@@ -63,6 +65,7 @@ void ContactBatch::build(const BuildContext& context) {
     const double all = bodies[s].inverse_inertia;
     return isotropic[s] ? InverseInertia{all, all, all, 0, 0, 0} : inertia[s];
   };
+  recall_creeps(context.contact_history);
   lay_out(context.contact_order, context.contact_groups, isotropic, is_gauss_seidel_);
 
   std::pmr::vector<std::uint8_t> filled(blocks.size(), 0, places_.get_allocator());  // lanes
@@ -101,7 +104,7 @@ void ContactBatch::lay_out(std::span<const std::uint32_t> order, std::span<const
     ++rows.used, rows.count = std::max(rows.count, static_cast<std::uint16_t>(m.count));
     if (acts_in_solve(friction_) && m.friction > 0) {
       rows.first_tangent = 0;
-      if (is_carried(m)) rows.drift = 0;
+      if (is_carried(m) || (!creeps_.empty() && !creeps_[i].isZero(0))) rows.drift = 0;
     }
     if (!isotropic[m.slot_a] || !isotropic[m.slot_b]) rows.inertia = 0;
   }
@@ -165,7 +168,11 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   set_lane(block.n, lane, m.normal);
   set_lane(block.s, lane, first_tangent_of(m.normal));
   block.friction[lane] = m.friction;
-  if (block.drift >= 0) set_lane(drifts[block.drift], lane, drift_of(m));
+  if (block.drift >= 0) {
+    Vec3 drift = is_carried(m) ? drift_of(m) : Vec3(Vec3::Zero());
+    if (!creeps_.empty()) drift -= creep_taken_out / step_ * (creeps_[number] - m.normal * m.normal.dot(creeps_[number]));
+    set_lane(drifts[block.drift], lane, drift);
+  }
   Vec3 centre_a = world.position[m.slot_a], centre_b = world.position[m.slot_b];
   if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];
   // The bodies reach the place of the contact from where they will come out: angular momentum is kept.

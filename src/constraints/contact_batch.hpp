@@ -203,6 +203,10 @@ class ContactBatch : public BatchDefaults {
   // ranks. Of the islands selected.
   void limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight);
 
+  // In steps of one stage: by how much two bodies that stick have crept in this step, beside what they were asked for, for
+  // remember() to keep (creep.hpp). Guests must be as their homes.
+  void note_creep(std::span<const SolverBody> bodies);
+
   // Marks manifolds whose residual is more than the tolerance (m): remember() keeps but `share` of what the normal forces of
   // their points differ from the manifold's mean by. Guests must be as their homes. Of the islands selected.
   void even_out(std::span<const SolverBody> bodies, double tolerance, double share);
@@ -219,6 +223,9 @@ class ContactBatch : public BatchDefaults {
     return contacts_->manifolds[static_cast<std::size_t>(block.manifold[lane])];
   }
 
+  // m/s, across the normal: at which relative velocity of its bodies a manifold's tangents aim, beside none.
+  Vec3 aim_of(std::size_t manifold) const;
+
   const Vec3x4* drift_at(const Block& block) const { return block.drift < 0 ? nullptr : &drifts[block.drift]; }
 
   RawVector<Block> blocks;
@@ -231,7 +238,7 @@ class ContactBatch : public BatchDefaults {
   RawVector<NormalMomentum> normal_momenta;
   RawVector<TangentMomentum> tangent_momenta;
   RawVector<Inertia> inertias;
-  RawVector<Vec3x4> drifts;  // m/s, across the normal: at which the tangents' velocities aim (carried.hpp)
+  RawVector<Vec3x4> drifts;  // m/s, across the normal: at which the tangents' velocities aim (carried.hpp, creep.hpp)
 
  private:
   struct Rows {  // of a block: where they are, and how many lanes it uses
@@ -249,6 +256,8 @@ class ContactBatch : public BatchDefaults {
   // Calls f(block, residual of each lane (m/s)).
   template <class F>
   void for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const;
+  void recall_creeps(const Multipliers* history);
+  void remember_creep(Multipliers& history, std::size_t manifold, Vec3& sum, int& count) const;
   void forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const;
   bool sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   struct Lane {
@@ -277,6 +286,7 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
   std::pmr::vector<double> leak_shares_;     // of all points, what limit_leak() leaves of the leak; empty: all of it
   std::pmr::vector<double> uneven_shares_;   // of each manifold, what even_out() leaves; empty: all of it everywhere
+  std::pmr::vector<Vec3> creeps_;            // m, of each manifold, from before the step, then after it; empty: none
   std::pmr::vector<std::uint8_t> constrained_;  // of each manifold: its island has constraints; empty: nobody asks
   std::pmr::vector<HiddenRow> hidden_;          // of the rows that are not selected
   Islands selected_ = Islands::all;
@@ -290,6 +300,7 @@ class ContactBatch : public BatchDefaults {
   Stage stage_;
   bool is_gauss_seidel_ = false;
   bool bias_is_gap_ = false;                                           // just built: Point::bias holds the gap
+  bool creeps_noted_ = false;                                          // creeps_ is of after the step
   enum class Kept { nothing, apart, together } kept_ = Kept::nothing;  // together: lambda holds both stages' multipliers
 };
 

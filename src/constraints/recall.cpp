@@ -100,7 +100,7 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
 }
 
 void start_remembering(Multipliers& multipliers, const Contacts& contacts) {
-  multipliers.torques.clear();
+  multipliers.torques.clear(), multipliers.creeps.clear();
   const std::size_t places_before = multipliers.places.size();
   renew_room(multipliers.manifolds, contacts.manifolds.size()), renew_room(multipliers.points, contacts.points.size());
   renew_room(multipliers.places, places_before + places_before / 32);

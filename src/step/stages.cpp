@@ -100,7 +100,8 @@ SolvedStep solved_step(const System& system, SolvedStep before) {
 }
 
 // Pairs held apart by the guard and friction after the solve; what the step leaves to the next one, and what slides.
-void follow_up(RankState& state, System& system, double leak, StepReport& report) {
+void follow_up(RankState& state, System& system, const StepPlan& plan, double leak, StepReport& report) {
+  if (!plan.two_stages || state.traits.has_constraints()) system.contacts().note_creep(system.bodies);
   if (state.has_surfaces())
     report.guard =
         SurfaceGuard(state.world, state.surfaces, state.collide_settings, &state.scratch).hold(system.bodies, state.halo);
@@ -191,7 +192,7 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   if (wanted) solved = solved_step(system, std::move(solved));
   if (request.problem != nullptr) *request.problem = contact_problem_of(state, system, plan, solved);
   if (request.impulses) report.impulses = contact_impulses(state, system);
-  follow_up(state, system, done.leak, report);
+  follow_up(state, system, plan, done.leak, report);
   if (samples)
     take_sample(state, sample_error(state, system, plan, facts, solved, report), plan.tolerance, report);
   else if (state.scene.solver.accuracy)

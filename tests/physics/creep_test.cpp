@@ -1,0 +1,85 @@
+// What sticks stays where it is, although its solver leaves something undone in every step.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "small_worlds.hpp"
+
+namespace unibody::small_worlds::creep_test {
+
+namespace {
+
+std::string header(const char* solver, int substeps, double frame) {
+  return "time: {frame: " + std::to_string(frame) + ", frames: 1, substeps: " + std::to_string(substeps) +
+         "}\nsolver: {name: " + solver + "}\n";
+}
+
+// Two fingers press a cube with 20 N each, as motors of sliders: friction holds 16 times its weight.
+std::string gripper(const char* solver, int substeps) {
+  return header(solver, substeps, 0.004) + R"(
+materials: {rubber: {friction: 0.8}}
+bodies:
+  - {name: cube, shape: {box: {size: [0.05, 0.05, 0.05]}}, mass: 0.2, position: [0, 0, 0.525]}
+  - {name: hand, shape: {box: {size: [0.2, 0.06, 0.03]}}, motion: fixed, position: [0, 0, 0.64]}
+  - {name: left, shape: {box: {size: [0.02, 0.04, 0.1]}}, mass: 0.1, position: [-0.036, 0, 0.57]}
+  - {name: right, shape: {box: {size: [0.02, 0.04, 0.1]}}, mass: 0.1, position: [0.036, 0, 0.57]}
+joints:
+  - {type: slider, bodies: [left, hand], anchor: [-0.036, 0, 0.57], axis: [1, 0, 0], motor: {speed: 0.2, max_force: 20}}
+  - {type: slider, bodies: [right, hand], anchor: [0.036, 0, 0.57], axis: [1, 0, 0], motor: {speed: -0.2, max_force: 20}}
+)";
+}
+
+struct Case {
+  const char* solver;
+  int substeps;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.solver << ' ' << c.substeps; }
+
+class Creep : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Solvers, Creep,
+                         testing::Values(Case{"accelerated_jacobi", 1}, Case{"accelerated_jacobi", 4},
+                                         Case{"accelerated_jacobi", 16}, Case{"gauss_seidel", 1}, Case{"gauss_seidel", 4},
+                                         Case{"gauss_seidel", 16}));
+
+// In 10 s by less than a thousandth of a finger's thickness.
+TEST_P(Creep, AGripperHolds) {
+  Experiment run(scene_from_text(gripper(GetParam().solver, GetParam().substeps)));
+  run.seconds(1);
+  const double before = run.position(0).z() - run.position(2).z();
+  run.seconds(10);
+  EXPECT_NEAR(run.position(0).z() - run.position(2).z(), before, 1e-3 * 0.02);
+}
+
+// A stack on a slope at nine tenths of what friction holds, in steps of one stage, which start from a share of the last forces.
+TEST_P(Creep, AStackOnASlopeStays) {
+  const std::string one_stage = header(GetParam().solver, GetParam().substeps, 0.016);
+  Experiment run(scene_from_text(one_stage.substr(0, one_stage.size() - 2) + ", stages: position}\n" + R"(
+gravity: [4.0, 0, -9]
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {shape: {box: {size: [0.4, 0.4, 0.1]}}, mass: 1, position: [0, 0, 0.05]}
+  - {shape: {box: {size: [0.4, 0.4, 0.1]}}, mass: 1, position: [0, 0, 0.15]}
+  - {shape: {box: {size: [0.4, 0.4, 0.1]}}, mass: 1, position: [0, 0, 0.25]}
+)"));
+  run.seconds(2);
+  const double before = run.position(3).x();
+  run.seconds(10);
+  EXPECT_NEAR(run.position(3).x(), before, 1e-3 * 0.1);
+}
+
+// What slides is not held: the closed form of a box on a slope that is steeper than friction holds.
+TEST_P(Creep, WhatSlidesHasNone) {
+  const std::string one_stage = header(GetParam().solver, GetParam().substeps, 0.016);
+  Experiment run(scene_from_text(one_stage.substr(0, one_stage.size() - 2) + ", stages: position}\n" + R"(
+gravity: [5, 0, -9]
+bodies:
+  - {shape: {plane: {normal: [0, 0, 1]}}}
+  - {shape: {box: {size: [0.4, 0.4, 0.1]}}, mass: 1, position: [0, 0, 0.05]}
+)"));
+  run.seconds(1.6);
+  EXPECT_NEAR(run.velocity(1).x(), (5 - 0.5 * 9) * 1.6, 1e-3);
+}
+
+}  // namespace
+
+}  // namespace unibody::small_worlds::creep_test
