@@ -90,3 +90,12 @@ def test_grain_environment_starts_anew():
         ends.append(seen)
     environment.close()
     assert np.array_equal(ends[0], ends[1]) and not np.array_equal(ends[0], ends[2])
+
+
+def test_orifice_flow_is_that_of_beverloo(tmp_path):
+    lines = run(tmp_path, "orifice_flow.py", "--quick", "--plot", tmp_path / "plot.png")
+    exponent = float(re.match(r"n = (\S+) at", lines[0]).group(1))
+    small, large = [float(line.split()[1]) for line in lines[2:]]
+    assert abs(exponent - 2.5) < 0.4 and small < large  # two orifices of coarse steps; the four of the page are within 0.1
+    assert abs(large / 0.098 - 1) < 0.15  # kg/s, of 24 mm, as the page has it
+    assert os.path.getsize(tmp_path / "plot.png") > 10000

@@ -335,3 +335,32 @@ def test_help_gives_units():
     assert "N" in unibody.Simulation.apply_force.__doc__
     assert unibody.version().startswith("unibody ")
     assert os.path.exists(PROGRAM)
+
+
+def test_bodies_that_come_and_go():
+    scene = unibody.Scene({
+        "time": {"frame": 0.01, "frames": 100},
+        "bodies": [
+            {"name": "late", "shape": {"sphere": {"radius": 0.1}}, "mass": 1, "start": "absent", "position": [5, 0, 0]},
+            {"name": "rain", "density": 1000,
+             "inlet": {"count": 20, "rate": 100, "box": {"low": [0, 0, 0], "high": [1, 1, 1]},
+                       "mix": [{"shape": {"sphere": {"radius": 0.02}}}]}}],
+        "events": [{"do": "add", "bodies": "late", "when": {"time": 0.05}}],
+    })
+    with unibody.Simulation(scene) as simulation:
+        simulation.step(5)  # those that are due at 0, 0.01 ... 0.04 s
+        there = np.isfinite(simulation.positions).all(axis=1)
+        assert not there[0] and there[1:].sum() == 4
+        assert np.isnan(simulation.velocities[~there]).all()
+        simulation.step(1)
+        assert np.isfinite(simulation.positions[0]).all()
+        assert simulation.positions[0][2] == pytest.approx(-9.81 * 0.01 ** 2)
+
+
+def test_events_by_a_column_need_a_report():
+    scene = unibody.Scene({
+        "bodies": [{"name": "a", "shape": {"sphere": {"radius": 0.1}}, "mass": 1, "start": "held"}],
+        "events": [{"do": "release", "bodies": "a", "when": {"column": "kinetic_energy", "above": 1}}],
+    })
+    with pytest.raises(unibody.InputError, match="expected events at a time"):
+        unibody.Simulation(scene)
