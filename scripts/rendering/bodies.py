@@ -11,6 +11,7 @@ class Bodies:
     def __init__(self, file):
         group = file['bodies']
         self.shape, self.size, self.motion = group['shape'][:], group['size'][:].astype(float), group['motion'][:]
+        self.material = group['material'][:]
         self.count = len(self.shape)
         self.dynamic = (self.motion == DYNAMIC) | (self.motion == PINNED)
         # Of each cloth its triangles and of each thread its segments, between bodies; the nodes themselves are not drawn.

@@ -1,7 +1,7 @@
-"""The colours of bodies: by their numbers, their height or their speed."""
+"""The colours of bodies: by their numbers, their material, their height or their speed."""
 import numpy as np
 
-KINDS = ('id', 'height', 'speed')
+KINDS = ('id', 'material', 'height', 'speed')
 BACKGROUND = np.array([0.957, 0.965, 0.976])
 PALETTE = np.array([[0x3B, 0x6E, 0x8F], [0x5F, 0xA8, 0xA1], [0xE9, 0xC4, 0x6A], [0xF0, 0x9A, 0x56], [0xD9, 0x5F, 0x4C],
                     [0x8F, 0xB3, 0xC9], [0xF2, 0xE3, 0xC6]]) / 255.0
@@ -13,6 +13,8 @@ def colours(kind, bodies, position, velocity, bottom, top):
     """RGB of each body, 0..1. bottom, top (m): of the scene."""
     if kind == 'id':
         rgb = by_number(bodies.count)
+    elif kind == 'material':
+        rgb = PALETTE[(2 * bodies.material) % len(PALETTE)]
     elif kind == 'height':
         rgb = on_ramp(position[:, 2], bottom, top)
     else:

@@ -132,6 +132,24 @@ class GripperTutorial(ProgramTest):
         self.assertAlmostEqual(height, 0.1, delta=1e-4)
 
 
+class DrumTutorial(ProgramTest):
+    def test_small_balls_gather_in_the_middle(self):
+        text = (SOURCE / "docs" / "tutorial-drum.md").read_text(encoding="utf-8")
+        scene = self.scene(re.search(r"```yaml\n(.*?)```", text, re.DOTALL).group(1), "drum.yaml")
+        run = self.good(scene, "run", ranks=2)
+        self.assertIn("inlet large: 200 bodies", run.out)
+        self.assertIn("inlet small: 1400 bodies", run.out)
+        with open(self.folder / "run/report.csv", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        table = re.search(r"\| small balls' part of the mass \|(.*)\|\n", text).group(1)
+        told = dict(zip((75, 125, 175, 225, 300), map(float, table.split("|"))))
+        for end, part in told.items():
+            small, large = (sum(float(row[f"{name}_core_mass (kg)"]) for row in rows[end - 25:end]) for name in ("small", "large"))
+            self.assertAlmostEqual(small / (small + large), part, delta=0.006, msg=f"frames up to {end}")
+        self.assertLess(told[75], 0.55)
+        self.assertGreater(told[300], 0.8)
+
+
 class CapeTutorial(ProgramTest):
     def columns_of(self, name, *options):
         text = (SOURCE / "docs" / "tutorial-cape.md").read_text(encoding="utf-8")
