@@ -148,6 +148,8 @@ std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, 
   if (checkpoint.body_count() != scene.body_count())
     throw InputError("'" + options.restart + "' is damaged: found " + std::to_string(checkpoint.body_count()) +
                      " bodies, expected the scene's " + std::to_string(scene.body_count()));
+  if (!scene.bodies_come_and_go() && !checkpoint.has_all_bodies())
+    throw InputError("'" + options.restart + "' is damaged: found a table of some of the scene's bodies, expected all of them");
   int rank = 0, size = 1;
   check_mpi(MPI_Comm_rank(comm, &rank));
   check_mpi(MPI_Comm_size(comm, &size));

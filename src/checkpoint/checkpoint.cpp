@@ -343,9 +343,9 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
       const auto bodies = h5::open_table(file_, "bodies", {}, body_columns, H5T_IEEE_F64LE);
       count_ = h5::read_integer(file_, "bodies");
       present_ = static_cast<Id>(h5::rows_of(bodies));
-      if (h5::has_link(file_, id_table)) ids_ = read_ids(file_, count_, present_);
-      if (count_ != present_ && std::ssize(ids_) != present_)
-        throw std::runtime_error("its number of bodies is not that of its table");
+      has_ids_ = h5::has_link(file_, id_table);
+      if (has_ids_) ids_ = read_ids(file_, count_, present_);
+      if (count_ != present_ && !has_ids_) throw std::runtime_error("its number of bodies is not that of its table");
     });
   });
 }
@@ -353,8 +353,7 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
 std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
   return reading(path_, [&] {
     if (first < 0 || last > count_ || first > last) throw std::runtime_error("it has no such bodies");
-    const auto row_of = [&](Id id) -> Id { return ids_.empty() ? id : std::ranges::lower_bound(ids_, id) - ids_.begin(); };
-    if (count_ != present_ && ids_.empty()) return std::vector<Body>{};  // all are absent
+    const auto row_of = [&](Id id) -> Id { return has_ids_ ? std::ranges::lower_bound(ids_, id) - ids_.begin() : id; };
     const Id begin = row_of(first), end = row_of(last);
     std::vector<BodyRow> rows(static_cast<std::size_t>(end - begin));
     h5::read_rows(h5::open_table(file_, "bodies", present_, body_columns, H5T_IEEE_F64LE), H5T_NATIVE_DOUBLE,
@@ -362,7 +361,7 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
     std::vector<Body> bodies(rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const Id row = begin + static_cast<Id>(k);
-      bodies[k] = checked_body(ids_.empty() ? row : ids_[static_cast<std::size_t>(row)], rows[k]);
+      bodies[k] = checked_body(has_ids_ ? ids_[static_cast<std::size_t>(row)] : row, rows[k]);
     }
     return bodies;
   });

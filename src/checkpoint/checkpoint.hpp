@@ -33,6 +33,8 @@ class Checkpoint {
   double time() const { return time_; }     // s
   Id body_count() const { return count_; }  // statics and those that are absent included
 
+  bool has_all_bodies() const { return !has_ids_; }
+
   // Those of bodies [first, last) that are there, each number of them within its range: a kind of shape that there is, a shape
   // that the library has, an orientation of length 1, a mass > 0 ... Not collective: each rank reads what it needs.
   std::vector<Body> read_bodies(Id first, Id last) const;
@@ -52,7 +54,8 @@ class Checkpoint {
   std::int64_t frame_ = 0;
   double time_ = 0;
   Id count_ = 0, present_ = 0;
-  std::vector<Id> ids_;  // of the bodies that are there; empty: all are, or none
+  bool has_ids_ = false;  // it is of a scene some of whose bodies are absent
+  std::vector<Id> ids_;   // of those that are there
 };
 
 }  // namespace unibody
