@@ -11,7 +11,7 @@
 
 namespace unibody {
 
-// Makes room for what will happen, of a scene that starts.
+// Makes room in the history for what will happen in a scene that starts.
 void start_past(const Scene& scene, History& history);
 
 // Gives motors and coefficients of friction what the events of the past have given them, after a restart. `scene` is the one that
@@ -24,7 +24,7 @@ enum class Changed : std::uint8_t {
   much,    // many bodies are new on any rank
 };
 
-// What happens at the start of a frame, from 1. `scene` is the one that the simulation sees. Collective.
+// Does what happens at the start of a frame, whose number counts from 1. `scene` is the one that the simulation sees. Collective.
 Changed change_scene(Simulation& simulation, Scene& scene, std::int64_t frame);
 
 }  // namespace unibody

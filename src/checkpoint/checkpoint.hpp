@@ -31,7 +31,7 @@ class Checkpoint {
 
   std::int64_t frame() const { return frame_; }
   double time() const { return time_; }     // s
-  Id body_count() const { return count_; }  // statics and those that are absent included
+  Id body_count() const { return count_; }  // of all bodies, also of static and of absent ones
 
   bool has_all_bodies() const { return !has_ids_; }
 

@@ -9,7 +9,8 @@
 
 namespace unibody {
 
-// Nothing of what a run has none of. Returns whether all was written; throws std::runtime_error where HDF5 does. Collective.
+// Writes what the run has of this; where it has none, nothing. Returns whether all was written, and throws std::runtime_error
+// where HDF5 fails. Collective.
 bool write_past(MPI_Comm comm, hid_t file, const History& history);
 
 // history.past says how many events, inlets and outlets the scene has. Throws std::runtime_error where the file says anything

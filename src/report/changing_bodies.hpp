@@ -13,16 +13,17 @@
 
 namespace unibody {
 
-// Of a scene whose bodies come and go, for its frames. The scene must outlive it.
+// Returns what the frames of a scene whose bodies come and go need to know of it; nothing where all bodies are always there. The
+// scene must outlive it.
 std::optional<ChangingBodies> changing_bodies(const Scene& scene);
 
-// Which events, inlets and outlets a scene has, in lines for a run's start; none of a scene without.
+// Tells which events, inlets and outlets a scene has, in lines for a run's start.
 std::vector<std::string> told_changes(const Scene& scene);
-// What has become of them, in lines for its end.
+// Tells what has become of them, in lines for the run's end.
 std::string told(const Past& past, const Scene& scene);
 Json json_of(const Past& past, const Scene& scene);
 
-// None of a scene whose bodies are always there. Collective.
+// Returns these columns; a scene whose bodies are always there has none. Collective.
 std::vector<NamedValue> past_columns(MPI_Comm comm, const Scene& scene, const World& world, const Past& past);
 
 }  // namespace unibody

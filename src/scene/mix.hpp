@@ -11,7 +11,7 @@ namespace unibody {
 
 class Mix {
  public:
-  // A list of maps {shape, share, scale}; the shapes can move, and have a mass in each of their sizes.
+  // Reads a list of maps {shape, share, scale}. It fails where a shape cannot move, or has no mass in one of its sizes.
   static Mix read(const Value& list, const BodyTemplate& body, const Scene& scene);
 
   Shape draw(BodyRandom& random) const;                      // takes two draws
