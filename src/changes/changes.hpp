@@ -24,7 +24,8 @@ enum class Changed : std::uint8_t {
   much,    // many bodies are new on any rank
 };
 
-// Does what happens at the start of a frame, whose number counts from 1. `scene` is the one that the simulation sees. Collective.
+// Carries out the events, outlets and inlets that are due at the start of a frame. Frames are numbered from 1. `scene` is the one
+// that the simulation refers to. The function is collective.
 Changed change_scene(Simulation& simulation, Scene& scene, std::int64_t frame);
 
 }  // namespace unibody

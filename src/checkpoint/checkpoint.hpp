@@ -31,7 +31,7 @@ class Checkpoint {
 
   std::int64_t frame() const { return frame_; }
   double time() const { return time_; }     // s
-  Id body_count() const { return count_; }  // of all bodies, also of static and of absent ones
+  Id body_count() const { return count_; }  // the number of all bodies, static and absent ones included
 
   bool has_all_bodies() const { return !has_ids_; }
 

@@ -9,8 +9,8 @@
 
 namespace unibody {
 
-// Writes what the run has of this; where it has none, nothing. Returns whether all was written, and throws std::runtime_error
-// where HDF5 fails. Collective.
+// Writes the accuracy's findings and the past of events, inlets and outlets; a run without them writes nothing. The function
+// returns whether all was written, and throws std::runtime_error where HDF5 fails. It is collective.
 bool write_past(MPI_Comm comm, hid_t file, const History& history);
 
 // history.past says how many events, inlets and outlets the scene has. Throws std::runtime_error where the file says anything

@@ -13,13 +13,13 @@
 
 namespace unibody {
 
-// Returns what the frames of a scene whose bodies come and go need to know of it; nothing where all bodies are always there. The
-// scene must outlive it.
+// Returns what the writer of frames.h5 must know of a scene whose bodies come and go. For any other scene the result is empty.
+// The scene must outlive the result.
 std::optional<ChangingBodies> changing_bodies(const Scene& scene);
 
-// Tells which events, inlets and outlets a scene has, in lines for a run's start.
+// Returns lines for a run's start that name the scene's events, inlets and outlets.
 std::vector<std::string> told_changes(const Scene& scene);
-// Tells what has become of them, in lines for the run's end.
+// Returns lines for a run's end that say which events have happened, and how many bodies inlets and outlets have let through.
 std::string told(const Past& past, const Scene& scene);
 Json json_of(const Past& past, const Scene& scene);
 

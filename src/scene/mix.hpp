@@ -1,4 +1,4 @@
-// What bodies of several shapes and sizes are mixed of.
+// A mix is a set of shapes with their shares and sizes, from which the bodies of a pile or an inlet are drawn.
 #pragma once
 
 #include <vector>
