@@ -199,7 +199,7 @@ Simulates the scene file SCENE and writes its results into a folder.
                          rigid bodies alone, in space
   -dump_step N           of that frame (default: the last)
   -version               version and commit of the program, its compiler, and the versions of PETSc, MPI, HDF5 and METIS
-  -settings              the settings of a scene's sections time, output and solver, with units, defaults and what they may be
+  -settings              the keys of a scene file, with units, defaults, what they may be and what they say
   -schema                the scene file as a JSON schema, by which editors complete and check it
   -help                  this text
 

@@ -341,7 +341,7 @@ int run(MPI_Comm comm, const Options& given) {
     return 0;
   }
   if (options.schema || options.settings) {
-    if (rank == 0) std::fputs((options.schema ? scene_schema() : settings_table()).c_str(), stdout);
+    if (rank == 0) std::fputs((options.schema ? scene_schema() : keys_reference()).c_str(), stdout);
     return 0;
   }
   if (options.version) {

@@ -41,25 +41,27 @@ struct Chain {
   }
 };
 
+const Keys& chain_ball_keys() {
+  static const Keys table{"chain_ball",
+                          "The ball at the end of a chain.",
+                          {keys::number("radius", "m", positive, needed, "radius of the ball"),
+                           keys::number("mass", "kg", positive, needed, "mass of the ball")}};
+  return table;
+}
+
 void read_ball(const Value& value, const Scene& scene, Chain& chain) {
-  value.map({"radius", "mass"});
+  const KeyedMap map(value, chain_ball_keys());
   chain.has_ball = true;
   chain.ball = chain.link;
   chain.ball.density.reset(), chain.ball.inertia.reset();
-  chain.ball.properties.shape = {scene.planar ? ShapeKind::disc : ShapeKind::sphere,
-                                 Vec3(value.need("radius", "a number > 0 (m)").number(positive, "m"), 0, 0)};
-  chain.ball.mass = value.need("mass", "a number > 0 (kg)").number(positive, "kg");
+  chain.ball.properties.shape = {scene.planar ? ShapeKind::disc : ShapeKind::sphere, Vec3(map.number("radius"), 0, 0)};
+  chain.ball.mass = map.number("mass");
   check_mass(value, chain.ball, chain.ball.properties.shape);
 }
 
 // Bodies of one group do not touch each other: those of articulated number `i` of an entry whose first body has id `first`.
 std::int32_t group_without_contacts(Id first, Id i) {
   return static_cast<std::int32_t>((Id{1} << 30) + (first + i) % (Id{1} << 29));
-}
-
-bool read_self_collision(const Value& map, bool otherwise) {
-  const Value* value = map.find("self_collision");
-  return value ? value->boolean() : otherwise;
 }
 
 void need_density(const Value& value, const BodyTemplate& body, const char* what) {
@@ -170,27 +172,63 @@ struct Ragdolls {
   }
 };
 
+const std::vector<JointKind> joints_of_links{JointKind::ball, JointKind::hinge, JointKind::universal, JointKind::fixed};
+
+Key joint_key() { return keys::map("joint", joint_template_keys, "a map with type", needed, "the joints between its bodies"); }
+
 }  // namespace
 
+const Keys& chain_keys() {
+  static const Keys table{
+      "chain",
+      "Links in a line, each jointed to the one before.",
+      {keys::count("links", most_links), keys::vector("from", "m", needed, "where the chain starts"),
+       keys::vector("to", "m", needed, "where the chain ends"), joint_key(),
+       keys::choice("held", {"none", "start", "end", "both"}, "none", "the ends that are jointed to the world"),
+       keys::map("ball", chain_ball_keys, "a map with radius and mass", "none", "one body more, jointed to the chain's end")}};
+  return table;
+}
+
+const Keys& tree_keys() {
+  static const Keys table{"tree",
+                          "Links that branch at their ends.",
+                          {keys::integer("levels", 1, 24, needed, "levels of links, the root's included"),
+                           keys::integer("branches", 1, 16, 2, "branches of each link"),
+                           keys::number("length", "m", positive, needed, "length of the root"),
+                           keys::number("ratio", "", {0, 1, true}, 0.7, "of a link's size to that of the link above"),
+                           keys::number("width", "m", positive, "length / 8", "edge of the square cross-section of the root"),
+                           keys::number("spread", "degrees", {0, 180}, 60, "angle between a branch and the link that it leaves"),
+                           joint_key(), keys::flag("held", false, "the root's start is jointed to the world"),
+                           keys::flag("self_collision", false, "links may touch each other")}};
+  return table;
+}
+
+const Keys& ragdolls_keys() {
+  static const Keys table{"ragdolls",
+                          "Figures of eleven parts, of 1.73 m, in layers of columns, each turned at random.",
+                          {keys::count("figures", most_links / parts_of_a_figure), keys::columns("[1, 1]"),
+                           keys::numbers("spacing", 3, "m", positive, needed, "from a figure to the next along x, y and z"),
+                           keys::seed("number that gives the random numbers"),
+                           keys::flag("self_collision", false, "parts of a figure may touch each other")}};
+  return table;
+}
+
 Generated read_chain(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"count", "from", "to", "joint", "held", "ball"});
+  const KeyedMap map(value, chain_keys());
   if (!body.properties.is_dynamic()) value.fail("a chain that is not dynamic", "no motion: its ends may be held");
   Chain chain;
-  chain.count = value.need("count", "an integer >= 1").integer(1, most_links);
-  chain.from = read_vector(value.need("from", "a point (m)"), scene, "m");
-  const Value& end = value.need("to", "a point (m)");
-  const Vec3 way = read_vector(end, scene, "m") - chain.from;
-  if (!(way.norm() > 0)) end.fail_expected("another point than from (m)");
+  chain.count = map.integer("count");
+  chain.from = read_vector(map, "from", scene);
+  const Vec3 way = read_vector(map, "to", scene) - chain.from;
+  if (!(way.norm() > 0)) map.need("to").fail_expected("another point than from (m)");
   chain.step = way / static_cast<double>(chain.count);
   chain.turn = turn_x_to(way.normalized());
   chain.link = body;
-  if (const Value* ball = value.find("ball")) read_ball(*ball, scene, chain);
-  const Value& of_joint = value.need("joint", "a map with type");
-  const JointTemplate joint =
-      read_joint_template(of_joint, scene, {JointKind::ball, JointKind::hinge, JointKind::universal, JointKind::fixed});
+  if (const Value* ball = map.find("ball")) read_ball(*ball, scene, chain);
+  const Value& of_joint = map.need("joint");
+  const JointTemplate joint = read_joint_template(of_joint, scene, joints_of_links);
   check_turns(of_joint, joint.joint.kind, body.properties.shape);
-  const Value* held = value.find("held");
-  const std::size_t holds = held ? held->choice({"none", "start", "end", "both"}) : 0;
+  const std::size_t holds = map.choice("held");
 
   Generated result{chain.bodies(), chain, {}};
   const auto at = [&](Id k) { return chain(k); };
@@ -204,32 +242,24 @@ Generated read_chain(const Value& value, const BodyTemplate& body, const Scene& 
 }
 
 Generated read_tree(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"levels", "branches", "length", "ratio", "width", "spread", "joint", "held", "self_collision"});
+  const KeyedMap map(value, tree_keys());
   if (scene.planar) value.fail("a tree in a planar scene", "planar: false");
   need_density(value, body, "links");
   Tree tree;
-  const auto number = [&](const char* key, double otherwise, const Range& range, const std::string& unit) {
-    const Value* child = value.find(key);
-    return child ? child->number(range, unit) : otherwise;
-  };
-  const Value& levels = value.need("levels", "an integer >= 1");
-  const std::int64_t depth = levels.integer(1, 24);
-  if (const Value* branches = value.find("branches")) tree.branches = branches->integer(1, 16);
-  tree.length = value.need("length", "a number > 0 (m)").number(positive, "m");
-  tree.width = number("width", tree.length / 8, positive, "m");
-  tree.ratio = number("ratio", 0.7, {0, 1, true}, "");
-  tree.spread = M_PI / 180 * number("spread", 60, {0, 180}, "degrees");
+  const std::int64_t depth = map.integer("levels");
+  tree.branches = map.integer("branches");
+  tree.length = map.number("length"), tree.width = map.number_if("width").value_or(tree.length / 8);
+  tree.ratio = map.number("ratio"), tree.spread = M_PI / 180 * map.number("spread");
   Id count = 0, on_level = 1;
   for (std::int64_t level = 0; level < depth; ++level, on_level *= tree.branches) count += on_level;
-  if (count > most_links) levels.fail("a tree of " + std::to_string(count) + " links", "at most " + std::to_string(most_links));
+  if (count > most_links)
+    map.need("levels").fail("a tree of " + std::to_string(count) + " links", "at most " + std::to_string(most_links));
   tree.link = body;
-  if (!read_self_collision(value, false)) tree.link.properties.group = group_without_contacts(scene.body_count(), 0);
+  if (!map.flag("self_collision")) tree.link.properties.group = group_without_contacts(scene.body_count(), 0);
   check_mass(value, tree.link, tree(count - 1).properties.shape);
-  const JointTemplate joint = read_joint_template(value.need("joint", "a map with type"), scene,
-                                                  {JointKind::ball, JointKind::hinge, JointKind::universal, JointKind::fixed});
+  const JointTemplate joint = read_joint_template(map.need("joint"), scene, joints_of_links);
   Generated result{count, tree, {}};
-  const Value* held = value.find("held");
-  if (held && held->boolean()) result.joints.push_back(joint.between(tree(0), nullptr, Vec3::Zero()));
+  if (map.flag("held")) result.joints.push_back(joint.between(tree(0), nullptr, Vec3::Zero()));
   for (Id k = 1; k < count; ++k) {
     const Body link = tree(k), parent = tree((k - 1) / tree.branches);
     result.joints.push_back(joint.between(link, &parent, tree.at(k).start));
@@ -238,18 +268,15 @@ Generated read_tree(const Value& value, const BodyTemplate& body, const Scene& s
 }
 
 Generated read_ragdolls(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"count", "columns", "spacing", "seed", "self_collision"});
+  const KeyedMap map(value, ragdolls_keys());
   if (scene.planar) value.fail("ragdolls in a planar scene", "planar: false");
   need_density(value, body, "parts");
   Ragdolls dolls;
-  const Id count = value.need("count", "an integer >= 1").integer(1, most_links / parts_of_a_figure);
-  if (const Value* columns = value.find("columns")) {
-    if (columns->kind != Value::Kind::list || columns->entries.size() != 2) columns->fail_expected("a list of 2 integers >= 1");
-    dolls.nx = columns->entries[0].integer(1, 1'000'000), dolls.ny = columns->entries[1].integer(1, 1'000'000);
-  }
-  dolls.spacing = value.need("spacing", "a list of 3 numbers > 0 (m)").vector(positive, "m");
-  if (const Value* seed = value.find("seed")) dolls.seed = static_cast<std::uint64_t>(seed->integer(0));
-  dolls.self_collision = read_self_collision(value, false);
+  const Id count = map.integer("count");
+  if (map.has("columns")) std::tie(dolls.nx, dolls.ny) = std::tuple_cat(map.integers<2>("columns"));
+  dolls.spacing = map.vector("spacing");
+  dolls.seed = static_cast<std::uint64_t>(map.integer("seed"));
+  dolls.self_collision = map.flag("self_collision");
   dolls.first = scene.body_count();
   dolls.part = body;
   Generated result{count * parts_of_a_figure, dolls, {}};

@@ -5,6 +5,9 @@
 
 namespace unibody {
 
+const Keys& chain_keys();
+const Keys& tree_keys();
+const Keys& ragdolls_keys();
 Generated read_chain(const Value& value, const BodyTemplate& body, const Scene& scene);
 Generated read_tree(const Value& value, const BodyTemplate& body, const Scene& scene);
 Generated read_ragdolls(const Value& value, const BodyTemplate& body, const Scene& scene);

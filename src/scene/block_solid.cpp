@@ -160,14 +160,9 @@ class BlockSurface {
 };
 
 void read_block(const Value& value, Block& block) {
-  value.map({"size", "cells"});
-  const auto size = value.need("size", "a list of 3 numbers > 0 (m)").numbers(3, positive, "m");
-  const Value& cells = value.need("cells", "a list of 3 integers >= 1");
-  if (cells.kind != Value::Kind::list || cells.entries.size() != 3) cells.fail_expected("a list of 3 integers >= 1");
-  for (std::size_t k = 0; k < 3; ++k) {
-    block.size[static_cast<Eigen::Index>(k)] = size[k];
-    block.cells[k] = cells.entries[k].integer(1, 100'000);
-  }
+  const KeyedMap map(value, block_keys());
+  block.size = map.vector("size");
+  block.cells = map.integers<3>("cells");
 }
 
 Id read_node(const Block& block, const Value& value) {
@@ -192,6 +187,15 @@ Id patch_of(const Block& block, Id node) {
 }
 
 }  // namespace
+
+const Keys& block_keys() {
+  static const Keys table{"block",
+                          "A block of cells of five tetrahedra each, its middle at the solid's position.",
+                          {keys::numbers("size", 3, "m", positive, needed, "lengths of the edges along x, y and z"),
+                           keys::integers("cells", 3, 1, 100'000, needed,
+                                          "cells along each edge; with an even number the block is its own mirror image there")}};
+  return table;
+}
 
 MeshShape block_solid(const Value& value, const SolidLaw& law) {
   Block block;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/text.hpp"
 #include "scene/generators.hpp"
 #include "scene/in_time.hpp"
 #include "scene/presence.hpp"
@@ -15,64 +14,80 @@ namespace unibody {
 
 namespace {
 
-constexpr double degree = M_PI / 180;
+// The keys of what moves, which every body has but the parts of a container or a hopper.
+const Keys& moving_keys() {
+  static const Keys table{
+      "moving bodies",
+      "",
+      {keys::number("mass", "kg", positive, "a density", "mass of each body; of dynamic bodies alone"),
+       keys::number("density", "kg/m^3", positive, "a mass",
+                    "density of each body, of a disc per area (kg/m^2); of dynamic bodies alone"),
+       keys::choice("motion", {"dynamic", "fixed", "kinematic"}, "dynamic; fixed of a plane or mesh",
+                    "what moves the bodies: forces; nothing; their velocities or their path, whatever they meet"),
+       keys::vector_in_time("velocity", "m/s", "[0, 0, 0]", "velocity at the start; of kinematic bodies it may change in time"),
+       keys::vector_in_time("angular_velocity", "rad/s", "[0, 0, 0]",
+                            "angular velocity at the start, world axes; of kinematic bodies it may change in time"),
+       keys::vector_in_time("path", "m", "none",
+                            "of kinematic bodies, in place of velocity: how far they are from where they start"),
+       keys::vector_in_time("force", "N", "[0, 0, 0]", "force at the centre of each dynamic body"),
+       keys::vector_in_time("torque", "N m", "[0, 0, 0]", "torque on each dynamic body, world axes")}};
+  return table;
+}
 
-const std::vector<std::string> motions{"dynamic", "fixed", "kinematic"};
-
-Vec3 read_plane_normal(const Value& plane, const Scene& scene) {
-  plane.map({"normal"});
-  const Value* normal = plane.find("normal");
-  if (!normal) plane.fail_missing("normal", "a vector of length 1");
-  const Vec3 n = normal->unit_vector();
-  if (scene.planar && n.y() != 0) normal->fail_expected("a vector without y component (planar scene)");
-  return n;
+const Keys& inertia_keys() {
+  static const Keys table{"inertia",
+                          "",
+                          {keys::numbers("inertia", 3, "kg m^2", positive, "that of the solid",
+                                         "principal moments of inertia, none larger than the sum of the others")}};
+  return table;
 }
 
 Vec3 read_inertia(const Value& value) {
-  const Vec3 moments = value.vector(positive, "kg m^2");
+  const Key& key = inertia_keys().at("inertia");
+  const Vec3 moments = value.vector(key.range, key.unit);
   if (!(2 * moments.maxCoeff() <= moments.sum() * (1 + 1e-12)))
     value.fail_expected("three principal moments (kg m^2), none larger than the sum of the other two");
   return moments;
 }
 
-void read_amount(const Value& entry, BodyTemplate& body) {
-  const Value *mass = entry.find("mass"), *density = entry.find("density"), *moments = entry.find("inertia");
-  if (!body.properties.is_dynamic()) {
-    for (const char* key : {"mass", "density", "inertia", "force", "torque"})
-      if (const Value* value = entry.find(key)) value->fail_expected("no such key for a fixed or kinematic body");
-    return;
-  }
-  if (mass && density) density->fail(density->found() + " beside mass " + mass->found(), "only one of mass and density");
-  if (!mass && !density) entry.fail_missing("mass", "a mass (kg) or a density (kg/m^3)");
-  if (mass) body.mass = mass->number(positive, "kg");
-  if (density) body.density = density->number(positive, "kg/m^3");
-  if (moments) body.inertia = read_inertia(*moments);
+void refuse(const Value& entry, std::initializer_list<const char*> names, const std::string& where) {
+  for (const char* name : names)
+    if (const Value* value = entry.find(name)) value->fail_expected("no such key " + where);
+}
+
+void read_amount(const KeyedMap& entry, BodyTemplate& body) {
+  if (!body.properties.is_dynamic())
+    return refuse(entry.value(), {"mass", "density", "inertia", "force", "torque"}, "for a fixed or kinematic body");
+  entry.only_one_of({"mass", "density"});
+  body.mass = entry.number_if("mass"), body.density = entry.number_if("density");
+  if (!body.mass && !body.density) entry.value().fail_missing("mass", "a mass (kg) or a density (kg/m^3)");
+  if (const Value* moments = entry.value().find("inertia")) body.inertia = read_inertia(*moments);
 }
 
 int read_material(const Value& value, const Scene& scene) { return static_cast<int>(value.choice(scene.materials)); }
 
-void read_motion_in_time(const Value& entry, BodyTemplate& body, const Scene& scene) {
+void read_motion_in_time(const KeyedMap& entry, BodyTemplate& body, const Scene& scene) {
   const Value *velocity = entry.find("velocity"), *spin = entry.find("angular_velocity"), *path = entry.find("path");
   MotionInTime motion;
+  entry.only_one_of({"velocity", "path"});
   if (path) {
-    if (velocity) path->fail("a path beside a velocity", "only one of them");
-    motion.path = read_planar_in_time(*path, scene, "m", false);
+    motion.path = read_planar_in_time(entry, "path", scene, false);
     if (motion.path->at(0) != Vec3::Zero()) path->fail_expected("a path that is 0 at time 0: it starts where the body does");
   }
-  if (velocity) motion.velocity = read_planar_in_time(*velocity, scene, "m/s", false);
-  if (spin) motion.angular_velocity = read_planar_in_time(*spin, scene, "rad/s", true);
+  if (velocity) motion.velocity = read_planar_in_time(entry, "velocity", scene, false);
+  if (spin) motion.angular_velocity = read_planar_in_time(entry, "angular_velocity", scene, true);
   body.velocity = motion.velocity.at(0), body.angular_velocity = motion.angular_velocity.at(0);
   if (path || motion.velocity.changes() || motion.angular_velocity.changes())
     body.motion = std::make_shared<MotionInTime>(std::move(motion));
 }
 
-void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
+void read_motion(const KeyedMap& entry, BodyTemplate& body, const Scene& scene) {
   BodyProperties& properties = body.properties;
   const Value *motion = entry.find("motion"), *velocity = entry.find("velocity"), *spin = entry.find("angular_velocity");
   const ShapeKind kind = properties.shape.kind;
   const bool is_still = kind == ShapeKind::plane || kind == ShapeKind::mesh;
   if (is_still) properties.motion = Motion::fixed;
-  if (motion) properties.motion = static_cast<Motion>(motion->choice(motions));
+  if (motion) properties.motion = static_cast<Motion>(entry.choice("motion"));
   if (properties.is_dynamic() && is_still)
     motion->fail_expected("fixed or kinematic for a " + std::string(shape_names[static_cast<std::size_t>(kind)]));
   if (properties.motion == Motion::fixed) {
@@ -85,35 +100,34 @@ void read_motion(const Value& entry, BodyTemplate& body, const Scene& scene) {
     read_motion_in_time(entry, body, scene);
     return;
   }
-  if (velocity) body.velocity = read_vector(*velocity, scene, "m/s");
-  if (spin) body.angular_velocity = read_vector(*spin, scene, "rad/s", true);
+  if (velocity) body.velocity = read_vector(entry, "velocity", scene);
+  if (spin) body.angular_velocity = read_vector(entry, "angular_velocity", scene, true);
 }
 
-void read_load(const Value& entry, BodyTemplate& body, const Scene& scene) {
+void read_load(const KeyedMap& entry, BodyTemplate& body, const Scene& scene) {
   LoadInTime load;
-  const auto read = [&](const char* key, const char* unit, bool rotation, TimeVector& in_time, Vec3& constant) {
+  const auto read = [&](const char* key, bool rotation, TimeVector& in_time, Vec3& constant) {
     const Value* value = entry.find(key);
     if (!value) return;
     if (is_vector_in_time(*value)) {
-      in_time = read_planar_in_time(*value, scene, unit, rotation);
+      in_time = read_planar_in_time(entry, key, scene, rotation);
       constant = in_time.at(0);
     } else {
-      constant = read_vector(*value, scene, unit, rotation);
+      constant = read_vector(entry, key, scene, rotation);
       for (std::size_t k = 0; k < 3; ++k) in_time[k] = constant[static_cast<Eigen::Index>(k)];
     }
   };
-  read("force", "N", false, load.force, body.properties.force);
-  read("torque", "N m", true, load.torque, body.properties.torque);
+  read("force", false, load.force, body.properties.force);
+  read("torque", true, load.torque, body.properties.torque);
   if (load.force.changes() || load.torque.changes()) body.load = std::make_shared<LoadInTime>(std::move(load));
 }
 
 // The template's keys, all but the shape, which is in place already.
-BodyTemplate read_template(const Value& entry, const Shape& shape, const Scene& scene) {
+BodyTemplate read_template(const KeyedMap& entry, const Shape& shape, const Scene& scene) {
   BodyTemplate body;
   body.properties.shape = shape;
   if (shape.kind == ShapeKind::particle)
-    for (const char* key : {"inertia", "angular_velocity", "torque"})
-      if (const Value* value = entry.find(key)) value->fail_expected("no such key for a particle: it does not turn");
+    refuse(entry.value(), {"inertia", "angular_velocity", "torque"}, "for a particle: it does not turn");
   read_motion(entry, body, scene);
   read_amount(entry, body);
   read_load(entry, body, scene);
@@ -124,27 +138,58 @@ BodyTemplate read_template(const Value& entry, const Shape& shape, const Scene& 
 const GeneratorType* find_generator(const Value& entry) {
   const GeneratorType* result = nullptr;
   for (const GeneratorType& type : generator_types()) {
-    const Value* value = entry.find(type.key);
-    if (value && result) value->fail("a second generator beside " + std::string(result->key), "one generator an entry");
+    const Value* value = entry.find(type.key.name);
+    if (value && result) value->fail("a second generator beside " + result->key.name, "one generator an entry");
     if (value) result = &type;
   }
   return result;
 }
 
-std::vector<std::string> keys_with(const GeneratorType* type) {
-  std::vector<std::string> keys{"name", "material", "position", "orientation", "start"};
+// The keys that an entry may have beside a generator's key, or without one.
+Keys make_keys(const GeneratorType* type) {
+  Keys table{
+      "body",
+      "A body, or with the key of a generator many.",
+      {name_key(), material_key(),
+       keys::vector("position", "m", "[0, 0, 0]",
+                    "where the centre of mass is, a point of a plane, or the origin of a mesh or generator"),
+       orientation_key("how the body, or all that is generated, is turned; not of a plane"),
+       keys::choice("start", {start_names.begin(), start_names.end()}, "present",
+                    "what the bodies are until an event changes it: absent ones are not in the scene, held ones stay where "
+                    "they are")}};
   const Takes takes = type ? type->takes : Takes::shape;
-  if (takes != Takes::nothing)
-    for (const char* key : {"mass", "density", "motion", "velocity", "angular_velocity", "path", "force", "torque"})
-      keys.emplace_back(key);
-  if (takes == Takes::shape) {
-    keys.emplace_back("shape");
-    keys.emplace_back("inertia");
+  if (takes != Takes::nothing) table = table.with(moving_keys());
+  if (takes == Takes::shape) table = table.with({"", "", {shape_key(needed)}}).with(inertia_keys());
+  if (type) return table.with({"", "", {type->key}});
+  for (const GeneratorType& other : generator_types()) table.keys.push_back(other.key);
+  return table;
+}
+
+const Keys& keys_with(const GeneratorType* type) {
+  static const Keys without = make_keys(nullptr);
+  static const std::vector<Keys> with = [] {
+    std::vector<Keys> tables;
+    for (const GeneratorType& of : generator_types()) tables.push_back(make_keys(&of));
+    return tables;
+  }();
+  return type ? with[static_cast<std::size_t>(type - generator_types().data())] : without;
+}
+
+// Says in the schema which keys there may be beside the one of each generator.
+void restrict_by_generator(Json& schema) {
+  Json rules = Json::array();
+  Json any = Json::array();
+  for (const GeneratorType& type : generator_types()) {
+    const Json has = Json::object().set("required", keys::texts({type.key.name}));
+    any.push(has);
+    Json then = Json::object().set("propertyNames", Json::object().set("enum", keys::texts(keys_with(&type).names())));
+    if (type.takes == Takes::shape) then.set("required", keys::texts({"shape"}));
+    rules.push(Json::object().set("if", has).set("then", then));
   }
-  if (type) keys.emplace_back(type->key);
-  if (!type)
-    for (const GeneratorType& other : generator_types()) keys.emplace_back(other.key);
-  return keys;
+  rules.push(Json::object()
+                 .set("if", Json::object().set("not", Json::object().set("anyOf", any)))
+                 .set("then", Json::object().set("required", keys::texts({"shape"}))));
+  schema.set("allOf", rules);
 }
 
 Generated read_single(const Value& entry, const BodyTemplate& body, const Scene& scene) {
@@ -155,23 +200,22 @@ Generated read_single(const Value& entry, const BodyTemplate& body, const Scene&
   return {1, [body, normal](Id) { return make_plane(body, Vec3::Zero(), normal); }};
 }
 
-Generated read_generated(const Value& entry, BodyTemplate& body, const GeneratorType* type, const Scene& scene) {
+Generated read_generated(const KeyedMap& entry, BodyTemplate& body, const GeneratorType* type, const Scene& scene) {
   const Takes takes = type ? type->takes : Takes::shape;
-  const Value* shape = entry.find("shape");
   if (takes == Takes::shape) {
-    if (!shape) entry.fail_missing("shape", "a map with the key " + one_of({shape_names.begin(), shape_names.end()}));
-    const Shape solid = read_shape(*shape, scene);
+    const Value& shape = entry.need("shape");
+    const Shape solid = read_shape(shape, scene);
     if (type && (solid.kind == ShapeKind::plane || solid.kind == ShapeKind::mesh))
-      shape->fail("a " + shape->children[0].first + " in a " + std::string(type->key), "a shape that can move");
+      shape.fail("a " + shape.children[0].first + " in a " + type->key.name, "a shape that can move");
     body = read_template(entry, solid, scene);
-    check_mass(entry, body, solid);
+    check_mass(entry.value(), body, solid);
   } else if (takes == Takes::no_shape) {
     body = read_template(entry, Shape{}, scene);
   } else {
     body.properties.motion = Motion::fixed;
     if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
   }
-  return type ? type->read(*entry.find(type->key), body, scene) : read_single(entry, body, scene);
+  return type ? type->read(entry.need(type->key.name), body, scene) : read_single(entry.value(), body, scene);
 }
 
 // Numbers that are finite each may give places that are not: looked for at both ends of an entry.
@@ -187,7 +231,7 @@ void check_places(const Value& entry, const BodyGroup& group) {
 
 // The value that says how many bodies an entry has.
 const Value& count_of(const Value& entry, const GeneratorType* type) {
-  const Value* generator = type ? entry.find(type->key) : nullptr;
+  const Value* generator = type ? entry.find(type->key.name) : nullptr;
   for (const char* key : {"count", "courses", "levels"})
     if (const Value* count = generator ? generator->find(key) : nullptr) return *count;
   return generator ? *generator : entry;
@@ -196,24 +240,24 @@ const Value& count_of(const Value& entry, const GeneratorType* type) {
 void read_entry(const Value& entry, Scene& scene) {
   if (entry.kind != Value::Kind::map) entry.fail_expected("a map with a shape or a generator");
   const GeneratorType* type = find_generator(entry);
-  entry.map(keys_with(type));
+  const KeyedMap map(entry, keys_with(type));
   BodyTemplate body;
   Vec3 position = Vec3::Zero();
   Quat orientation = Quat::Identity();
-  if (const Value* value = entry.find("position")) position = read_vector(*value, scene, "m");
+  if (map.has("position")) position = read_vector(map, "position", scene);
   if (const Value* value = entry.find("orientation")) orientation = read_orientation(*value, scene);
 
   BodyGroup group;
   group.line = entry.line;
   if (const Value* name = entry.find("name")) group.name = name->string("a name");
   if (const Value* inlet = entry.find("inlet")) check_inlet_name(entry, *inlet, scene);
-  const Generated generated = read_generated(entry, body, type, scene);
+  const Generated generated = read_generated(map, body, type, scene);
   group.first = scene.body_count();
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
   group.generated = type != nullptr;
   group.motion = body.motion, group.load = body.load;
-  read_start(entry, body, generated, group);
+  read_start(map, body, generated, group);
   check_room(count_of(entry, type), scene, group.count, group.is_static);
   const auto put = [first = group.first, held = group.start == Start::held, position, orientation](Id k, Body body_in_frame) {
     body_in_frame.id = first + k;
@@ -265,25 +309,6 @@ Body make_plane(const BodyTemplate& body, const Vec3& position, const Vec3& norm
   return make_body(body, {ShapeKind::plane, Vec3::Zero()}, position, turn_to(normal));
 }
 
-Quat read_orientation(const Value& value, const Scene& scene) {
-  Quat q;
-  if (value.kind == Value::Kind::map) {
-    value.map({"axis", "angle"});
-    const Value *axis = value.find("axis"), *angle = value.find("angle");
-    if (!axis) value.fail_missing("axis", "a vector of length 1");
-    if (!angle) value.fail_missing("angle", "a number (degrees)");
-    q = Eigen::AngleAxisd(angle->number(any_number, "degrees") * degree, axis->unit_vector());
-  } else {
-    if (value.kind != Value::Kind::list) value.fail_expected("a quaternion [w, x, y, z] or a map with axis and angle (degrees)");
-    const auto c = value.numbers(4, any_number, "quaternion w, x, y, z");
-    q = Quat(c[0], c[1], c[2], c[3]);
-    if (!(std::abs(q.norm() - 1) <= 1e-3)) value.fail_expected("a quaternion of length 1");
-    if (q.norm() != 1) q.normalize();
-  }
-  if (scene.planar && (q.x() != 0 || q.z() != 0)) value.fail_expected("a turn about y (planar scene)");
-  return q;
-}
-
 Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit, bool rotation) {
   const Vec3 v = value.vector(any_number, unit);
   if (scene.planar && !rotation && v.y() != 0)
@@ -293,47 +318,8 @@ Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit
   return v;
 }
 
-namespace {
-
-// Shapes given by lengths alone, as their types say (world/shape_type.hpp).
-Shape read_lengths(const Value& solid, const ShapeType& type) {
-  solid.map({type.lengths.begin(), type.lengths.end()});
-  std::vector<double> lengths;
-  for (const std::string_view key : type.lengths) {
-    const Value* length = solid.find(key);
-    if (!length) solid.fail_missing(std::string(key), "a number > 0 (m)");
-    lengths.push_back(length->number(positive, "m"));
-  }
-  return type.make(lengths);
-}
-
-Shape read_box(const Value& solid) {
-  solid.map({"size"});
-  const Value* size = solid.find("size");
-  if (!size) solid.fail_missing("size", "a list of 3 numbers > 0 (m)");
-  return {ShapeKind::box, 0.5 * size->vector(positive, "m, edge lengths")};
-}
-
-}  // namespace
-
-Shape read_shape(const Value& value, const Scene& scene) {
-  const std::vector<std::string> names{shape_names.begin(), shape_names.end()};
-  value.map(names);
-  if (value.children.size() != 1)
-    value.fail("a map of " + std::to_string(value.children.size()) + " shapes", "one of " + one_of(names));
-  const auto& [name, solid] = value.children[0];
-  const auto kind = static_cast<ShapeKind>(std::find(names.begin(), names.end(), name) - names.begin());
-  if (kind == ShapeKind::disc && !scene.planar) solid.fail("a disc", "sphere, box or plane in a scene that is not planar");
-  if (kind > ShapeKind::particle && scene.planar) solid.fail("a " + name, "sphere, box, plane or disc in a planar scene");
-  if (kind == ShapeKind::plane) {
-    read_plane_normal(solid, scene);
-    return {ShapeKind::plane, Vec3::Zero()};
-  }
-  if (kind == ShapeKind::box) return read_box(solid);
-  if (kind == ShapeKind::hull) return read_hull(solid, scene);
-  if (kind == ShapeKind::compound) return read_compound(solid, scene);
-  if (kind == ShapeKind::mesh) return read_mesh_shape(solid, scene);
-  return read_lengths(solid, type_of(kind));
+Vec3 read_vector(const KeyedMap& map, std::string_view name, const Scene& scene, bool rotation) {
+  return read_vector(map.need(name), scene, map.key(name).unit, rotation);
 }
 
 void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape) {
@@ -360,7 +346,19 @@ void check_room(const Value& value, const Scene& scene, Id count, bool is_static
   value.fail(own == bodies ? own : own + ", " + bodies + " bodies", expected.str());
 }
 
-std::vector<std::string> body_keys() { return keys_with(nullptr); }
+Key name_key() { return keys::text("name", "a name", "none", "by which messages and other entries call it"); }
+Key material_key() { return keys::text("material", "a material", "the first material", "what it is made of"); }
+
+const Keys& body_keys() {
+  static const Keys table = [] {
+    Keys keys = keys_with(nullptr);
+    for (Key& key : keys.keys)
+      if (key.name == "shape") key.without.is_needed = false;
+    keys.restrict_schema = restrict_by_generator;
+    return keys;
+  }();
+  return table;
+}
 
 void read_bodies(const Value& list, Scene& scene) {
   for (const Value& entry : list.list("bodies and generators")) read_entry(entry, scene);

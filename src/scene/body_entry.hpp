@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "scene/scene.hpp"
-#include "scene/value.hpp"
+#include "scene/shape_entry.hpp"
 
 namespace unibody {
 
@@ -30,11 +30,12 @@ Quat turn_to(const Vec3& n);
 
 // A quaternion [w, x, y, z] or a map with axis and angle (degrees).
 Quat read_orientation(const Value& value, const Scene& scene);
-
-Shape read_shape(const Value& value, const Scene& scene);
+Key orientation_key(const char* about);
 
 // A vector of a body; planar scenes have no component along y (or, for `rotation`, along y only).
 Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit, bool rotation = false);
+// The same of a key that must be there, in the unit that its table says.
+Vec3 read_vector(const KeyedMap& map, std::string_view name, const Scene& scene, bool rotation = false);
 
 // Mass and inertia of this shape must be numbers > 0; fails on `entry` where they overflow or vanish.
 void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape);
@@ -43,7 +44,11 @@ void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape
 void check_room(const Value& value, const Scene& scene, Id count, bool is_static = false);
 
 // All keys that an entry may have, of whatever kind it is.
-std::vector<std::string> body_keys();
+const Keys& body_keys();
+
+// Keys that entries of bodies, cloths, threads and solids have.
+Key name_key();
+Key material_key();
 
 // Reads the list `bodies` into scene.groups. Sections that it leans on (materials, planar) are read before.
 void read_bodies(const Value& list, Scene& scene);

@@ -3,89 +3,111 @@
 
 #include "meshes/weld.hpp"
 #include "scene/cloth_shape.hpp"
-#include "scene/weld_key.hpp"
+#include "scene/mesh_keys.hpp"
 
 namespace unibody {
 
 namespace {
 
-void read_mass(const Value& entry, ClothLaw& law) {
-  const Value *mass = entry.find("mass"), *per_area = entry.find("mass_per_area");
-  if (mass && per_area) per_area->fail(per_area->found() + " beside mass " + mass->found(), "only one of mass and mass_per_area");
-  if (!mass && !per_area) entry.fail_missing("mass", "a mass (kg) or a mass_per_area (kg/m^2)");
-  law.by_area = per_area != nullptr;
-  law.mass = mass ? mass->number(positive, "kg") : per_area->number(positive, "kg/m^2");
+const Keys& link_keys() {
+  static const Keys table = Keys{"links", "Links on the edges of a cloth.", spring_keys("N/m", "stiffness of each link")}.with(
+      {"", "", {keys::choice("diagonals", {"both", "alternating", "none"}, "both", "links across the cells of a grid")}});
+  return table;
+}
+
+const Keys& membrane_keys() {
+  static const Keys table{"membrane",
+                          "Triangles, a grid's with alternating diagonals, that resist stretch and shear.",
+                          {keys::number("youngs_modulus", "Pa", positive, needed, "Young's modulus"),
+                           keys::number("poissons_ratio", "", {-1, 1, true, true}, needed, "Poisson's ratio"),
+                           keys::number("damping", "s", not_negative, 0, "rho: a strain e is resisted as e + rho de/dt")}};
+  return table;
+}
+
+const Keys& area_keys() {
+  static const Keys table{
+      "area", "Triangles, a grid's with alternating diagonals, that resist a change of their area.",
+      spring_keys("N/m", "k: a triangle of area A pulls with a tension of k (A - A0) / A0, A0 its area at rest")};
+  return table;
+}
+
+const Keys& bending_keys() {
+  static const Keys table = Keys{
+      "bending",
+      "The resistance of a cloth to folding.",
+      {keys::choice(
+          "model", {"links", "dihedral"}, "links",
+          "links to the second neighbour along a grid's lines, or across the inner edges of a mesh; or the angles at "
+          "the inner edges")}}.with({"", "", spring_keys("N/m or N m/rad", "stiffness of each link, or of each angle")});
+  return table;
+}
+
+void read_mass(const KeyedMap& entry, ClothLaw& law) {
+  entry.only_one_of({"mass", "mass_per_area"});
+  law.by_area = entry.has("mass_per_area");
+  if (!law.by_area && !entry.has("mass")) entry.value().fail_missing("mass", "a mass (kg) or a mass_per_area (kg/m^2)");
+  law.mass = entry.number(law.by_area ? "mass_per_area" : "mass");
 }
 
 void read_links(const Value& value, bool grid, ClothLaw& law) {
-  value.map({"diagonals", "stiffness", "damping"});
-  law.links = read_spring(value, "N/m");
-  const Value* diagonals = value.find("diagonals");
-  if (!diagonals) return;
-  if (!grid) diagonals->fail_expected("no such key beside a mesh: its links are its edges");
-  law.diagonals = static_cast<Diagonals>(diagonals->choice({"both", "alternating", "none"}));
+  const KeyedMap map(value, link_keys());
+  law.links = read_spring(map);
+  if (!grid) map.none_of({"diagonals"}, "beside a mesh: its links are its edges");
+  law.diagonals = static_cast<Diagonals>(map.choice("diagonals"));
 }
 
 void read_membrane(const Value& value, double thickness, ClothLaw& law) {
-  value.map({"youngs_modulus", "poissons_ratio", "damping"});
-  Fabric fabric;
-  fabric.youngs_modulus = value.need("youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
-  fabric.poissons_ratio = value.need("poissons_ratio", "a number in (-1, 1)").number({-1, 1, true, true}, "");
-  fabric.thickness = thickness;
-  if (const Value* damping = value.find("damping")) fabric.damping = damping->number(not_negative, "s");
-  law.membrane = fabric;
+  const KeyedMap map(value, membrane_keys());
+  law.membrane = Fabric{map.number("youngs_modulus"), map.number("poissons_ratio"), thickness, map.number("damping")};
 }
 
 // Refused where something else says already what a triangle's area is.
 void read_area(const Value& value, bool grid, ClothLaw& law) {
-  value.map({"stiffness", "damping"});
+  const KeyedMap map(value, area_keys());
   if (law.membrane) value.fail("area beside a membrane", "no such key: a membrane resists changes of area itself");
   const bool all_sides = !grid || law.diagonals != Diagonals::none;
   if (all_sides && law.links->stiffness == 0)
     value.fail("area beside stiff links on all sides of the triangles",
                grid ? "links with a stiffness (N/m) or with diagonals: none" : "links with a stiffness (N/m)");
-  law.area = read_spring(value, "N/m");
+  law.area = read_spring(map);
 }
 
 void read_bending(const Value& value, ClothLaw& law) {
-  value.map({"model", "stiffness", "damping"});
-  Bending bending;
-  if (const Value* model = value.find("model")) bending.dihedral = model->choice({"links", "dihedral"}) == 1;
-  bending.spring = read_spring(value, bending.dihedral ? "N m/rad" : "N/m");
-  law.bending = bending;
+  const KeyedMap map(value, bending_keys());
+  law.bending = Bending{map.choice("model") == 1, read_spring(map)};
 }
 
-ClothLaw read_law(const Value& entry, double thickness) {
+ClothLaw read_law(const KeyedMap& entry, double thickness) {
   ClothLaw law;
   read_mass(entry, law);
-  const Value *links = entry.find("links"), *membrane = entry.find("membrane"), *bending = entry.find("bending");
-  if (links && membrane) membrane->fail("a membrane beside links", "only one of links and membrane");
-  if (links) read_links(*links, entry.find("grid") != nullptr, law);
+  entry.only_one_of({"links", "membrane"});
+  const Value *links = entry.find("links"), *membrane = entry.find("membrane");
+  if (links) read_links(*links, entry.has("grid"), law);
   if (membrane) read_membrane(*membrane, thickness, law);
   if (!links && !membrane) law.links = Spring{};
-  if (const Value* area = entry.find("area")) read_area(*area, entry.find("grid") != nullptr, law);
-  if (bending) read_bending(*bending, law);
+  if (const Value* area = entry.find("area")) read_area(*area, entry.has("grid"), law);
+  if (const Value* bending = entry.find("bending")) read_bending(*bending, law);
   return law;
 }
 
-MeshShape read_shape_of(const Value& entry, const ClothLaw& law, const Scene& scene) {
-  const Value *grid = entry.find("grid"), *mesh = entry.find("mesh"), *scale = entry.find("scale");
-  if (grid && mesh) mesh->fail("a mesh beside a grid", "only one of grid and mesh");
-  if (!grid && !mesh) entry.fail_missing("grid", "a map with size and nodes, or mesh: an OBJ or STL file");
-  if (grid && scale) scale->fail_expected("no such key beside a grid");
+MeshShape read_shape_of(const KeyedMap& entry, const ClothLaw& law, const Scene& scene) {
+  entry.only_one_of({"grid", "mesh"});
+  const Value *grid = entry.find("grid"), *mesh = entry.find("mesh");
+  if (!grid && !mesh) entry.value().fail_missing("grid", "a map with size and nodes, or mesh: an OBJ or STL file");
+  if (grid) entry.none_of({"scale"}, "beside a grid");
   const double share = read_weld(entry, "mesh");
-  return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, scale ? scale->number(positive, "") : 1, share, law, scene);
+  return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, entry.number("scale"), share, law, scene);
 }
 
-void check_node_mass(const Value& entry, const MeshShape& shape) {
+void check_node_mass(const KeyedMap& entry, const MeshShape& shape) {
   for (const char* key : {"mass", "mass_per_area"})
     if (const Value* amount = entry.find(key))
       if (!(shape.mass(0) > 0 && std::isfinite(shape.mass(0)))) amount->fail_expected("a finite mass > 0 of each node");
 }
 
-void read_cloth(const Value& entry, Scene& scene) {
-  entry.map(cloth_keys());
-  const double thickness = entry.need("thickness", "a number > 0 (m)").number(positive, "m");
+void read_cloth(const Value& value, Scene& scene) {
+  const KeyedMap entry(value, cloth_keys());
+  const double thickness = entry.number("thickness");
   const MeshShape shape = read_shape_of(entry, read_law(entry, thickness), scene);
   const Value* grid = entry.find("grid");
   check_room(grid ? *grid->find("nodes") : *entry.find("mesh"), scene, shape.count);
@@ -127,12 +149,25 @@ Constraint<Dihedral> angle_at_rest(const Spring& spring, double angle, double le
   return result;
 }
 
-std::vector<std::string> cloth_keys() {
-  std::vector<std::string> keys = node_keys;
-  for (const char* key : {"grid", "mesh", "scale", "weld", "mass", "mass_per_area", "thickness", "links", "membrane", "area",
-                          "bending", "self_collision", "drag"})
-    keys.emplace_back(key);
-  return keys;
+const Keys& cloth_keys() {
+  static const Keys table =
+      node_keys("cloth", "A cloth of particles and what lies between them.", "[i, j] of a grid or k of a mesh, from 0")
+          .with(
+              {"",
+               "",
+               {keys::map("grid", grid_keys, "a map with size and nodes", "a mesh", "a flat cloth"),
+                keys::text("mesh", "an OBJ or STL file", "a grid", "OBJ or STL file, its path from the scene's folder"),
+                keys::scale(), keys::weld(),
+                keys::number("mass", "kg", positive, "a mass_per_area", "mass of the whole, the same for each node"),
+                keys::number("mass_per_area", "kg/m^2", positive, "a mass",
+                             "mass by area: a node has its share of each cell or triangle at it"),
+                keys::number("thickness", "m", positive, needed, "thickness in contact, and of a membrane"),
+                keys::map("links", link_keys, "a map", "{}, without a membrane", "a link on each edge"),
+                keys::map("membrane", membrane_keys, "a map", "none",
+                          "triangles that resist stretch and shear; not beside links"),
+                keys::map("area", area_keys, "a map", "none", "triangles that resist a change of their area, beside links"),
+                keys::map("bending", bending_keys, "a map", "none", "resistance to folding"), self_collision_key(), drag_key()}});
+  return table;
 }
 
 void read_cloths(const Value& list, Scene& scene) {

@@ -29,6 +29,7 @@ struct ClothLaw {
   std::optional<Bending> bending;
 };
 
+const Keys& grid_keys();
 MeshShape grid_cloth(const Value& grid, const ClothLaw& law);
 MeshShape mesh_cloth(const Value& file, double scale, double weld_share, const ClothLaw& law, const Scene& scene);
 

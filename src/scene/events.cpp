@@ -12,31 +12,44 @@ namespace {
 
 using Action = Event::Action;
 
-ColumnCondition read_condition(const Value& when) {
+const Keys& when_keys() {
+  static const Keys table{
+      "when",
+      "A time, or a column of report.csv that passes a value.",
+      {keys::number("time", "s", not_negative, "a column",
+                    "it happens at the start of the first frame that begins then or later"),
+       keys::text("column", "the name of a column of report.csv, as kinetic_energy", "a time",
+                  "the column, with or without its unit"),
+       keys::number("below", "", any_number, "above", "it happens once, after the first frame in which the column is less"),
+       keys::number("above", "", any_number, "below", "it happens once, after the first frame in which the column is greater"),
+       keys::number("after", "s", not_negative, 0, "frames up to this time do not count")}};
+  return table;
+}
+
+ColumnCondition read_condition(const KeyedMap& when) {
   ColumnCondition condition;
-  const Value& column = when.need("column", "the name of a column of report.csv, as kinetic_energy");
-  condition.column = column.string("the name of a column of report.csv, as kinetic_energy");
+  const Value& column = when.need("column");
+  condition.column = column.string(when.key("column").words);
   condition.place = *column.origin + (column.line > 0 ? ":" + std::to_string(column.line) : "") + ": key '" + column.key + "'";
   const Value *below = when.find("below"), *above = when.find("above");
-  if (below && above) above->fail("above beside below", "only one of them");
-  if (!below && !above) when.fail_missing("below", "a number, or above: one");
+  when.only_one_of({"below", "above"});
+  if (!below && !above) when.value().fail_missing("below", "a number, or above: one");
   condition.above = above != nullptr;
   condition.value = (above ? above : below)->number(any_number, "in the unit of the column");
-  if (const Value* after = when.find("after")) condition.after = after->number(not_negative, "s");
+  condition.after = when.number("after");
   return condition;
 }
 
-void read_when(const Value& when, Event& event) {
-  if (when.kind != Value::Kind::map) when.fail_expected("a map with time, or with column and below or above");
-  when.map({"time", "column", "below", "above", "after"});
-  const Value* time = when.find("time");
-  if (!time) {
+void read_when(const Value& value, Event& event) {
+  if (value.kind != Value::Kind::map) value.fail_expected(event_keys().at("when").words);
+  const KeyedMap when(value, when_keys());
+  if (!when.has("time")) {
     event.when = read_condition(when);
     return;
   }
   for (const char* key : {"column", "below", "above", "after"})
     if (const Value* other = when.find(key)) other->fail(std::string(key) + " beside time", "a time, or a column");
-  event.time = time->number(not_negative, "s");
+  event.time = when.number("time");
 }
 
 // Whether a joint holds a body of the group, or a node is held by one or tied to one.
@@ -82,8 +95,8 @@ void for_each_name(const Value& value, Read&& read) {
   for (const Value& name : value.list("names")) read(name);
 }
 
-void read_motors(const Value& entry, const Scene& scene, Event& event) {
-  for_each_name(entry.need("joints", "the name of a joint, or a list of names"), [&](const Value& value) {
+void read_motors(const KeyedMap& entry, const Scene& scene, Event& event) {
+  for_each_name(entry.need("joints"), [&](const Value& value) {
     const std::string name = value.string("the name of a joint");
     const auto named = scene.joints_named.find(name);
     if (named == scene.joints_named.end()) {
@@ -108,30 +121,28 @@ void read_motors(const Value& entry, const Scene& scene, Event& event) {
   for (const char* other : {"speed", "angle", "offset"})
     if (const Value* given = entry.find(other); given && std::string(other) != key)
       given->fail(std::string(other) + " of a motor that has " + key, std::string("the key ") + key + " (" + unit + ")");
-  const Value& target = entry.need(key, "a number, or values in time that count from the event (" + unit + ")");
+  const Value& target = entry.value().need(key, "a number, or values in time that count from the event (" + unit + ")");
   event.value = unit == "degrees" ? read_in_time(target, {-180, 180}, unit, M_PI / 180) : read_in_time(target, any_number, unit);
 }
 
-void read_friction(const Value& entry, Scene& scene, Event& event) {
-  const Value& between = entry.need("between", "a list of 2 materials");
-  if (between.kind != Value::Kind::list || between.entries.size() != 2) between.fail_expected("a list of 2 materials");
+void read_friction(const KeyedMap& entry, Scene& scene, Event& event) {
+  const Value& between = entry.need("between");
+  if (between.kind != Value::Kind::list || between.entries.size() != 2) between.fail_expected(entry.key("between").words);
   for (std::size_t k = 0; k < 2; ++k) event.materials[k] = static_cast<int>(between.entries[k].choice(scene.materials));
-  const Value& friction = entry.need("friction", "a number >= 0, or values in time that count from the event");
-  event.value = read_in_time(friction, not_negative, "");
+  event.value = read_in_time(entry, "friction");
 }
 
 // What each action needs to be told beside `do` and `when`.
 struct ActionType {
   const char* name;
   std::vector<std::string> keys;
-  void (*read)(const Value& entry, Scene& scene, Event& event);
+  void (*read)(const KeyedMap& entry, Scene& scene, Event& event);
 };
 
-void read_nothing(const Value&, Scene&, Event&) {}
+void read_nothing(const KeyedMap&, Scene&, Event&) {}
 
-void read_groups(const Value& entry, Scene& scene, Event& event) {
-  for_each_name(entry.need("bodies", "the name of an entry of bodies, or a list of names"),
-                [&](const Value& name) { event.groups.push_back(read_group(name, scene, event.action)); });
+void read_groups(const KeyedMap& entry, Scene& scene, Event& event) {
+  for_each_name(entry.need("bodies"), [&](const Value& name) { event.groups.push_back(read_group(name, scene, event.action)); });
 }
 
 // In the order of Event::Action.
@@ -144,23 +155,21 @@ const std::array<ActionType, 7>& action_types() {
        {"release", {"bodies"}, read_groups},
        {"motor",
         {"joints", "speed", "angle", "offset"},
-        [](const Value& entry, Scene& scene, Event& event) { read_motors(entry, scene, event); }},
+        [](const KeyedMap& entry, Scene& scene, Event& event) { read_motors(entry, scene, event); }},
        {"friction", {"between", "friction"}, read_friction}}};
   return types;
 }
 
-void read_event(const Value& entry, Scene& scene) {
-  entry.map(event_keys());
-  std::vector<std::string> names;
-  for (const ActionType& type : action_types()) names.emplace_back(type.name);
-  const std::size_t action = entry.need("do", one_of(names)).choice(names);
+void read_event(const Value& value, Scene& scene) {
+  const KeyedMap entry(value, event_keys());
+  const std::size_t action = entry.choice("do");
   const ActionType& type = action_types()[action];
-  for (const auto& [key, value] : entry.children)
+  for (const auto& [key, child] : value.children)
     if (key != "do" && key != "when" && std::ranges::find(type.keys, key) == type.keys.end())
-      value.fail(key + " beside do: " + type.name, type.keys.empty() ? "no such key" : "the keys " + one_of(type.keys));
+      child.fail(key + " beside do: " + type.name, type.keys.empty() ? "no such key" : "the keys " + one_of(type.keys));
   Event event;
   event.action = static_cast<Action>(action);
-  read_when(entry.need("when", "a map with time, or with column and below or above"), event);
+  read_when(entry.need("when"), event);
   type.read(entry, scene, event);
   scene.events.push_back(std::move(event));
 }
@@ -180,12 +189,30 @@ void check_starts(const Value& root, const Scene& scene) {
   }
 }
 
-std::vector<std::string> event_keys() {
-  std::vector<std::string> keys{"do", "when"};
-  for (const ActionType& type : action_types())
-    for (const std::string& key : type.keys)
-      if (std::ranges::find(keys, key) == keys.end()) keys.push_back(key);
-  return keys;
+const Keys& event_keys() {
+  const auto name_or_names = [] { return keys::any_of({keys::of_type("string"), keys::list_of(keys::of_type("string"))}); };
+  std::vector<std::string> actions;
+  for (const ActionType& type : action_types()) actions.emplace_back(type.name);
+  static const Keys table{
+      "event",
+      "What happens once, at the start of a frame.",
+      {keys::choice("do", actions, needed, "what happens"),
+       keys::map("when", when_keys, "a map with time, or with column and below or above", needed, "when it happens"),
+       keys::other("bodies", "", "the name of an entry of bodies, or a list of names", "needed by add, remove, fix and release",
+                   "the bodies that are added, removed, fixed or released", name_or_names),
+       keys::other("joints", "", "the name of a joint, or a list of names", "needed by motor", "the joints whose motors change",
+                   name_or_names),
+       keys::number_in_time("speed", "rad/s or m/s", any_number, "as the motor has",
+                            "new speed of the motors; times count from the event"),
+       keys::number_in_time("angle", "degrees", {-180, 180}, "as the motor has",
+                            "new angle of the motors; times count from the event"),
+       keys::number_in_time("offset", "m", any_number, "as the motor has",
+                            "new offset of the motors; times count from the event"),
+       keys::other("between", "", "a list of 2 materials", "needed by friction", "the materials whose friction changes",
+                   [] { return keys::list_of(keys::of_type("string"), 2); }),
+       keys::number_in_time("friction", "", not_negative, "needed by friction",
+                            "their new coefficient of friction; times count from the event")}};
+  return table;
 }
 
 void read_events(const Value& list, Scene& scene) {

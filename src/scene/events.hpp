@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
+#include "scene/key.hpp"
 #include "scene/scene.hpp"
-#include "scene/value.hpp"
 
 namespace unibody {
 
 // Reads the list `events` into scene.events. All that events may be about is read before.
 void read_events(const Value& list, Scene& scene);
 
-std::vector<std::string> event_keys();
+const Keys& event_keys();
 
 // Refuses a scene with bodies that wait for an event that never comes.
 void check_starts(const Value& root, const Scene& scene);

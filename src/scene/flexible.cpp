@@ -9,22 +9,36 @@ Body Nodes::at(const Vec3& place, double mass) const {
   return make_body(own, particle.properties.shape, position + orientation * place);
 }
 
-Spring read_spring(const Value& map, const std::string& unit) {
-  Spring spring;
-  if (const Value* stiffness = map.find("stiffness")) spring.stiffness = stiffness->number(positive, unit);
-  if (const Value* damping = map.find("damping")) spring.damping = damping->number(not_negative, "s");
-  return spring;
+Spring read_spring(const KeyedMap& map) { return {map.number_if("stiffness").value_or(0), map.number("damping")}; }
+
+std::vector<Key> spring_keys(const char* unit, const char* of_what) {
+  return {keys::number("stiffness", unit, positive, "stiff", of_what),
+          keys::number("damping", "s", not_negative, 0, "rho: an error c is resisted as c + rho dc/dt")};
 }
 
-Nodes read_nodes(const Value& entry, double radius, const Scene& scene) {
+Keys node_keys(const char* name, const char* about, const char* pinned_node) {
+  return {name,
+          about,
+          {name_key(), keys::vector("position", "m", "[0, 0, 0]", "where the origin of its frame is"),
+           orientation_key("how its frame is turned"),
+           keys::vector("velocity", "m/s", "[0, 0, 0]", "velocity of all nodes at the start"), material_key(),
+           pins_key(pinned_node)}};
+}
+
+Key self_collision_key() { return keys::flag("self_collision", false, "it touches itself"); }
+Key drag_key() {
+  return keys::number("drag", "", not_negative, 0, "coefficient of the air's drag along the normals of the triangles; 0: none");
+}
+
+Nodes read_nodes(const KeyedMap& entry, double radius, const Scene& scene) {
   Nodes nodes;
   nodes.particle.properties.shape = {ShapeKind::particle, Vec3(radius, 0, 0)};
   nodes.particle.properties.group = static_cast<std::int32_t>(scene.constraint_groups.size());
-  nodes.line = entry.line;
+  nodes.line = entry.value().line;
   if (const Value* name = entry.find("name")) nodes.name = name->string("a name");
-  if (const Value* value = entry.find("position")) nodes.position = read_vector(*value, scene, "m");
+  if (entry.has("position")) nodes.position = read_vector(entry, "position", scene);
   if (const Value* value = entry.find("orientation")) nodes.orientation = read_orientation(*value, scene);
-  if (const Value* value = entry.find("velocity")) nodes.particle.velocity = read_vector(*value, scene, "m/s");
+  if (entry.has("velocity")) nodes.particle.velocity = read_vector(entry, "velocity", scene);
   if (const Value* value = entry.find("material"))
     nodes.particle.properties.material = static_cast<std::int32_t>(value->choice(scene.materials));
   return nodes;
@@ -47,7 +61,7 @@ Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(I
   return first;
 }
 
-void add_surface(const Value& entry, Scene& scene, const std::string& name, Id first, const MeshShape& shape) {
+void add_surface(const KeyedMap& entry, Scene& scene, const std::string& name, Id first, const MeshShape& shape) {
   Surface& surface = scene.surfaces.emplace_back();
   surface.name = name, surface.count = shape.triangle_count;
   surface.cell = [first, triangle = shape.triangle](Id t) {
@@ -69,8 +83,7 @@ void add_surface(const Value& entry, Scene& scene, const std::string& name, Id f
     for (Id& id : ids) id += first;
     return ids;
   };
-  if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
-  if (const Value* drag = entry.find("drag")) surface.drag = drag->number(not_negative, "");
+  surface.self_collision = entry.flag("self_collision"), surface.drag = entry.number("drag");
 }
 
 }  // namespace unibody

@@ -11,9 +11,9 @@ void read_threads(const Value& list, Scene& scene);
 void read_solids(const Value& list, Scene& scene);
 
 // All keys that an entry of these may have.
-std::vector<std::string> cloth_keys();
-std::vector<std::string> thread_keys();
-std::vector<std::string> solid_keys();
+const Keys& cloth_keys();
+const Keys& thread_keys();
+const Keys& solid_keys();
 
 // What they have in common: the particles, where they are and how they start.
 struct Nodes {
@@ -33,19 +33,25 @@ struct Spring {
   double damping = 0;
   double compliance() const { return stiffness > 0 ? 1 / stiffness : 0; }
 };
-Spring read_spring(const Value& map, const std::string& unit);
+// The keys stiffness and damping of a map.
+Spring read_spring(const KeyedMap& map);
+std::vector<Key> spring_keys(const char* unit, const char* of_what);
 
-inline const std::vector<std::string> node_keys{"name", "position", "orientation", "velocity", "material", "pins"};
-Nodes read_nodes(const Value& entry, double radius, const Scene& scene);
+// The keys that cloths, threads and solids have, and those of their surfaces, of which a thread has the first alone.
+Keys node_keys(const char* name, const char* about, const char* pinned_node);
+Key self_collision_key();
+Key drag_key();
+Nodes read_nodes(const KeyedMap& entry, double radius, const Scene& scene);
 
 // Adds the nodes as bodies first .. first + count - 1, with their constraints; returns the first id.
 Id add_flexible(Scene& scene, const Nodes& nodes, Id count, std::function<Body(Id)> make,
                 std::function<void(Id first, Id node, ConstraintSet& out)> touching,
                 std::function<Id(Id node)> patch = patch_by_number);
 
+Key pins_key(const char* node);
 // Reads `pins` of a flexible body whose nodes are bodies first .. first + count - 1, the last ones so far, where the entry has
 // it: a list of {node: ..., to: body, release: s} or {near: [x, y, z], ...}. `number(value)` reads a node as the entry names it.
-void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number);
+void read_pins(const KeyedMap& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number);
 
 // What lies between the nodes of a cloth or solid, whatever it was made from: pure functions, nodes numbered from 0, places (m)
 // in the entry's frame.
@@ -71,8 +77,9 @@ struct Part {
   bool holds(const Vec3& x) const;
 };
 Part read_part(const Value& value, const Scene& scene);
+Key within_key(const Without& without, const char* about);
 
 // Adds the surface of a shape whose nodes are bodies from `first` on, with the entry's self_collision and drag.
-void add_surface(const Value& entry, Scene& scene, const std::string& name, Id first, const MeshShape& shape);
+void add_surface(const KeyedMap& entry, Scene& scene, const std::string& name, Id first, const MeshShape& shape);
 
 }  // namespace unibody

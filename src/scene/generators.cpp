@@ -12,20 +12,6 @@ namespace unibody {
 
 namespace {
 
-constexpr Id most_bodies = 1'000'000'000'000;
-
-Id read_count(const Value& map) { return map.need("count", "an integer >= 1").integer(1, most_bodies); }
-
-std::uint64_t read_seed(const Value& map) {
-  const Value* seed = map.find("seed");
-  return seed ? static_cast<std::uint64_t>(seed->integer(0)) : 1;
-}
-
-double read_optional(const Value& map, const char* key, double otherwise, const Range& range, const std::string& unit) {
-  const Value* value = map.find(key);
-  return value ? value->number(range, unit) : otherwise;
-}
-
 // The place of body k in layers of nx x ny, x first.
 struct Cells {
   Id nx = 1, ny = 1;
@@ -34,12 +20,10 @@ struct Cells {
   Id z(Id k) const { return k / (nx * ny); }
 };
 
-Cells read_columns(const Value& map, const Scene& scene) {
-  const Value& columns = map.need("columns", "a list of 2 integers >= 1");
-  if (columns.kind != Value::Kind::list || columns.entries.size() != 2) columns.fail_expected("a list of 2 integers >= 1");
-  const Cells cells{columns.entries[0].integer(1, 1'000'000), columns.entries[1].integer(1, 1'000'000)};
-  if (scene.planar && cells.ny != 1) columns.fail_expected("1 as the second of two integers (planar scene)");
-  return cells;
+Cells read_columns(const KeyedMap& map, const Scene& scene) {
+  const auto [nx, ny] = map.integers<2>("columns");
+  if (scene.planar && ny != 1) map.need("columns").fail_expected("1 as the second of two integers (planar scene)");
+  return {nx, ny};
 }
 
 double centred(Id i, Id n) { return static_cast<double>(i) - static_cast<double>(n - 1) / 2; }
@@ -72,18 +56,29 @@ struct Lattice {
   }
 };
 
+const Keys& lattice_keys() {
+  static const Keys table{
+      "lattice",
+      "Bodies in layers of columns, which may stand and lie at random by a little.",
+      {keys::count("bodies"), keys::columns(needed),
+       keys::numbers("spacing", 3, "m", positive, needed, "from a body to the next along x, y and z"),
+       keys::number("height", "m", any_number, 0, "height of the centres of the lowest layer"),
+       keys::number("jitter", "m", not_negative, 0, "the most by which a body is off its place along each axis"),
+       keys::number("rotation_jitter", "rad", not_negative, 0, "the most by which a body is turned about each axis"),
+       keys::seed("state of the random numbers before the first of them")}};
+  return table;
+}
+
 Generated read_lattice(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"count", "columns", "spacing", "height", "jitter", "rotation_jitter", "seed"});
+  const KeyedMap map(value, lattice_keys());
   Lattice lattice;
-  lattice.cells = read_columns(value, scene);
-  lattice.spacing = value.need("spacing", "a list of 3 numbers > 0 (m)").vector(positive, "m");
-  lattice.height = read_optional(value, "height", 0, any_number, "m");
-  lattice.jitter = read_optional(value, "jitter", 0, not_negative, "m");
-  lattice.turn = read_optional(value, "rotation_jitter", 0, not_negative, "rad");
-  lattice.seed = read_seed(value);
+  lattice.cells = read_columns(map, scene);
+  lattice.spacing = map.vector("spacing");
+  lattice.height = map.number("height"), lattice.jitter = map.number("jitter"), lattice.turn = map.number("rotation_jitter");
+  lattice.seed = static_cast<std::uint64_t>(map.integer("seed"));
   lattice.planar = scene.planar;
   lattice.body = body;
-  return {read_count(value), lattice};
+  return {map.integer("count"), lattice};
 }
 
 struct Pile {
@@ -107,16 +102,26 @@ struct Pile {
   }
 };
 
+const Keys& pile_keys() {
+  static const Keys table{
+      "pile",
+      "Bodies of many shapes and sizes in layers of cubic cells, none of which overlap, each turned at random.",
+      {keys::count("bodies"), keys::columns(needed), mix_key(),
+       keys::number("gap", "m", not_negative, 0, "least distance of two bodies"),
+       keys::seed("number that gives the random numbers")}};
+  return table;
+}
+
 Generated read_pile(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"count", "columns", "mix", "gap", "seed"});
+  const KeyedMap map(value, pile_keys());
   Pile pile;
-  pile.cells = read_columns(value, scene);
-  pile.mix = Mix::read(value.need("mix", "a list of shapes with share and scale"), body, scene);
-  pile.edge = 2 * pile.mix.largest_radius() + read_optional(value, "gap", 0, not_negative, "m");
-  pile.seed = read_seed(value);
+  pile.cells = read_columns(map, scene);
+  pile.mix = Mix::read(map.need("mix"), body, scene);
+  pile.edge = 2 * pile.mix.largest_radius() + map.number("gap");
+  pile.seed = static_cast<std::uint64_t>(map.integer("seed"));
   pile.planar = scene.planar;
   pile.body = body;
-  return {read_count(value), pile};
+  return {map.integer("count"), pile};
 }
 
 // Courses of n bricks, and of n - 1 bricks between two halves, in turn: joints don't run through, the ends are straight.
@@ -139,19 +144,30 @@ struct Wall {
   }
 };
 
+const Keys& wall_keys() {
+  static const Keys table{
+      "wall",
+      "Bricks, which are boxes, in courses, every second one off by half a brick between two half bricks.",
+      {keys::integer("bricks", 1, 1'000'000, needed, "bricks of the first course, and of every second one after it"),
+       keys::integer("courses", 1, 1'000'000, needed, "layers of bricks"),
+       keys::number("gap", "m", not_negative, 0, "between the bricks of a course; less than a brick's length"),
+       keys::number("course_gap", "m", not_negative, 0, "between two courses")}};
+  return table;
+}
+
 Generated read_wall(const Value& value, const BodyTemplate& body, const Scene&) {
-  value.map({"bricks", "courses", "gap", "course_gap"});
+  const KeyedMap map(value, wall_keys());
   Wall wall;
   if (body.properties.shape.kind != ShapeKind::box) value.fail("bricks that aren't boxes", "shape: {box: ...}");
   if (body.inertia) value.fail("an inertia", "none, since a wall has half bricks too");
   const double brick_length = 2 * body.properties.shape.size.x();
-  wall.length = value.need("bricks", "an integer >= 1").integer(1, 1'000'000);
-  wall.gap = read_optional(value, "gap", 0, {0, brick_length, false, true}, "m");
-  wall.course_gap = read_optional(value, "course_gap", 0, not_negative, "m");
+  wall.length = map.integer("bricks");
+  wall.gap = map.has("gap") ? map.need("gap").number({0, brick_length, false, true}, "m") : 0;
+  wall.course_gap = map.number("course_gap");
   wall.brick = wall.half = body;
   wall.half.properties.shape.size.x() = 0.25 * (brick_length - wall.gap);
   if (body.mass) wall.half.mass = *body.mass * 2 * wall.half.properties.shape.size.x() / brick_length;
-  const Id courses = value.need("courses", "an integer >= 1").integer(1, 1'000'000);
+  const Id courses = map.integer("courses");
   return {courses / 2 * (2 * wall.length + 1) + courses % 2 * wall.length, wall};
 }
 
@@ -166,14 +182,23 @@ struct Stack {
   }
 };
 
+const Keys& stack_keys() {
+  static const Keys table{"stack",
+                          "Bodies above each other, the lowest on the height of the entry's position.",
+                          {keys::count("bodies"), keys::number("gap", "m", not_negative, 0, "between two bodies"),
+                           keys::list("offsets", "m", "a list of a number for each body", "all 0", "of each body along x",
+                                      [] { return keys::of_type("number"); })}};
+  return table;
+}
+
 Generated read_stack(const Value& value, const BodyTemplate& body, const Scene&) {
-  value.map({"count", "gap", "offsets"});
+  const KeyedMap map(value, stack_keys());
   const Shape& shape = body.properties.shape;
-  const Id count = read_count(value);
+  const Id count = map.integer("count");
   Stack stack;
   stack.height = 2 * (is_round(shape) ? shape.size.x() : shape.size.z());
-  stack.gap = read_optional(value, "gap", 0, not_negative, "m");
-  if (const Value* offsets = value.find("offsets"))
+  stack.gap = map.number("gap");
+  if (const Value* offsets = map.find("offsets"))
     stack.offsets = offsets->numbers(static_cast<std::size_t>(count), any_number, "m, along x");
   stack.body = body;
   return {count, stack};
@@ -190,14 +215,34 @@ Generated read_points(const Value& value, const BodyTemplate& body, const Scene&
 
 }  // namespace
 
+namespace keys {
+
+Key count(const char* what, Id most) { return integer("count", 1, most, needed, what); }
+Key columns(const Without& without) {
+  return integers("columns", 2, 1, 1'000'000, without, "columns along x and along y, of which a layer is made");
+}
+Key seed(const char* about) { return integer("seed", 0, std::int64_t{1} << 53, 1, about); }
+
+}  // namespace keys
+
 const std::vector<GeneratorType>& generator_types() {
+  const auto key = [](const char* name, KeysOf table, const char* about) {
+    return keys::map(name, table, "a map", "none", about);
+  };
   static const std::vector<GeneratorType> types{
-      {"points", Takes::shape, read_points},   {"stack", Takes::shape, read_stack},
-      {"wall", Takes::shape, read_wall},       {"lattice", Takes::shape, read_lattice},
-      {"pile", Takes::no_shape, read_pile},    {"container", Takes::nothing, read_container},
-      {"hopper", Takes::nothing, read_hopper}, {"chain", Takes::shape, read_chain},
-      {"tree", Takes::no_shape, read_tree},    {"ragdolls", Takes::no_shape, read_ragdolls},
-      {"inlet", Takes::no_shape, read_inlet},
+      {keys::list("points", "m", "a list of points", "none", "generates a body at each of these points",
+                  [] { return keys::list_of(keys::of_type("number"), 3); }),
+       Takes::shape, read_points},
+      {key("stack", stack_keys, "generates bodies above each other"), Takes::shape, read_stack},
+      {key("wall", wall_keys, "generates courses of bricks"), Takes::shape, read_wall},
+      {key("lattice", lattice_keys, "generates layers of columns"), Takes::shape, read_lattice},
+      {key("pile", pile_keys, "generates bodies of many shapes and sizes"), Takes::no_shape, read_pile},
+      {key("container", container_keys, "generates walls, and a floor"), Takes::nothing, read_container},
+      {key("hopper", hopper_keys, "generates inclined boards with an opening below"), Takes::nothing, read_hopper},
+      {key("chain", chain_keys, "generates links in a line, jointed one to the next"), Takes::shape, read_chain},
+      {key("tree", tree_keys, "generates links that branch at their ends"), Takes::no_shape, read_tree},
+      {key("ragdolls", ragdolls_keys, "generates figures of eleven parts"), Takes::no_shape, read_ragdolls},
+      {key("inlet", inlet_keys, "generates bodies that come in while the scene runs"), Takes::no_shape, read_inlet},
   };
   return types;
 }

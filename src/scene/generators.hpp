@@ -16,12 +16,21 @@ struct Generated {
 enum class Takes { shape, no_shape, nothing };  // of the template: all of it; all but the shape; neither (static parts)
 
 struct GeneratorType {
-  const char* key;
+  Key key;
   Takes takes;
   Generated (*read)(const Value& value, const BodyTemplate& body, const Scene& scene);
 };
 
-Generated read_inlet(const Value& value, const BodyTemplate& body, const Scene& scene);  // inlets.cpp
+// Of generators in files of their own.
+Generated read_inlet(const Value& value, const BodyTemplate& body, const Scene& scene);
+const Keys& inlet_keys();
+
+// Keys that several generators have.
+namespace keys {
+Key count(const char* what, Id most = 1'000'000'000'000);
+Key columns(const Without& without);
+Key seed(const char* about);
+}  // namespace keys
 
 // The list of all generators: a new one is one function and one line there.
 const std::vector<GeneratorType>& generator_types();

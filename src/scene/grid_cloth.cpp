@@ -150,18 +150,25 @@ class GridConstraints {
 };
 
 void read_grid(const Value& grid, GridCloth& cloth) {
-  grid.map({"size", "nodes"});
-  const auto size = grid.need("size", "a list of 2 numbers > 0 (m)").numbers(2, positive, "m");
-  const Value& nodes = grid.need("nodes", "a list of 2 integers >= 2");
-  if (nodes.kind != Value::Kind::list || nodes.entries.size() != 2) nodes.fail_expected("a list of 2 integers >= 2");
+  const KeyedMap map(grid, grid_keys());
+  const auto size = map.numbers("size");
+  const auto nodes = map.integers<2>("nodes");
   cloth.width = size[0], cloth.depth = size[1];
-  cloth.nx = nodes.entries[0].integer(2, 1'000'000), cloth.ny = nodes.entries[1].integer(2, 1'000'000);
+  cloth.nx = nodes[0], cloth.ny = nodes[1];
 }
 
 // Nodes along a patch: at most 16, and less of a small cloth, so that there are a thousand patches to cut it evenly by.
 Id side_of_patches(Id nodes) { return std::clamp(static_cast<Id>(std::sqrt(static_cast<double>(nodes) / 1000)), Id{1}, Id{16}); }
 
 }  // namespace
+
+const Keys& grid_keys() {
+  static const Keys table{"grid",
+                          "A flat cloth of nodes in rows, its middle at the cloth's position.",
+                          {keys::numbers("size", 2, "m", positive, needed, "widths along x and y"),
+                           keys::integers("nodes", 2, 2, 1'000'000, needed, "nodes along x and y")}};
+  return table;
+}
 
 MeshShape grid_cloth(const Value& grid, const ClothLaw& law) {
   GridCloth cloth;

@@ -9,7 +9,29 @@ namespace unibody {
 
 namespace {
 
-const std::vector<std::string> betweens{"linear", "steps", "smooth"};
+const Keys& sine_keys() {
+  static const Keys table{
+      "sine",
+      "A sine of the time, in the unit of the value that it stands for: mean + amplitude sin(2 pi frequency t "
+      "+ phase).",
+      {keys::number("amplitude", "", any_number, needed, "the most that the value is above its mean"),
+       keys::number("frequency", "Hz", not_negative, needed, "periods in a second"),
+       keys::number("phase", "degrees", any_number, 0, "phase at time 0"),
+       keys::number("mean", "", any_number, 0, "the middle value")}};
+  return table;
+}
+
+Json row_schema() { return keys::list_of(keys::of_type("number")); }
+
+Keys table_keys(const char* name, const char* about, const char* row, const Without& without) {
+  return {name,
+          about,
+          {keys::list("table", "", row, without, "rows of a time (s), later than that of the row before, and what holds then",
+                      row_schema),
+           keys::choice("between", {"linear", "steps", "smooth"}, "linear",
+                        "what holds between two rows: a line; the value of the row before; a curve without slope at the rows"),
+           keys::flag("periodic", false, "the table begins anew after its last row")}};
+}
 
 std::string in_unit(const std::string& unit) { return unit.empty() ? "" : " (" + unit + ")"; }
 
@@ -33,13 +55,9 @@ struct Law {
   bool periodic = false;
 };
 
-Law read_law(const Value& map, const std::vector<std::vector<double>>& rows) {
-  Law law;
-  if (const Value* between = map.find("between")) law.between = static_cast<TimeValue::Between>(between->choice(betweens));
-  if (const Value* periodic = map.find("periodic")) {
-    law.periodic = periodic->boolean();
-    if (law.periodic && rows.size() < 2) periodic->fail("a periodic table of one row", "two rows or more");
-  }
+Law read_law(const KeyedMap& map, const std::vector<std::vector<double>>& rows) {
+  const Law law{static_cast<TimeValue::Between>(map.choice("between")), map.flag("periodic")};
+  if (law.periodic && rows.size() < 2) map.find("periodic")->fail("a periodic table of one row", "two rows or more");
   return law;
 }
 
@@ -52,38 +70,73 @@ TimeValue column(const std::vector<std::vector<double>>& rows, std::size_t k, co
 }
 
 TimeValue read_sine(const Value& sine, const Range& range, const std::string& unit, double factor) {
-  sine.map({"amplitude", "frequency", "phase", "mean"});
+  const KeyedMap map(sine, sine_keys());
   const double amplitude = sine.need("amplitude", "a number" + in_unit(unit)).number(any_number, unit);
-  const double frequency = sine.need("frequency", "a number >= 0 (Hz)").number(not_negative, "Hz");
-  const Value *phase = sine.find("phase"), *mean = sine.find("mean");
-  const double middle = mean ? mean->number(any_number, unit) : 0;
+  const double middle = map.has("mean") ? map.need("mean").number(any_number, unit) : 0;
   for (const double extreme : {middle - amplitude, middle + amplitude})
     if (!range.contains(extreme)) sine.fail_expected("a sine whose values are all" + range.text() + in_unit(unit));
-  return TimeValue::sine(factor * middle, factor * amplitude, frequency,
-                         phase ? phase->number(any_number, "degrees") * (M_PI / 180) : 0);
+  return TimeValue::sine(factor * middle, factor * amplitude, map.number("frequency"), map.number("phase") * (M_PI / 180));
+}
+
+const Keys& value_in_time_keys() {
+  static const Keys table =
+      table_keys("value_in_time", "A value that changes with the time: a table or a sine.", "rows [time (s), value]", "a sine")
+          .with({"", "", {keys::map("sine", sine_keys, "a map with amplitude and frequency", "a table", "a sine of the time")}});
+  return table;
+}
+
+const Keys& vector_in_time_keys() {
+  static const Keys table =
+      table_keys("vector_in_time", "A vector that changes with the time.", "rows [time (s), x, y, z]", needed);
+  return table;
 }
 
 }  // namespace
 
+namespace keys {
+
+Key number_in_time(const char* name, const char* unit, const Range& range, const Without& without, const char* about) {
+  Key key = number(name, unit, range, without, about);
+  key.maps = {value_in_time_keys};
+  key.schema = [range] { return any_of({of_range(range), list_of(row_schema()), reference_to(value_in_time_keys)}); };
+  return key;
+}
+
+Key vector_in_time(const char* name, const char* unit, const Without& without, const char* about) {
+  const auto schema = [] {
+    const Json component = any_of({of_type("number"), list_of(row_schema()), reference_to(value_in_time_keys)});
+    return any_of({list_of(component, 3), reference_to(vector_in_time_keys)});
+  };
+  return other(name, unit, "a list of 3 numbers, or of values in time, or a table", without, about, schema,
+               {value_in_time_keys, vector_in_time_keys});
+}
+
+}  // namespace keys
+
 TimeValue read_in_time(const Value& value, const Range& range, const std::string& unit, double factor) {
   if (value.kind == Value::Kind::list) return column(read_rows(value, 1, range, unit), 1, {}, factor);
   if (value.kind != Value::Kind::map) return factor * value.number(range, unit);
-  value.map({"table", "between", "periodic", "sine"});
-  if (const Value* sine = value.find("sine")) {
+  const KeyedMap map(value, value_in_time_keys());
+  if (const Value* sine = map.find("sine")) {
     for (const char* key : {"table", "between", "periodic"})
-      if (const Value* other = value.find(key)) other->fail(std::string(key) + " beside a sine", "only a sine, or a table");
+      if (const Value* other = map.find(key)) other->fail(std::string(key) + " beside a sine", "only a sine, or a table");
     return read_sine(*sine, range, unit, factor);
   }
   const auto rows = read_rows(value.need("table", "rows [time (s), value" + in_unit(unit) + "], or sine"), 1, range, unit);
-  return column(rows, 1, read_law(value, rows), factor);
+  return column(rows, 1, read_law(map, rows), factor);
+}
+
+TimeValue read_in_time(const KeyedMap& map, std::string_view name, double factor) {
+  const Key& key = map.key(name);
+  return read_in_time(map.need(name), key.range, key.unit, factor);
 }
 
 TimeVector read_vector_in_time(const Value& value, const std::string& unit) {
   TimeVector vector;
   if (value.kind == Value::Kind::map) {
-    value.map({"table", "between", "periodic"});
+    const KeyedMap map(value, vector_in_time_keys());
     const auto rows = read_rows(value.need("table", "rows [time (s), x, y, z" + in_unit(unit) + "]"), 3, any_number, unit);
-    const Law law = read_law(value, rows);
+    const Law law = read_law(map, rows);
     for (std::size_t k = 0; k < 3; ++k) vector[k] = column(rows, k + 1, law, 1);
     return vector;
   }
@@ -100,6 +153,10 @@ TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std
       value.fail_expected(rotation ? "0 as the first and third component (planar scene)"
                                    : "0 as the second component (planar scene)");
   return vector;
+}
+
+TimeVector read_planar_in_time(const KeyedMap& map, std::string_view name, const Scene& scene, bool rotation) {
+  return read_planar_in_time(map.need(name), scene, map.key(name).unit, rotation);
 }
 
 bool is_vector_in_time(const Value& value) {

@@ -11,7 +11,11 @@ namespace unibody {
 
 namespace {
 
-constexpr Id most_bodies = 1'000'000'000'000;
+const Keys& disc_keys() {
+  static const Keys table{
+      "inlet_disc", "A disc square to z.", {keys::number("radius", "m", positive, needed, "radius of the disc")}};
+  return table;
+}
 
 // Where centres may be drawn, in the entry's frame: a box, or a disc about the origin square to z.
 struct Mouth {
@@ -26,10 +30,10 @@ struct Mouth {
   }
 };
 
-Mouth read_mouth(const Value& value, const Scene& scene) {
-  const Value *box = value.find("box"), *disc = value.find("disc");
-  if (box && disc) disc->fail("disc beside box", "only one of them");
-  if (!box && !disc) value.fail_missing("box", "a map with low and high, or disc: one with radius");
+Mouth read_mouth(const KeyedMap& map, const Scene& scene) {
+  map.only_one_of({"box", "disc"});
+  const Value *box = map.find("box"), *disc = map.find("disc");
+  if (!box && !disc) map.value().fail_missing("box", "a map with low and high, or disc: one with radius");
   Mouth mouth;
   if (box) {
     std::tie(mouth.low, mouth.high) = read_corners(*box, scene.planar);
@@ -38,8 +42,7 @@ Mouth read_mouth(const Value& value, const Scene& scene) {
     return mouth;
   }
   if (scene.planar) disc->fail_expected("a box (planar scene)");
-  disc->map({"radius"});
-  mouth.radius = disc->need("radius", "a number > 0 (m)").number(positive, "m");
+  mouth.radius = KeyedMap(*disc, disc_keys()).number("radius");
   mouth.low = {-mouth.radius, -mouth.radius, 0}, mouth.high = -mouth.low;
   return mouth;
 }
@@ -70,28 +73,43 @@ struct InletBodies {
 
 }  // namespace
 
+const Keys& inlet_keys() {
+  static const Keys table{"inlet",
+                          "Bodies that come in while the scene runs, at places where they touch nothing.",
+                          {keys::count("the most bodies that ever come in"),
+                           keys::map("box", corners_keys, "a map with low and high", "a disc",
+                                     "box, in the entry's axes, in which their centres are drawn"),
+                           keys::map("disc", disc_keys, "a map with radius", "a box",
+                                     "disc about the entry's position in which their centres are drawn"),
+                           keys::number_in_time("rate", "1/s", not_negative, "a mass_rate", "bodies that become due in a second"),
+                           keys::number_in_time("mass_rate", "kg/s", not_negative, "a rate", "mass that becomes due in a second"),
+                           keys::number("from", "s", not_negative, 0, "time at which bodies begin to become due"),
+                           keys::number("until", "s", positive, "the end", "time from which no more become due; after `from`"),
+                           mix_key(), keys::seed("number that gives the random numbers")}};
+  return table;
+}
+
 Generated read_inlet(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"count", "box", "disc", "rate", "mass_rate", "from", "until", "mix", "seed"});
+  const KeyedMap map(value, inlet_keys());
   InletBodies bodies;
-  bodies.mouth = read_mouth(value, scene);
-  bodies.mix = Mix::read(value.need("mix", "a list of shapes with share and scale"), body, scene);
-  if (const Value* seed = value.find("seed")) bodies.seed = static_cast<std::uint64_t>(seed->integer(0));
+  bodies.mouth = read_mouth(map, scene);
+  bodies.mix = Mix::read(map.need("mix"), body, scene);
+  bodies.seed = static_cast<std::uint64_t>(map.integer("seed"));
   bodies.planar = scene.planar, bodies.body = body;
 
   auto inlet = std::make_shared<Inlet>();
-  const Value *rate = value.find("rate"), *mass_rate = value.find("mass_rate");
-  if (rate && mass_rate) mass_rate->fail("mass_rate beside rate", "only one of them");
-  if (!rate && !mass_rate) value.fail_missing("rate", "bodies a second, or mass_rate (kg/s)");
-  inlet->by_mass = mass_rate != nullptr;
-  inlet->rate = rate ? read_in_time(*rate, not_negative, "1/s") : read_in_time(*mass_rate, not_negative, "kg/s");
-  if (const Value* from = value.find("from")) inlet->from = from->number(not_negative, "s");
-  if (const Value* until = value.find("until")) {
-    inlet->until = until->number(positive, "s");
-    if (!(inlet->until > inlet->from)) until->fail_expected("a time after `from` (s)");
+  map.only_one_of({"rate", "mass_rate"});
+  inlet->by_mass = map.has("mass_rate");
+  if (!inlet->by_mass && !map.has("rate")) value.fail_missing("rate", "bodies a second, or mass_rate (kg/s)");
+  inlet->rate = read_in_time(map, inlet->by_mass ? "mass_rate" : "rate");
+  inlet->from = map.number("from");
+  if (const auto until = map.number_if("until")) {
+    inlet->until = *until;
+    if (!(inlet->until > inlet->from)) map.find("until")->fail_expected("a time after `from` (s)");
   }
   inlet->low = bodies.mouth.low, inlet->high = bodies.mouth.high, inlet->largest_radius = bodies.mix.largest_radius();
   inlet->place = [bodies](Id k, std::uint64_t draw) { return bodies.place(k, draw); };
-  Generated generated{value.need("count", "an integer >= 1").integer(1, most_bodies), bodies};
+  Generated generated{map.integer("count"), bodies};
   generated.inlet = std::move(inlet);
   return generated;
 }

@@ -8,46 +8,38 @@
 #include "scene/body_name.hpp"
 #include "scene/flexible.hpp"
 #include "scene/in_time.hpp"
+#include "scene/joint_keys.hpp"
 
 namespace unibody {
 
 namespace {
 
 constexpr double degree = M_PI / 180;
-const std::vector<std::string> kinds{joint_names.begin(), joint_names.end()};
 
 bool needs_axis(const Joint& joint) {
   return joint.has_coordinate() || joint.kind == JointKind::universal || joint.has_cone() || joint.is_limited();
 }
-bool takes_axis(JointKind kind) {
-  return kind == JointKind::hinge || kind == JointKind::slider || kind == JointKind::universal || kind == JointKind::ball;
-}
-
-void read_limits(const Value& value, Joint& joint) {
+void read_limits(const KeyedMap& map, const char* name, Joint& joint) {
   const bool angle = turns_about_axis(joint.kind);
-  const std::string unit = angle ? "degrees" : "m";
-  const auto pair = value.numbers(2, angle ? Range{-180, 180} : any_number, unit + ", lower and upper");
-  if (!(pair[0] <= pair[1])) value.fail_expected("the lower limit before the upper (" + unit + ")");
+  const Key& key = map.key(name);
+  const Value& value = map.need(name);
+  const auto pair = value.numbers(2, key.range, key.unit + ", lower and upper");
+  if (!(pair[0] <= pair[1])) value.fail_expected("the lower limit before the upper (" + key.unit + ")");
   joint.lower = angle ? degree * pair[0] : pair[0], joint.upper = angle ? degree * pair[1] : pair[1];
 }
 
 void read_motor(const Value& value, Joint& joint) {
   const bool angle = turns_about_axis(joint.kind);
   const char *place_key = angle ? "angle" : "offset", *strength_key = angle ? "max_torque" : "max_force";
-  value.map({"speed", place_key, strength_key});
-  const Value *speed = value.find("speed"), *place = value.find(place_key);
-  if (speed && place)
-    place->fail(place->found() + " beside speed " + speed->found(), std::string("only one of speed and ") + place_key);
+  const KeyedMap map(value, motor_keys(angle));
+  map.only_one_of({"speed", place_key});
+  const Value *speed = map.find("speed"), *place = map.find(place_key);
   if (!speed && !place)
     value.fail_missing("speed", std::string("a speed (") + (angle ? "rad/s" : "m/s") + ") or " + place_key + ": (" +
                                     (angle ? "degrees)" : "m)"));
   joint.motor = speed ? Motor::speed : Motor::position;
-  if (speed)
-    joint.target = read_in_time(*speed, any_number, angle ? "rad/s" : "m/s");
-  else
-    joint.target = angle ? read_in_time(*place, {-180, 180}, "degrees", degree) : read_in_time(*place, any_number, "m");
-  joint.strength =
-      value.need(strength_key, angle ? "a number > 0 (N m)" : "a number > 0 (N)").number(positive, angle ? "N m" : "N");
+  joint.target = speed ? read_in_time(map, "speed") : read_in_time(map, place_key, angle ? degree : 1);
+  joint.strength = map.number(strength_key);
 }
 
 // A body as the entry of a joint names it.
@@ -82,16 +74,14 @@ std::array<Vec3, 2> read_pair(const Value& value, const Scene& scene, const std:
 }
 
 // Where the anchors are: one world point for both, a world point of each, or a point of each in its shape's axes.
-void read_anchors(const Value& entry, const Scene& scene, const std::array<Place, 2>& at, Joint& joint) {
-  const Value *anchor = entry.find("anchor"), *points = entry.find("points"), *anchors = entry.find("anchors");
-  const Value* given = anchor ? anchor : points ? points : anchors;
-  for (const Value* other : {points, anchors})
-    if (other && other != given)
-      other->fail(other->found() + " beside another key for the anchors", "only one of anchor, points and anchors");
-  if (!given) {
+void read_anchors(const KeyedMap& entry, const Scene& scene, const std::array<Place, 2>& at, Joint& joint) {
+  const char* in_world = joint.kind == JointKind::rope ? "points" : "anchor";
+  entry.only_one_of({in_world, "anchors"});
+  const Value *given = entry.find(in_world), *anchors = entry.find("anchors");
+  if (!given && !anchors) {
     if (joint.kind == JointKind::rope)
-      entry.fail_missing("points", "a list of 2 points (m), or anchors: of 2 points in the bodies' axes");
-    entry.fail_missing("anchor", "a point (m, world axes), or anchors: a list of 2 points in the bodies' axes");
+      entry.value().fail_missing("points", "a list of 2 points (m), or anchors: of 2 points in the bodies' axes");
+    entry.value().fail_missing("anchor", "a point (m, world axes), or anchors: a list of 2 points in the bodies' axes");
   }
   if (anchors) {
     const auto points_of = read_pair(*anchors, scene, "points in the bodies' axes (m)");
@@ -99,24 +89,24 @@ void read_anchors(const Value& entry, const Scene& scene, const std::array<Place
     return;
   }
   std::array<Vec3, 2> place;
-  if (anchor)
-    place.fill(read_vector(*anchor, scene, "m"));
+  if (joint.kind == JointKind::rope)
+    place = read_pair(*given, scene, "points (m, world axes)");
   else
-    place = read_pair(*points, scene, "points (m, world axes)");
+    place.fill(read_vector(entry, "anchor", scene));
   for (std::size_t e = 0; e < 2; ++e) joint.anchor[e] = at[e].to_body * (at[e].axes.conjugate() * (place[e] - at[e].position));
 }
 
-void read_axes(const Value& entry, const Scene& scene, const std::array<Place, 2>& at, Joint& joint) {
-  const Value *axis = entry.find("axis"), *axes = entry.find("axes"), *second = entry.find("second_axis");
+void read_axes(const KeyedMap& entry, const Scene& scene, const std::array<Place, 2>& at, Joint& joint) {
+  const Value *axis = entry.value().find("axis"), *axes = entry.value().find("axes"), *second = entry.value().find("second_axis");
   std::array<Vec3, 2> z{Vec3::UnitZ(), Vec3::UnitZ()};
-  if (axis && axes) axes->fail(axes->found() + " beside axis " + axis->found(), "only one of axis and axes");
+  if (axis && axes) entry.only_one_of({"axis", "axes"});
   if (axes) {
     if (axes->kind != Value::Kind::list || axes->entries.size() != 2) axes->fail_expected("a list of 2 vectors of length 1");
     for (std::size_t e = 0; e < 2; ++e) z[e] = at[e].axes * axes->entries[e].unit_vector();
   } else if (axis) {
     z.fill(axis->unit_vector());
   } else if (needs_axis(joint)) {
-    entry.fail_missing("axis", "a vector of length 1 (world axes), or axes: a list of 2 in the bodies' axes");
+    entry.value().fail_missing("axis", "a vector of length 1 (world axes), or axes: a list of 2 in the bodies' axes");
   }
   const Value* given = axes ? axes : axis;
   if (given && scene.planar && joint.kind == JointKind::hinge && (std::abs(z[0].y()) < 1 - 1e-9 || std::abs(z[1].y()) < 1 - 1e-9))
@@ -140,19 +130,15 @@ void set_lever(const Body& a, const Body* b, Joint& joint) {
     if (body && !body->properties.is_static()) joint.lever = std::max(joint.lever, bounding_radius(body->properties.shape));
 }
 
-JointKind read_kind(const Value& entry, const std::vector<std::string>& names) {
-  return static_cast<JointKind>(entry.need("type", one_of(names)).choice(names));
-}
-
-Joint read_joint(const Value& entry, const Scene& scene) {
-  if (entry.kind != Value::Kind::map) entry.fail_expected("a map with type and bodies");
+Joint read_joint(const Value& value, const Scene& scene) {
+  if (value.kind != Value::Kind::map) value.fail_expected("a map with type and bodies");
   Joint joint;
-  joint.kind = read_kind(entry, kinds);
+  const Key& type = joint_keys().at("type");
+  joint.kind = static_cast<JointKind>(value.need("type", type.words).choice(type.names));
   const bool rope = joint.kind == JointKind::rope;
-  entry.map(joint_entry_keys(joint.kind));
-  const Value& bodies = entry.need("bodies", "a list of 2 bodies, the second of which may be world");
-  if (bodies.kind != Value::Kind::list || bodies.entries.size() != 2)
-    bodies.fail_expected("a list of 2 bodies, the second of which may be world");
+  const KeyedMap entry(value, joint_keys_of(joint.kind));
+  const Value& bodies = entry.need("bodies");
+  if (bodies.kind != Value::Kind::list || bodies.entries.size() != 2) bodies.fail_expected(entry.key("bodies").words);
   const Named a = read_named(bodies.entries[0], scene), b = read_named(bodies.entries[1], scene);
   if (!a.body) bodies.entries[0].fail("world", "a body; the second may be world");
   if (b.body && a.body->id == b.body->id) bodies.fail("the same body twice", "two bodies");
@@ -168,8 +154,8 @@ Joint read_joint(const Value& entry, const Scene& scene) {
   set_lever(*a.body, b.body ? &*b.body : nullptr, joint);
   if (rope) {
     const auto place = [&](std::size_t e) { return at[e].world(at[e].to_body.conjugate() * joint.anchor[e]); };
-    const Value* length = entry.find("length");
-    joint.length = length ? length->number(positive, "m") : (place(0) - place(1)).norm();
+    const std::optional<double> length = entry.number_if("length");
+    joint.length = length ? *length : (place(0) - place(1)).norm();
   }
   return joint;
 }
@@ -208,34 +194,15 @@ Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& po
   return joint;
 }
 
-std::vector<std::string> joint_keys(JointKind kind) {
-  std::vector<std::string> keys{"collide", "compliance", "damping"};
-  if (kind != JointKind::rope && kind != JointKind::ball) keys.emplace_back("turning_compliance");
-  if (kind == JointKind::hinge || kind == JointKind::slider) keys.insert(keys.end(), {"limits", "motor", "friction"});
-  if (kind == JointKind::ball) keys.insert(keys.end(), {"swing_limit", "twist_limits"});
-  return keys;
-}
-
-std::vector<std::string> joint_entry_keys(JointKind kind) {
-  const bool rope = kind == JointKind::rope;
-  std::vector<std::string> keys = joint_keys(kind);
-  keys.insert(keys.end(), {"name", "type", "bodies", "anchors", rope ? "points" : "anchor"});
-  if (rope) keys.emplace_back("length");
-  if (takes_axis(kind)) keys.insert(keys.end(), {"axis", "axes"});
-  if (kind == JointKind::universal) keys.emplace_back("second_axis");
-  return keys;
-}
-
-void read_joint_behaviour(const Value& map, Joint& joint) {
-  if (const Value* v = map.find("collide")) joint.collide = v->boolean();
-  if (const Value* v = map.find("compliance")) joint.compliance = v->number(not_negative, "m/N");
-  if (const Value* v = map.find("turning_compliance")) joint.turning = v->number(not_negative, "rad/(N m)");
-  if (const Value* v = map.find("damping")) joint.damping = v->number(not_negative, "s");
-  if (const Value* v = map.find("limits")) read_limits(*v, joint);
-  if (const Value* v = map.find("twist_limits")) read_limits(*v, joint);
-  if (const Value* v = map.find("swing_limit")) joint.swing = degree * v->number({0, 180, true}, "degrees");
-  if (const Value* v = map.find("motor")) read_motor(*v, joint);
-  if (const Value* v = map.find("friction")) joint.friction = v->number(not_negative, turns_about_axis(joint.kind) ? "N m" : "N");
+void read_joint_behaviour(const KeyedMap& map, Joint& joint) {
+  joint.collide = map.flag("collide"), joint.compliance = map.number("compliance"), joint.damping = map.number("damping");
+  const auto may_have = [&](const char* name) { return map.value().find(name) != nullptr; };  // the type has it, if it is given
+  if (may_have("turning_compliance")) joint.turning = map.number("turning_compliance");
+  if (may_have("limits")) read_limits(map, "limits", joint);
+  if (may_have("twist_limits")) read_limits(map, "twist_limits", joint);
+  if (may_have("swing_limit")) joint.swing = degree * map.number("swing_limit");
+  if (may_have("motor")) read_motor(map.need("motor"), joint);
+  if (may_have("friction")) joint.friction = map.number("friction");
 }
 
 Joint JointTemplate::between(const Body& a, const Body* b, const Vec3& point) const {
@@ -253,11 +220,7 @@ JointTemplate read_joint_template(const Value& value, const Scene& scene, const 
   JointTemplate result;
   result.joint.kind = allowed[type.choice(names)];
   const JointKind kind = result.joint.kind;
-  std::vector<std::string> keys = joint_keys(kind);
-  keys.emplace_back("type");
-  if (takes_axis(kind)) keys.emplace_back("axis");
-  if (kind == JointKind::universal) keys.emplace_back("second_axis");
-  value.map(keys);
+  const KeyedMap map(value, joint_template_keys_of(kind));
   if (const Value* axis = value.find("axis")) {
     result.axis = axis->unit_vector();
     if (scene.planar && kind == JointKind::hinge && std::abs(result.axis.y()) < 1 - 1e-9)
@@ -266,7 +229,7 @@ JointTemplate read_joint_template(const Value& value, const Scene& scene, const 
   if (const Value* second = value.find("second_axis")) result.second = second->unit_vector();
   if (kind == JointKind::universal && !(std::abs(result.second.dot(result.axis)) < 1e-3))
     value.fail("axes that are not square to each other", "second_axis square to axis");
-  read_joint_behaviour(value, result.joint);
+  read_joint_behaviour(map, result.joint);
   return result;
 }
 

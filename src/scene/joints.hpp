@@ -15,13 +15,10 @@ Quat joint_axes(const Vec3& axis, const Vec3& second = Vec3::Zero());
 // Refuses, as the fault of `value`, a joint at a particle that would have to turn it.
 void check_turns(const Value& value, JointKind kind, const Shape& shape);
 
-// The keys that say how a joint of known type behaves: compliance, turning_compliance, damping, collide, of hinges and sliders
-// limits, motor and friction, of balls swing_limit and twist_limits.
-std::vector<std::string> joint_keys(JointKind kind);
-// The keys of an entry of `joints` of this type.
-std::vector<std::string> joint_entry_keys(JointKind kind);
+// The keys of an entry of `joints` of any type; those of one type are in joint_keys.cpp.
+const Keys& joint_keys();
 
-void read_joint_behaviour(const Value& map, Joint& joint);
+void read_joint_behaviour(const KeyedMap& map, Joint& joint);
 
 // {type: ball, ...} of a generator whose joints are all alike; the axis (hinge, universal) in the entry's axes.
 struct JointTemplate {
@@ -31,6 +28,7 @@ struct JointTemplate {
   // A joint of this type and behaviour between two bodies, at a point.
   Joint between(const Body& a, const Body* b, const Vec3& point) const;
 };
+const Keys& joint_template_keys();
 JointTemplate read_joint_template(const Value& value, const Scene& scene, const std::vector<JointKind>& kinds);
 
 // Reads the list `joints` into scene.joints. Its bodies are read before.

@@ -72,32 +72,61 @@ std::vector<ProfilePoint> read_profile(const Value& list) {
   return profile;
 }
 
+Key sides_key(const char* about) { return keys::integer("sides", 3, 10'000, 64, about); }
+
 }  // namespace
 
+const Keys& height_field_keys() {
+  static const Keys table{"height_field",
+                          "Terrain about the origin.",
+                          {keys::numbers("size", 2, "m", positive, needed, "lengths along x and y"),
+                           keys::integers("cells", 2, 1, 10'000, needed, "cells along x and y"),
+                           keys::list("heights", "m", "a list of numbers (m), row by row along x", "hills",
+                                      "heights of the nodes, one more along each axis than cells, row by row along x",
+                                      [] { return keys::of_type("number"); }),
+                           keys::number("hills", "m", any_number, "heights", "height of hills that are drawn at random"),
+                           keys::integer("seed", 0, std::int64_t{1} << 53, 1, "number that gives the hills")}};
+  return table;
+}
+
+const Keys& tube_keys() {
+  static const Keys table{"tube",
+                          "The inside of a drum about z, with both ends.",
+                          {keys::number("radius", "m", positive, needed, "radius of the drum"),
+                           keys::number("length", "m", positive, needed, "length along z"), sides_key("flat sides of the drum")}};
+  return table;
+}
+
+const Keys& revolved_keys() {
+  static const Keys table{"revolve",
+                          "What a line covers that turns about z: pipes, funnels, cones, rings.",
+                          {keys::list("profile", "m", "a list of points [radius, height] (m)", needed,
+                                      "points of the line, each a distance from the axis and a height",
+                                      [] { return keys::list_of(keys::of_type("number"), 2); }),
+                           sides_key("flat sides around the axis")}};
+  return table;
+}
+
 TriangleMesh read_height_field(const Value& value, double& below) {
-  value.map({"size", "cells", "heights", "hills", "seed"});
-  const auto size = value.need("size", "2 numbers > 0 (m)").numbers(2, positive, "m");
-  const Value& count = value.need("cells", "2 integers >= 1");
-  if (count.kind != Value::Kind::list || count.entries.size() != 2) count.fail_expected("2 integers >= 1");
+  const KeyedMap map(value, height_field_keys());
+  const auto size = map.numbers("size");
   below = std::min(size[0], size[1]) / 4;
-  const std::array<Id, 2> cells{count.entries[0].integer(1, 10'000), count.entries[1].integer(1, 10'000)};
-  const Value *heights = value.find("heights"), *height = value.find("hills"), *seed = value.find("seed");
+  const std::array<Id, 2> cells = map.integers<2>("cells");
+  const Value *heights = map.find("heights"), *height = map.find("hills");
   if ((heights != nullptr) == (height != nullptr)) value.fail("both or none of heights and hills", "one of the two");
   if (height) {
-    const auto number = static_cast<std::uint64_t>(seed ? seed->integer(0) : 1);
-    return height_field({size[0], size[1]}, cells, hills(height->number(any_number, "m"), number, cells));
+    const auto seed = static_cast<std::uint64_t>(map.integer("seed"));
+    return height_field({size[0], size[1]}, cells, hills(map.number("hills"), seed, cells));
   }
-  if (seed) seed->fail_expected("no seed beside heights");
+  map.none_of({"seed"}, "beside heights");
   const auto z = heights->numbers(static_cast<std::size_t>((cells[0] + 1) * (cells[1] + 1)), any_number, "m, row by row along x");
   return height_field({size[0], size[1]}, cells, [&](Id i, Id j) { return z[static_cast<std::size_t>(i + (cells[0] + 1) * j)]; });
 }
 
 TriangleMesh read_tube(const Value& value) {
-  value.map({"radius", "length", "sides"});
-  const double radius = value.need("radius", "a number > 0 (m)").number(positive, "m");
-  const double length = value.need("length", "a number > 0 (m)").number(positive, "m");
-  const Value* count = value.find("sides");
-  const auto n = static_cast<std::int32_t>(count ? count->integer(3, 10'000) : 64);
+  const KeyedMap map(value, tube_keys());
+  const double radius = map.number("radius"), length = map.number("length");
+  const auto n = static_cast<std::int32_t>(map.integer("sides"));
   TriangleMesh mesh;
   for (std::int32_t k = 0; k < n; ++k) {
     const double angle = 2 * std::numbers::pi * k / n, x = radius * std::cos(angle), y = radius * std::sin(angle);
@@ -114,10 +143,9 @@ TriangleMesh read_tube(const Value& value) {
 }
 
 TriangleMesh read_revolved(const Value& value) {
-  value.map({"profile", "sides"});
-  const auto profile = read_profile(value.need("profile", "a list of points [radius, height] (m)"));
-  const Value* count = value.find("sides");
-  const auto n = static_cast<std::int32_t>(count ? count->integer(3, 10'000) : 64);
+  const KeyedMap map(value, revolved_keys());
+  const auto profile = read_profile(map.need("profile"));
+  const auto n = static_cast<std::int32_t>(map.integer("sides"));
   TriangleMesh mesh;
   std::vector<std::int32_t> first;  // node of each point's ring
   for (const ProfilePoint& point : profile) {

@@ -2,9 +2,13 @@
 #pragma once
 
 #include "meshes/triangle_mesh.hpp"
-#include "scene/value.hpp"
+#include "scene/key.hpp"
 
 namespace unibody {
+
+const Keys& height_field_keys();
+const Keys& tube_keys();
+const Keys& revolved_keys();
 
 // {size, cells, and heights or hills and seed}: terrain about the origin. below: m, how far down it is solid at least.
 TriangleMesh read_height_field(const Value& value, double& below);

@@ -4,16 +4,32 @@
 
 namespace unibody {
 
+namespace {
+
+const Keys& ingredient_keys() {
+  static const Keys table{
+      "mix",
+      "A kind of body of a mix.",
+      {shape_key(needed), keys::number("share", "", positive, 1, "relative number of this kind"), SizeDistribution::key()}};
+  return table;
+}
+
+}  // namespace
+
+Key mix_key() {
+  return keys::list_of_maps("mix", ingredient_keys, "a list of shapes with share and scale", needed, "the kinds of body");
+}
+
 Mix::Ingredient Mix::read_ingredient(const Value& value, const BodyTemplate& body, const Scene& scene) {
-  value.map({"shape", "share", "scale"});
+  const KeyedMap map(value, ingredient_keys());
   Ingredient ingredient;
-  const Value& shape = value.need("shape", "a map with a shape as its key");
+  const Value& shape = map.need("shape");
   ingredient.shape = read_shape(shape, scene);
   const ShapeKind kind = ingredient.shape.kind;
   if (kind == ShapeKind::plane || kind == ShapeKind::mesh)
     shape.fail("a " + shape.children[0].first + " in a mix", "a shape that can move");
-  if (const Value* share = value.find("share")) ingredient.share = share->number(positive, "");
-  if (const Value* scale = value.find("scale")) {
+  ingredient.share = map.number("share");
+  if (const Value* scale = map.find("scale")) {
     ingredient.sizes = SizeDistribution::read(*scale);
     if (kind == ShapeKind::compound) scale->fail_expected("no scale for a compound");
   }

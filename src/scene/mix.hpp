@@ -9,6 +9,8 @@
 
 namespace unibody {
 
+Key mix_key();  // of a generator
+
 class Mix {
  public:
   // Reads a list of maps {shape, share, scale}. It fails where a shape cannot move, or has no mass in one of its sizes.

@@ -3,8 +3,8 @@
 
 #include <utility>
 
+#include "scene/key.hpp"
 #include "scene/scene.hpp"
-#include "scene/value.hpp"
 
 namespace unibody {
 
@@ -15,6 +15,7 @@ std::pair<Vec3, Vec3> read_corners(const Value& box, bool planar = false);
 // Reads the list `outlets` into scene.outlets. Bodies and materials are read before.
 void read_outlets(const Value& list, Scene& scene);
 
-std::vector<std::string> outlet_keys();
+const Keys& outlet_keys();
+const Keys& corners_keys();  // of a box
 
 }  // namespace unibody

@@ -44,6 +44,19 @@ Id nearest_node(const Value& value, const Scene& scene, Id first, Id count) {
 
 const std::string bodies_expected = "a body, as mast or pile[3], or its entry's place in the list";
 
+const Keys& pin_keys() {
+  static const Keys table{
+      "pin",
+      "A node, or several, that are held.",
+      {keys::other("node", "", "a node", "another", "the node, as its entry numbers nodes", [] { return Json::object(); }),
+       keys::vector("near", "m", "another", "the node nearest to this point, world axes, at the start"),
+       within_key("another", "all nodes in this box, world axes, at the start"),
+       keys::other("to", "", bodies_expected.c_str(), "nothing", "the body that holds the node where it is at the start",
+                   [] { return Json::object(); }),
+       keys::number("release", "s", not_negative, "never", "when it is let go")}};
+  return table;
+}
+
 bool is_pinned(const Scene& scene, Id node) {
   return std::ranges::binary_search(scene.pins, node, {}, &Pin::id) ||
          std::ranges::binary_search(scene.attachments, node, {}, &Attachment::node);
@@ -75,13 +88,10 @@ void add_pin(Pin pin, const Body* body, Scene& scene, Id first) {
 }
 
 void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number) {
-  value.map({"node", "near", "within", "to", "release"});
-  const Value *node = value.find("node"), *near = value.find("near"), *within = value.find("within");
-  const Value *to = value.find("to"), *release = value.find("release");
+  const KeyedMap map(value, pin_keys());
+  map.only_one_of({"node", "near", "within"});
+  const Value *node = map.find("node"), *near = map.find("near"), *within = map.find("within"), *to = map.find("to");
   const Value* named = node ? node : near ? near : within;
-  for (const Value* other : {near, within})
-    if (other && other != named)
-      other->fail(other->found() + " beside " + (node ? "node " : "near ") + named->found(), "only one of node, near and within");
   if (!named) value.fail_missing("node", "a node, or near: a point (m), or within: a box (m)");
   std::vector<Id> ids;
   if (within)
@@ -91,7 +101,7 @@ void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::f
   for (const Id id : ids)
     if (is_pinned(scene, id)) named->fail(named->found() + ", a node pinned before", "each node pinned once");
   Pin pin;
-  if (release) pin.release = release->number(not_negative, "s");
+  pin.release = map.number_if("release").value_or(pin.release);
   const Body body = to ? read_body_name(*to, scene, bodies_expected) : Body{};
   for (const Id id : ids) {
     pin.id = id;
@@ -101,10 +111,14 @@ void read_pin(const Value& value, Scene& scene, Id first, Id count, const std::f
 
 }  // namespace
 
-void read_pins(const Value& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number) {
-  const Value* list = entry.find("pins");
-  if (!list) return;
-  for (const Value& value : list->list("pins")) read_pin(value, scene, first, count, number);
+Key pins_key(const char* node) {
+  const std::string about = "nodes that are held where they are, or by a body; a node is named as " + std::string(node);
+  return keys::list_of_maps("pins", pin_keys, "pins", "none", about.c_str());
+}
+
+void read_pins(const KeyedMap& entry, Scene& scene, Id first, Id count, const std::function<Id(const Value&)>& number) {
+  if (!entry.has("pins")) return;
+  for (const Value& value : entry.list("pins")) read_pin(value, scene, first, count, number);
 }
 
 }  // namespace unibody

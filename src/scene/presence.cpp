@@ -13,13 +13,13 @@ void check_inlet_name(const Value& entry, const Value& inlet, const Scene& scene
   read_column_name(*name, taken, "inlet");
 }
 
-void read_start(const Value& entry, const BodyTemplate& body, const Generated& generated, BodyGroup& group) {
+void read_start(const KeyedMap& entry, const BodyTemplate& body, const Generated& generated, BodyGroup& group) {
   group.inlet = generated.inlet;
   if (group.inlet) group.start = Start::absent;
   const Value* start = entry.find("start");
   if (!start) return;
   if (group.inlet) start->fail_expected("no such key beside an inlet, whose bodies come in by themselves");
-  group.start = static_cast<Start>(start->choice({start_names.begin(), start_names.end()}));
+  group.start = static_cast<Start>(entry.choice("start"));
   if (group.start == Start::held && !body.properties.is_dynamic())
     start->fail("held of bodies that are not dynamic", "present or absent");
   if (group.start == Start::absent && !generated.joints.empty()) start->fail("absent of bodies with joints", "present or held");

@@ -9,7 +9,7 @@ namespace unibody {
 void check_inlet_name(const Value& entry, const Value& inlet, const Scene& scene);
 
 // Reads the key `start` into the group, and takes over the generator's inlet.
-void read_start(const Value& entry, const BodyTemplate& body, const Generated& generated, BodyGroup& group);
+void read_start(const KeyedMap& entry, const BodyTemplate& body, const Generated& generated, BodyGroup& group);
 
 // Puts the group's inlet where the entry stands. put: places a body of the entry's frame in the world.
 void put_inlet(const Vec3& position, const Quat& orientation, const std::function<Body(Id, Body)>& put, BodyGroup& group);

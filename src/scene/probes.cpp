@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "scene/body_entry.hpp"
+#include "scene/outlets.hpp"
 
 namespace unibody {
 
@@ -18,22 +19,35 @@ Id end_of_bodies(const Scene& scene) {
   return end;
 }
 
+const Keys& flow_keys() {
+  static const Keys table{"flow",
+                          "A plane, or a disc of one, through which bodies go.",
+                          {keys::vector("point", "m", needed, "a point of the plane, the middle of the disc"),
+                           keys::direction("normal", needed, "the way that counts as positive"),
+                           keys::number("radius", "m", positive, "no bound", "radius of the disc")}};
+  return table;
+}
+
+const Keys& force_keys() {
+  static const Keys table{"force",
+                          "The entries between which contacts exert forces.",
+                          {keys::text("on", "the name of an entry", needed, "the entry on which the forces act"),
+                           keys::text("by", "the name of an entry", "all others", "the one other entry whose contacts count"),
+                           keys::vector("about", "m", "the origin", "point about which the torque is")}};
+  return table;
+}
+
 void read_flow(const Value& flow, const Scene& scene, Probe& probe) {
-  flow.map({"point", "normal", "radius"});
+  const KeyedMap map(flow, flow_keys());
   probe.kind = Probe::Kind::flow;
-  probe.point = read_vector(flow.need("point", "a point of the plane (m)"), scene, "m");
-  probe.normal = flow.need("normal", "a vector of length 1").unit_vector();
-  if (const Value* radius = flow.find("radius")) probe.radius = radius->number(positive, "m");
+  probe.point = read_vector(map, "point", scene);
+  probe.normal = map.direction("normal");
+  probe.radius = map.number_if("radius").value_or(probe.radius);
 }
 
 void read_box_of(const Value& box, Probe::Kind kind, Probe& probe) {
-  box.map({"low", "high"});
   probe.kind = kind;
-  probe.low = box.need("low", "a corner (m)").vector(any_number, "m");
-  const Value& high = box.need("high", "the other corner (m)");
-  probe.high = high.vector(any_number, "m");
-  if (!(probe.low.array() < probe.high.array()).all())
-    high.fail_expected("a corner that is above the other one along each axis (m)");
+  std::tie(probe.low, probe.high) = read_corners(box);
 }
 
 // The bodies of the entry that has this name, in whatever section it is. NAME[k] means one of them, counted from 0.
@@ -62,36 +76,28 @@ IdRange read_named(const Value& value, const Scene& scene) {
                     : IdRange{group->first + number, group->first + number + 1};
 }
 
-void refuse_bodies(const Value& entry, const std::string& beside) {
-  for (const char* key : {"of", "material"})
-    if (const Value* other = entry.find(key)) other->fail_expected("no such key beside " + beside);
-}
-
-void read_force(const Value& entry, const Value& force, const Scene& scene, Probe& probe) {
-  force.map({"on", "by", "about"});
-  refuse_bodies(entry, "force, which has on and by");
+void read_force(const KeyedMap& entry, const Value& force, const Scene& scene, Probe& probe) {
+  const KeyedMap map(force, force_keys());
+  entry.none_of({"of", "material"}, "beside force, which has on and by");
   probe.kind = Probe::Kind::force;
-  probe.on = read_named(force.need("on", "the name of an entry"), scene);
-  if (const Value* by = force.find("by")) probe.by = read_named(*by, scene);
-  if (const Value* about = force.find("about")) probe.point = read_vector(*about, scene, "m");
+  probe.on = read_named(map.need("on"), scene);
+  if (const Value* by = map.find("by")) probe.by = read_named(*by, scene);
+  if (map.has("about")) probe.point = read_vector(map, "about", scene);
 }
 
-void read_stress(const Value& entry, const Value& stress, Probe& probe) {
-  refuse_bodies(entry, "stress, which is that of all contacts in its box");
+void read_stress(const KeyedMap& entry, const Value& stress, Probe& probe) {
+  entry.none_of({"of", "material"}, "beside stress, which is that of all contacts in its box");
   read_box_of(stress, Probe::Kind::stress, probe);
 }
 
-// The one value that says what the probe measures.
-const Value* kind_of(const Value& entry) {
-  const Value* found = nullptr;
-  for (const char* key : {"flow", "box", "force", "stress"}) {
-    const Value* value = entry.find(key);
-    if (value && found) value->fail(std::string(key) + " beside another measurement", "only one of flow, box, force and stress");
-    if (value) found = value;
-  }
-  if (!found)
-    entry.fail_missing("flow", "a map with point and normal, or box or stress: one with low and high, or force: one with on");
-  return found;
+void read_measurement(const KeyedMap& entry, const Scene& scene, Probe& probe) {
+  entry.only_one_of({"flow", "box", "force", "stress"});
+  if (const Value* flow = entry.find("flow")) return read_flow(*flow, scene, probe);
+  if (const Value* box = entry.find("box")) return read_box_of(*box, Probe::Kind::box, probe);
+  if (const Value* force = entry.find("force")) return read_force(entry, *force, scene, probe);
+  if (const Value* stress = entry.find("stress")) return read_stress(entry, *stress, probe);
+  entry.value().fail_missing("flow",
+                             "a map with point and normal, or box or stress: one with low and high, or force: one with on");
 }
 
 }  // namespace
@@ -105,7 +111,15 @@ std::string read_column_name(const Value& value, const std::vector<std::string>&
   return name;
 }
 
-ProbedBodies read_probed(const Value& entry, const Scene& scene) {
+const Keys& probed_keys() {
+  static const Keys table{"bodies chosen",
+                          "",
+                          {keys::text("of", "the name of an entry of bodies", "all", "the bodies of this entry alone"),
+                           keys::text("material", "a material", "all", "the bodies of this material alone")}};
+  return table;
+}
+
+ProbedBodies read_probed(const KeyedMap& entry, const Scene& scene) {
   ProbedBodies bodies{0, end_of_bodies(scene), -1};
   if (const Value* of = entry.find("of")) {
     const std::string name = of->string("the name of an entry of bodies");
@@ -119,21 +133,31 @@ ProbedBodies read_probed(const Value& entry, const Scene& scene) {
   return bodies;
 }
 
-std::vector<std::string> probe_keys() { return {"name", "of", "material", "flow", "box", "force", "stress"}; }
+const Keys& probe_keys() {
+  static const Keys table =
+      Keys{"probe",
+           "What report.csv measures beside its usual columns.",
+           {keys::text("name", "a name", needed, "name of its columns")}}
+          .with(probed_keys())
+          .with(
+              {"",
+               "",
+               {keys::map("flow", flow_keys, "a map with point and normal", "another", "what goes through a plane or a disc"),
+                keys::map("box", corners_keys, "a map with low and high", "another", "what is in a box"),
+                keys::map("force", force_keys, "a map with on", "another", "the force of contacts on the bodies of an entry"),
+                keys::map("stress", corners_keys, "a map with low and high", "another", "the stress of the contacts in a box")}});
+  return table;
+}
 
 void read_probes(const Value& list, Scene& scene) {
   std::vector<std::string> names;
   for (const Value& entry : list.list("probes")) {
-    entry.map(probe_keys());
+    const KeyedMap map(entry, probe_keys());
     Probe probe;
-    probe.name = read_column_name(entry.need("name", "a name"), names, "probe");
+    probe.name = read_column_name(map.need("name"), names, "probe");
     names.push_back(probe.name);
-    probe.bodies = read_probed(entry, scene);
-    const Value* kind = kind_of(entry);
-    if (kind == entry.find("flow")) read_flow(*kind, scene, probe);
-    if (kind == entry.find("box")) read_box_of(*kind, Probe::Kind::box, probe);
-    if (kind == entry.find("force")) read_force(entry, *kind, scene, probe);
-    if (kind == entry.find("stress")) read_stress(entry, *kind, probe);
+    probe.bodies = read_probed(map, scene);
+    read_measurement(map, scene, probe);
     scene.probes.push_back(std::move(probe));
   }
 }

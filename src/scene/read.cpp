@@ -1,8 +1,6 @@
-// read_scene: the sections of the file, each a table of its keys. A new section is one function and one line in `sections`.
+// read_scene: the sections of the file. A new section is one function and one line in `sections`.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <set>
 #include <sstream>
 #include <stdexcept>
 
@@ -12,9 +10,11 @@
 #include "scene/flexible.hpp"
 #include "scene/in_time.hpp"
 #include "scene/joints.hpp"
+#include "scene/materials.hpp"
 #include "scene/outlets.hpp"
 #include "scene/probes.hpp"
 #include "scene/resolution.hpp"
+#include "scene/sections.hpp"
 #include "scene/settings.hpp"
 #include "scene/stiffness.hpp"
 
@@ -74,107 +74,23 @@ void read_gravity(const Value& value, Scene& scene) {
   if (gravity.changes()) scene.gravity_in_time = gravity;
 }
 
-double read_or(const Value& map, const char* key, const Range& range, const char* unit, double otherwise) {
-  const Value* value = map.find(key);
-  return value ? value->number(range, unit) : otherwise;
+Key gravity_key() { return keys::vector_in_time("gravity", "m/s^2", "[0, 0, -9.81]", "acceleration of all bodies"); }
+
+Key wind_key() { return keys::vector("wind", "m/s", "[0, 0, 0]", "velocity of the air, felt by cloths and solids with drag"); }
+Key air_density_key() { return keys::number("air_density", "kg/m^3", not_negative, 1.2, "density of the air"); }
+
+Key settings_key(const char* name, const char* about, const std::function<Json()>& schema) {
+  return keys::other(name, "", "a map", "as its keys say", about, schema);
 }
 
-TimeValue read_friction(const Value& map) { return read_in_time(map.need("friction", "a number >= 0"), not_negative, ""); }
-
-// What a pair of materials may say beside its friction, and of a pair that isn't listed, what it has from its two materials.
-struct PairKey {
-  const char *key, *unit;
-  Range range;
-  std::vector<double> Scene::*values;
-  double (*mix)(double, double);
-};
-double smaller(double a, double b) { return std::min(a, b); }
-double geometric_mean(double a, double b) { return std::sqrt(a * b); }
-const PairKey pair_keys[] = {{"restitution", "", {0, 1}, &Scene::restitution, smaller},
-                             {"rolling_friction", "m", not_negative, &Scene::rolling, geometric_mean},
-                             {"spinning_friction", "m", not_negative, &Scene::spinning, geometric_mean}};
-
-std::vector<std::string> material_keys(std::vector<std::string> keys) {
-  keys.emplace_back("friction");
-  for (const PairKey& k : pair_keys) keys.emplace_back(k.key);
-  return keys;
+void read_time(const Value& value, Scene& scene) {
+  refuse_renamed(value, renamed_time_keys);
+  read_settings(value, time_settings(), scene.time);
 }
 
-using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
-
-void read_pair(const Value& pair, Scene& scene, Pairs& listed, FrictionInTime& friction) {
-  pair.map(material_keys({"between"}));
-  const Value* between = pair.find("between");
-  if (!between) pair.fail_missing("between", "a list of 2 materials");
-  if (between->kind != Value::Kind::list || between->entries.size() != 2) between->fail_expected("a list of 2 materials");
-  const std::size_t a = between->entries[0].choice(scene.materials), b = between->entries[1].choice(scene.materials);
-  if (a == b) between->fail_expected("two different materials");
-  if (!listed.emplace(std::min(a, b), std::max(a, b)).second)
-    between->fail(between->found() + " a second time", "each pair once");
-  const std::size_t n = scene.materials.size();
-  bool other = false;
-  for (const PairKey& k : pair_keys) {
-    std::vector<double>& values = scene.*k.values;
-    values[a * n + b] = values[b * n + a] = read_or(pair, k.key, k.range, k.unit, values[a * n + b]);
-    other |= pair.find(k.key) != nullptr;
-  }
-  if (pair.find("friction") || !other) friction.pairs[a * n + b] = friction.pairs[b * n + a] = read_friction(pair);
+Key list_key(const char* name, KeysOf table, const char* about) {
+  return keys::list_of_maps(name, table, "a list", "none", about);
 }
-
-// Names with what they are, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials; its
-// restitution is the smaller of the two.
-void read_materials(const Value& value, Scene& scene) {
-  if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
-  scene.materials.clear();
-  FrictionInTime friction;
-  std::array<std::vector<double>, std::size(pair_keys)> others;
-  for (const auto& [name, material] : value.children) {
-    if (name == "pairs") continue;
-    scene.materials.push_back(name);
-    friction.materials.push_back(read_friction(material.map(material_keys({}))));
-    for (std::size_t k = 0; k < others.size(); ++k)
-      others[k].push_back(read_or(material, pair_keys[k].key, pair_keys[k].range, pair_keys[k].unit, 0));
-  }
-  if (friction.materials.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
-  const std::size_t n = friction.materials.size();
-  friction.pairs.resize(n * n);
-  const auto mix = [n](const std::vector<double>& own, double (*rule)(double, double)) {
-    std::vector<double> all;
-    for (std::size_t i = 0; i < n * n; ++i) all.push_back(i / n == i % n ? own[i / n] : rule(own[i / n], own[i % n]));
-    return all;
-  };
-  for (std::size_t k = 0; k < others.size(); ++k) scene.*pair_keys[k].values = mix(others[k], pair_keys[k].mix);
-  Pairs listed;
-  if (const Value* pairs = value.find("pairs"))
-    for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed, friction);
-  scene.friction = friction.at(0);
-  if (friction.changes()) scene.friction_in_time = std::move(friction);
-}
-
-// The sections in the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.
-const Field<Scene> sections[] = {
-    {"title", [](const Value& v, Scene& s) { s.title = v.string("a text"); }},
-    {"time",
-     [](const Value& v, Scene& s) {
-       refuse_renamed(v, renamed_time_keys);
-       read_settings(v, time_settings(), s.time);
-     }},
-    {"planar", [](const Value& v, Scene& s) { s.planar = v.boolean(); }},
-    {"gravity", read_gravity},
-    {"wind", [](const Value& v, Scene& s) { s.wind = read_vector(v, s, "m/s"); }},
-    {"air_density", [](const Value& v, Scene& s) { s.air_density = v.number(not_negative, "kg/m^3"); }},
-    {"solver", read_solver},
-    {"output", [](const Value& v, Scene& s) { read_settings(v, output_settings(), s.output); }},
-    {"materials", read_materials},
-    {"bodies", read_bodies},
-    {"cloths", read_cloths},
-    {"threads", read_threads},
-    {"solids", read_solids},
-    {"joints", read_joints},
-    {"probes", read_probes},
-    {"outlets", read_outlets},
-    {"events", read_events},
-};
 
 // newton solves equations between the nodes of one flexible body, and knows no contacts.
 void check_newton(const Value& name, const Scene& scene) {
@@ -209,6 +125,42 @@ void check_form(const Value& root, const Scene& scene) {
 
 }  // namespace
 
+const std::vector<Section>& sections() {
+  static const std::vector<Section> list{
+      {keys::text("title", "a text", "empty", "it stands in the report"),
+       [](const Value& v, Scene& s) { s.title = v.string("a text"); }},
+      {settings_key("time", "frames and steps", [] { return schema_of(time_settings()); }), read_time},
+      {keys::flag("planar", false, "motion in x and z and turns about y alone"),
+       [](const Value& v, Scene& s) { s.planar = v.boolean(); }},
+      {gravity_key(), read_gravity},
+      {wind_key(), [](const Value& v, Scene& s) { s.wind = read_vector(v, s, wind_key().unit); }},
+      {air_density_key(),
+       [](const Value& v, Scene& s) { s.air_density = v.number(air_density_key().range, air_density_key().unit); }},
+      {settings_key("solver", "how steps are solved", [] { return schema_of(solver_settings()); }), read_solver},
+      {settings_key("output", "what is written", [] { return schema_of(output_settings()); }),
+       [](const Value& v, Scene& s) { read_settings(v, output_settings(), s.output); }},
+      {materials_key(), read_materials},
+      {list_key("bodies", body_keys, "bodies, and generators of bodies"), read_bodies},
+      {list_key("cloths", cloth_keys, "cloths"), read_cloths},
+      {list_key("threads", thread_keys, "threads"), read_threads},
+      {list_key("solids", solid_keys, "soft solids"), read_solids},
+      {list_key("joints", joint_keys, "joints between bodies"), read_joints},
+      {list_key("probes", probe_keys, "what report.csv measures beside its usual columns"), read_probes},
+      {list_key("outlets", outlet_keys, "boxes in which bodies leave the scene"), read_outlets},
+      {list_key("events", event_keys, "what happens at a time, or when something else has happened"), read_events},
+  };
+  return list;
+}
+
+const Keys& scene_keys() {
+  static const Keys table = [] {
+    Keys keys{"scene", "The sections of a scene file.", {}};
+    for (const Section& section : sections()) keys.keys.push_back(section.key);
+    return keys;
+  }();
+  return table;
+}
+
 const BodyGroup& Scene::group_of(Id id) const {
   if (id < 0 || id >= body_count())
     throw std::out_of_range("body " + std::to_string(id) + " of a scene with " + std::to_string(body_count()));
@@ -242,11 +194,17 @@ std::string Scene::body_name(Id id) const {
 
 namespace {
 
-Scene read_sections(const Value& root, const std::string& path, const Room& room) {
+void read_sections(const Value& root, Scene& scene) {
+  const KeyedMap map(root, scene_keys());
+  for (const Section& section : sections())
+    if (const Value* value = map.find(section.key.name)) section.read(*value, scene);
+}
+
+Scene read_root(const Value& root, const std::string& path, const Room& room) {
   Scene scene;
   scene.path = path;
   scene.room = room;
-  read_fields(root, sections, scene);
+  read_sections(root, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_starts(root, scene);
   check_resolution(scene);
@@ -261,12 +219,12 @@ Scene read_sections(const Value& root, const std::string& path, const Room& room
 }  // namespace
 
 Scene read_scene(const std::string& path, const std::vector<Override>& overrides, const Room& room) {
-  return read_sections(load_value(path, overrides), path, room);
+  return read_root(load_value(path, overrides), path, room);
 }
 
 Scene read_scene_text(const std::string& text, const std::string& path, const std::vector<Override>& overrides,
                       const Room& room) {
-  return read_sections(value_of_text(text, path, overrides), path, room);
+  return read_root(value_of_text(text, path, overrides), path, room);
 }
 
 }  // namespace unibody

@@ -1,13 +1,15 @@
-// The scene file as a JSON schema (draft 7), for editors that complete and check YAML by one.
+// The scene file's form, made of the tables of its keys.
 #pragma once
 
 #include <string>
 
 namespace unibody {
 
-// The JSON schema of a scene. It has all keys, types and ranges of the sections time, output, solver and materials, and all
-// keys of the entries of bodies, cloths, threads, solids and joints. What these may hold depends on each other, and is checked
-// by read_scene() alone.
+// As a JSON schema (draft 7), for editors that complete and check YAML by one: all keys with their types, ranges, defaults and
+// meanings. What of them depends on each other's values, beside types and generators, is checked by read_scene() alone.
 std::string scene_schema();
+
+// As a page in Markdown: a table of the settings, and one of the keys of each map.
+std::string keys_reference();
 
 }  // namespace unibody

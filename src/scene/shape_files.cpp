@@ -15,7 +15,8 @@
 #include "meshes/weld.hpp"
 #include "scene/body_entry.hpp"
 #include "scene/made_meshes.hpp"
-#include "scene/weld_key.hpp"
+#include "scene/mesh_keys.hpp"
+#include "scene/shape_entry.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
@@ -24,12 +25,10 @@ namespace unibody {
 namespace {
 
 // A mesh from the key `key` with the factor `scale`.
-TriangleMesh read_mesh(const Value& value, const char* key, const Scene& scene, std::string& path, bool soup = false) {
-  path = surface_path(value.need(key, "an OBJ or STL file"), scene);
+TriangleMesh read_mesh(const KeyedMap& map, const char* key, const Scene& scene, std::string& path, bool soup = false) {
+  path = surface_path(map.need(key), scene);
   TriangleMesh mesh = read_surface(path, soup);
-  const Value* scale = value.find("scale");
-  const double factor = scale ? scale->number(positive, "") : 1;
-  for (Vec3& x : mesh.nodes) x *= factor;
+  for (Vec3& x : mesh.nodes) x *= map.number("scale");
   return mesh;
 }
 
@@ -61,14 +60,22 @@ SolidMoments check_closed(TriangleMesh& mesh, const Value& value, const std::str
   return moments;
 }
 
+const Keys& compound_part_keys() {
+  static const Keys table{"compound_part",
+                          "A convex shape of a compound.",
+                          {shape_key(needed), keys::vector("position", "m", "[0, 0, 0]", "where it is in the compound's axes"),
+                           orientation_key("how it is turned in the compound's axes")}};
+  return table;
+}
+
 Compound::Part read_part(const Value& value, const Scene& scene) {
-  value.map({"shape", "position", "orientation"});
+  const KeyedMap map(value, compound_part_keys());
   Compound::Part part{{}, Vec3::Zero(), Quat::Identity()};
-  const Value& shape = value.need("shape", "a convex shape");
+  const Value& shape = map.need("shape");
   part.shape = read_shape(shape, scene);
   if (!type_of(part.shape.kind).convex) shape.fail("a " + shape.children[0].first + " in a compound", "a convex solid");
-  if (const Value* position = value.find("position")) part.place = read_vector(*position, scene, "m");
-  if (const Value* turn = value.find("orientation")) part.turn = read_orientation(*turn, scene);
+  if (map.has("position")) part.place = read_vector(map, "position", scene);
+  if (const Value* turn = map.find("orientation")) part.turn = read_orientation(*turn, scene);
   return part;
 }
 
@@ -104,38 +111,77 @@ std::string describe(const SoupFaults& faults, bool two_sided, const std::vector
 }
 
 // From which side a surface is touched; without the key an open surface from both, and a closed one from where bodies start.
-void choose_sides(const Value& value, bool closed, MeshSurface& surface) {
-  const Value* key = value.find("sides");
-  const std::string sides = key ? key->string("auto, front, back or both") : "auto";
+void choose_sides(const KeyedMap& map, bool closed, MeshSurface& surface) {
+  const Value* key = map.find("sides");
+  const std::string sides = map.key("sides").names[map.choice("sides")];
   if (sides == "front" || sides == "back") {
     if (surface.two_sided) key->fail(sides + " of a surface whose triangles do not agree which side is out", "auto or both");
     if (sides == "back") turn_over(surface);
   } else if (sides == "both") {
     touch_from_both(surface);
-  } else if (sides == "auto") {
-    if (surface.two_sided) return;
+  } else if (!surface.two_sided) {
     if (closed)
       surface.sides_by_bodies = true;
     else
       touch_from_both(surface);
-  } else {
-    key->fail(sides, "auto, front, back or both");
   }
 }
 
-Shape read_soup(const Value& value, const Scene& scene) {
+Shape read_soup(const KeyedMap& map, const Scene& scene) {
   std::string path;
-  TriangleMesh mesh = read_mesh(value, "file", scene, path, true);
-  const SoupFaults faults = mend_soup(mesh, path, read_weld(value, "file"));
+  TriangleMesh mesh = read_mesh(map, "file", scene, path, true);
+  const SoupFaults faults = mend_soup(mesh, path, read_weld(map, "file"));
   MeshSurface surface = make_mesh_shape(mesh.nodes, mesh.triangles, 0, faults.both_ways);
   const std::string what = describe(faults, surface.two_sided, holes_of(mesh));
   if (!what.empty()) surface.note = path + ": " + what;
   surface.name = path;
-  choose_sides(value, surface.is_solid, surface);
+  choose_sides(map, surface.is_solid, surface);
   return shape_library().add(std::move(surface));
 }
 
+Key surface_file(const char* name, const char* without, const char* about) {
+  return keys::text(name, "an OBJ or STL file", without, about);
+}
+
 }  // namespace
+
+const Keys& hull_keys() {
+  static const Keys table{
+      "hull",
+      "The convex hull of points, in axes and from an origin of their own; its centre of mass comes to the entry's position.",
+      {keys::list("points", "m", "a list of points", "a mesh", "points that span the hull",
+                  [] { return keys::list_of(keys::of_type("number"), 3); }),
+       surface_file("mesh", "points", "OBJ or STL file, its path from the scene's folder, whose nodes span the hull"),
+       keys::scale()}};
+  return table;
+}
+
+const Keys& compound_keys() {
+  static const Keys table{
+      "compound",
+      "Convex shapes that move as one; its centre of mass comes to the entry's position.",
+      {keys::list_of_maps("parts", compound_part_keys, "a list of shapes with positions", "a mesh",
+                          "convex shapes; mass that overlaps counts twice"),
+       surface_file("mesh", "parts", "OBJ or STL file of a closed surface, its path from the scene's folder"), keys::scale(),
+       keys::weld(),
+       keys::integer("pieces", 1, 32, 6,
+                     "cells along the mesh's longest side, by which it is cut into convex pieces for contact")}};
+  return table;
+}
+
+const Keys& mesh_shape_keys() {
+  static const Keys table{
+      "mesh",
+      "A surface of triangles, which is fixed or kinematic.",
+      {surface_file("file", "another", "OBJ or STL file, its path from the scene's folder"), keys::scale(), keys::weld(),
+       keys::choice("sides", {"auto", "front", "back", "both"}, "auto",
+                    "from where a surface of a file, or a revolved one, is touched: front is where its triangles turn "
+                    "counterclockwise; auto: an open one from both sides, a closed one from where bodies start"),
+       keys::map("height_field", height_field_keys, "a map", "another", "terrain"),
+       keys::map("tube", tube_keys, "a map", "another", "the inside of a drum"),
+       keys::map("revolve", revolved_keys, "a map", "another", "what a line covers that turns about z")}};
+  return table;
+}
 
 std::string surface_path(const Value& file, const Scene& scene) {
   const auto path = std::filesystem::path(scene.path).parent_path() / file.string("an OBJ or STL file");
@@ -147,40 +193,39 @@ std::string surface_path(const Value& file, const Scene& scene) {
 }
 
 Shape read_hull(const Value& value, const Scene& scene) {
-  value.map({"points", "mesh", "scale"});
-  const Value *list = value.find("points"), *mesh = value.find("mesh");
+  const KeyedMap map(value, hull_keys());
+  const Value *list = map.find("points"), *mesh = map.find("mesh");
   if ((list != nullptr) == (mesh != nullptr)) value.fail("both or none of points and mesh", "one of the two");
   if (mesh) {
     std::string path;
-    return add_hull(value, read_mesh(value, "mesh", scene, path).nodes);
+    return add_hull(value, read_mesh(map, "mesh", scene, path).nodes);
   }
-  if (const Value* scale = value.find("scale")) scale->fail_expected("no scale beside points");
+  map.none_of({"scale"}, "beside points");
   std::vector<Vec3> points;
   for (const Value& point : list->list("points")) points.push_back(point.vector(any_number, "m"));
   return add_hull(*list, points);
 }
 
 Shape read_compound(const Value& value, const Scene& scene) {
-  value.map({"parts", "mesh", "scale", "weld", "pieces"});
-  const Value *list = value.find("parts"), *file = value.find("mesh");
+  const KeyedMap map(value, compound_keys());
+  const Value *list = map.find("parts"), *file = map.find("mesh");
   if ((list != nullptr) == (file != nullptr)) value.fail("both or none of parts and mesh", "one of the two");
   std::vector<Compound::Part> parts;
   if (list) {
-    for (const char* key : {"scale", "weld", "pieces"})
-      if (const Value* other = value.find(key)) other->fail_expected("no such key beside parts");
+    map.none_of({"scale", "weld", "pieces"}, "beside parts");
     for (const Value& part : list->list("shapes with positions")) parts.push_back(read_part(part, scene));
     return shape_library().add(make_compound(parts));
   }
   std::string path;
-  TriangleMesh mesh = read_mesh(value, "mesh", scene, path);
+  TriangleMesh mesh = read_mesh(map, "mesh", scene, path);
+  const double share = read_weld(map, "mesh");
   if (!mesh_topology(mesh, path).boundary.empty()) {  // a closed surface may have parts that touch, and keeps them
     const std::size_t before = mesh.nodes.size();
-    const auto number = weld(mesh.nodes, read_weld(value, "mesh") * extent_of(mesh.nodes));
+    const auto number = weld(mesh.nodes, share * extent_of(mesh.nodes));
     if (mesh.nodes.size() < before) renumber(mesh.triangles, number);
   }
   const SolidMoments moments = check_closed(mesh, *file, path);
-  const Value* cells = value.find("pieces");
-  for (Hull& piece : convex_pieces(mesh, static_cast<int>(cells ? cells->integer(1, 32) : 6))) {
+  for (Hull& piece : convex_pieces(mesh, static_cast<int>(map.integer("pieces")))) {
     const Vec3 centre = piece.centre;
     parts.push_back({shape_library().add(std::move(piece)), centre, Quat::Identity()});
   }
@@ -188,24 +233,23 @@ Shape read_compound(const Value& value, const Scene& scene) {
 }
 
 Shape read_mesh_shape(const Value& value, const Scene& scene) {
-  value.map({"file", "scale", "weld", "sides", "height_field", "tube", "revolve"});
-  const Value *file = value.find("file"), *made = nullptr;
+  const KeyedMap map(value, mesh_shape_keys());
+  const Value *file = map.find("file"), *made = nullptr;
   int count = file ? 1 : 0;
   for (const char* key : {"height_field", "tube", "revolve"})
-    if (const Value* found = value.find(key)) made = found, ++count;
+    if (const Value* found = map.find(key)) made = found, ++count;
   if (count != 1) value.fail("not one of file, height_field, tube and revolve", "one of the four");
-  const bool revolves = made != nullptr && made == value.find("revolve");
-  for (const char* key : {"scale", "weld", "sides"})
-    if (const Value* other = value.find(key); other && !file && !(revolves && other->key.ends_with("sides")))
-      other->fail_expected("no " + std::string(key) + " without a file");
-  if (file) return read_soup(value, scene);
+  const bool revolves = made != nullptr && made == map.find("revolve");
+  if (file) return read_soup(map, scene);
+  map.none_of({"scale", "weld"}, "without a file");
+  if (!revolves) map.none_of({"sides"}, "without a file or a revolved surface");
   double below = 0;
-  const TriangleMesh mesh = revolves                             ? read_revolved(*made)
-                            : made == value.find("height_field") ? read_height_field(*made, below)
-                                                                 : read_tube(*made);
+  const TriangleMesh mesh = revolves                           ? read_revolved(*made)
+                            : made == map.find("height_field") ? read_height_field(*made, below)
+                                                               : read_tube(*made);
   check_mesh(mesh, place_of(*made));
   MeshSurface surface = make_mesh_shape(mesh.nodes, mesh.triangles, below);
-  if (revolves) choose_sides(value, surface.is_solid, surface);
+  if (revolves) choose_sides(map, surface.is_solid, surface);
   return shape_library().add(std::move(surface));
 }
 

@@ -1,13 +1,17 @@
 // Shapes that need more than three lengths. Each reader checks its data and puts the shape into the library.
 #pragma once
 
+#include "scene/key.hpp"
 #include "scene/scene.hpp"
-#include "scene/value.hpp"
 
 namespace unibody {
 
 // The file that `file` names by its path from the scene's folder; refused where none is there.
 std::string surface_path(const Value& file, const Scene& scene);
+
+const Keys& hull_keys();
+const Keys& compound_keys();
+const Keys& mesh_shape_keys();
 
 // hull: {points: [[x, y, z], ...]}, or {mesh: FILE, scale: factor}: the hull of its nodes.
 Shape read_hull(const Value& value, const Scene& scene);

@@ -11,6 +11,42 @@ constexpr std::size_t cells = 2048;  // of a tabulated distribution: sizes lie r
 
 double per_mass(double factor) { return 1 / (factor * factor * factor); }
 
+Key factor(const char* name, const char* about) { return keys::number(name, "", positive, needed, about); }
+
+Keys bell_keys(const char* name, const char* about, const Key& middle, const char* deviation) {
+  return {name,
+          about,
+          {middle, factor("deviation", deviation), factor("smallest", "the smallest factor that is drawn"),
+           factor("largest", "the largest factor that is drawn, above the smallest")}};
+}
+
+const Keys& normal_keys() {
+  static const Keys table = bell_keys("normal_sizes", "A normal distribution between two factors.",
+                                      factor("mean", "mean of the whole distribution"), "its standard deviation");
+  return table;
+}
+
+const Keys& log_normal_keys() {
+  static const Keys table =
+      bell_keys("log_normal_sizes", "A distribution between two factors of which the logarithm is normal.",
+                factor("median", "median of the whole distribution"), "standard deviation of the factor's natural logarithm");
+  return table;
+}
+
+const Keys& distribution_keys() {
+  const auto two_numbers = [] { return keys::list_of(keys::of_range(positive), 2); };
+  static const Keys table{
+      "sizes",
+      "A distribution of the factor by which a body is larger than its shape says.",
+      {keys::other("uniform", "", "[smallest, largest]", "another", "uniform between two factors", two_numbers),
+       keys::map("normal", normal_keys, "a map", "another", "a normal distribution between two factors"),
+       keys::map("log_normal", log_normal_keys, "a map", "another", "a log-normal distribution between two factors"),
+       keys::list("table", "", "rows [factor, share]", "another", "these factors alone, each with its share", two_numbers),
+       keys::choice("by", {"number", "mass"}, "number",
+                    "what of all bodies has this distribution: their number, or their mass")}};
+  return table;
+}
+
 // Sums of the weights before each of them, then of all, over that of all.
 std::vector<double> cumulative(const std::vector<double>& weights) {
   std::vector<double> below{0};
@@ -50,14 +86,10 @@ void SizeDistribution::read_range(const Value& value) {
 }
 
 void SizeDistribution::read_bell(const Value& value, bool logarithmic, bool by_mass) {
-  const char* middle_key = logarithmic ? "median" : "mean";
-  value.map({middle_key, "deviation", "smallest", "largest"});
-  const double middle = value.need(middle_key, "a factor > 0").number(positive, "");
-  const double deviation = value.need("deviation", "a number > 0").number(positive, "");
-  smallest_ = value.need("smallest", "a factor > 0").number(positive, "");
-  const Value& largest = value.need("largest", "a factor above the smallest");
-  largest_ = largest.number(positive, "");
-  if (!(largest_ > smallest_)) largest.fail_expected("a factor above the smallest");
+  const KeyedMap map(value, logarithmic ? log_normal_keys() : normal_keys());
+  const double middle = map.number(logarithmic ? "median" : "mean"), deviation = map.number("deviation");
+  smallest_ = map.number("smallest"), largest_ = map.number("largest");
+  if (!(largest_ > smallest_)) map.need("largest").fail_expected("a factor above the smallest");
   const auto density = [&](double factor) {
     const double away = (logarithmic ? std::log(factor / middle) : factor - middle) / deviation;
     return std::exp(-0.5 * away * away) / (logarithmic ? factor : 1);
@@ -80,6 +112,14 @@ void SizeDistribution::read_table(const Value& value, bool by_mass) {
   below_ = cumulative(weights);
 }
 
+Key SizeDistribution::key() {
+  const auto schema = [] {
+    return keys::any_of({keys::list_of(keys::of_range(positive), 2), keys::reference_to(distribution_keys)});
+  };
+  return keys::other("scale", "", "[smallest, largest], or a map with uniform, normal, log_normal or table", "[1, 1]",
+                     "factor on the size: of two numbers the range, uniform in its logarithm", schema, {distribution_keys});
+}
+
 SizeDistribution SizeDistribution::read(const Value& value) {
   SizeDistribution sizes;
   if (value.kind == Value::Kind::list) {
@@ -89,15 +129,12 @@ SizeDistribution SizeDistribution::read(const Value& value) {
   }
   if (value.kind != Value::Kind::map)
     value.fail_expected("[smallest, largest], or a map with uniform, normal, log_normal or table");
-  value.map({"uniform", "normal", "log_normal", "table", "by"});
-  const Value* by = value.find("by");
-  const bool by_mass = by && by->choice({"number", "mass"}) == 1;
+  const KeyedMap map(value, distribution_keys());
+  const bool by_mass = map.choice("by") == 1;
+  map.only_one_of({"uniform", "normal", "log_normal", "table"});
   const Value* found = nullptr;
-  for (const char* key : {"uniform", "normal", "log_normal", "table"}) {
-    const Value* law = value.find(key);
-    if (law && found) law->fail(std::string(key) + " beside another distribution", "only one of them");
-    if (law) found = law;
-  }
+  for (const char* name : {"uniform", "normal", "log_normal", "table"})
+    if (const Value* law = map.find(name)) found = law;
   if (!found) value.fail_missing("uniform", "[smallest, largest], or one of normal, log_normal, table");
   if (found == value.find("table")) {
     sizes.read_table(*found, by_mass);

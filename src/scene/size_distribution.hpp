@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "scene/value.hpp"
+#include "scene/key.hpp"
 
 namespace unibody {
 
@@ -25,6 +25,7 @@ class SizeDistribution {
   //   {normal: {mean, deviation, smallest, largest}}           the normal distribution between these two
   //   {log_normal: {median, deviation, smallest, largest}}     that of the logarithm, whose deviation is in natural logarithms
   //   {table: [[factor, share], ...]}                these factors alone
+  static Key key();  // of a kind of body
   static SizeDistribution read(const Value& value);
 
  private:

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "meshes/weld.hpp"
+#include "scene/mesh_keys.hpp"
 #include "scene/solid_shape.hpp"
-#include "scene/weld_key.hpp"
 
 namespace unibody {
 
@@ -11,60 +11,67 @@ namespace {
 
 constexpr double most_unlocked_ratio = 0.45;  // from here on a run says that its tetrahedra lock
 
-const std::vector<std::string> elasticity_keys{"youngs_modulus", "poissons_ratio", "damping"};
-
-// Reads the elasticity of a solid, or of a region in it. What a region does not say is as in the rest of the solid.
-Elasticity read_elasticity(const Value& map, const Elasticity* rest) {
-  Elasticity result = rest ? *rest : Elasticity{};
-  const auto has = [&](const char* key) { return !rest || map.find(key); };
-  if (has("youngs_modulus")) result.youngs_modulus = map.need("youngs_modulus", "a number > 0 (Pa)").number(positive, "Pa");
-  if (has("poissons_ratio"))
-    result.poissons_ratio = map.need("poissons_ratio", "a number in (-1, 0.5)").number({-1, 0.5, true, true}, "");
-  if (const Value* damping = map.find("damping")) result.damping = damping->number(not_negative, "s");
-  return result;
+std::vector<Key> elasticity_keys(bool of_all) {
+  const auto without = [of_all](const Without& what) { return of_all ? what : Without("as in the rest"); };
+  return {keys::number("youngs_modulus", "Pa", positive, without(needed), "Young's modulus"),
+          keys::number("poissons_ratio", "", {-1, 0.5, true, true}, without(needed), "Poisson's ratio"),
+          keys::number("damping", "s", not_negative, without(0), "rho: a strain e is resisted as e + rho de/dt")};
 }
 
-SolidLaw read_law(const Value& entry, const Scene& scene) {
+const Keys& region_keys() {
+  static const Keys table = Keys{"region",
+                                 "A part of a solid of another elasticity.",
+                                 {within_key(needed, "box, world axes, that holds a tetrahedron's centroid at the start")}}
+                                .with({"", "", elasticity_keys(false)});
+  return table;
+}
+
+// Reads the elasticity of a solid, or of a region in it. What a region does not say is as in the rest of the solid.
+Elasticity read_elasticity(const KeyedMap& map, const Elasticity* rest) {
+  const auto read = [&](const char* name, double Elasticity::*member) {
+    return rest && !map.has(name) ? rest->*member : map.number(name);
+  };
+  return {read("youngs_modulus", &Elasticity::youngs_modulus), read("poissons_ratio", &Elasticity::poissons_ratio),
+          read("damping", &Elasticity::damping)};
+}
+
+SolidLaw read_law(const KeyedMap& entry, const Scene& scene) {
   SolidLaw law;
-  law.density = entry.need("density", "a number > 0 (kg/m^3)").number(positive, "kg/m^3");
+  law.density = entry.number("density");
   law.elasticity = read_elasticity(entry, nullptr);
-  if (const Value* volume = entry.find("energy_volume"))
-    law.energy_volume = static_cast<EnergyVolume>(volume->choice({"rest", "current"}));
-  if (const Value* least = entry.find("least_volume")) law.least_volume = least->number({0, 1, true, true}, "");
-  if (const Value* value = entry.find("position")) law.position = read_vector(*value, scene, "m");
+  law.energy_volume = static_cast<EnergyVolume>(entry.choice("energy_volume"));
+  law.least_volume = entry.number_if("least_volume");
+  if (entry.has("position")) law.position = read_vector(entry, "position", scene);
   if (const Value* value = entry.find("orientation")) law.orientation = read_orientation(*value, scene);
-  if (const Value* regions = entry.find("regions"))
-    for (const Value& region : regions->list("regions")) {
-      std::vector<std::string> keys = elasticity_keys;
-      keys.emplace_back("within");
-      region.map(keys);
-      const Part part = read_part(region.need("within", "a map with min and max (m)"), scene);
-      law.regions.emplace_back(part, read_elasticity(region, &law.elasticity));
-    }
+  if (!entry.has("regions")) return law;
+  for (const Value& region : entry.list("regions")) {
+    const KeyedMap map(region, region_keys());
+    const Part part = read_part(map.need("within"), scene);
+    law.regions.emplace_back(part, read_elasticity(map, &law.elasticity));
+  }
   return law;
 }
 
-MeshShape read_shape_of(const Value& entry, const SolidLaw& law, const Scene& scene) {
-  const Value *block = entry.find("block"), *mesh = entry.find("mesh"), *scale = entry.find("scale");
-  if (block && mesh) mesh->fail("a mesh beside a block", "only one of block and mesh");
-  if (!block && !mesh) entry.fail_missing("block", "a map with size and cells, or mesh: a .msh or .vtu file");
-  if (block && scale) scale->fail_expected("no such key beside a block");
+MeshShape read_shape_of(const KeyedMap& entry, const SolidLaw& law, const Scene& scene) {
+  entry.only_one_of({"block", "mesh"});
+  const Value *block = entry.find("block"), *mesh = entry.find("mesh");
+  if (!block && !mesh) entry.value().fail_missing("block", "a map with size and cells, or mesh: a .msh or .vtu file");
+  if (block) entry.none_of({"scale"}, "beside a block");
   const double share = read_weld(entry, "mesh");
-  return block ? block_solid(*block, law) : mesh_solid(*mesh, scale ? scale->number(positive, "") : 1, share, law, scene);
+  return block ? block_solid(*block, law) : mesh_solid(*mesh, entry.number("scale"), share, law, scene);
 }
 
-void read_solid(const Value& entry, Scene& scene) {
-  entry.map(solid_keys());
-  const double thickness = entry.need("thickness", "a number > 0 (m)").number(positive, "m");
+void read_solid(const Value& value, Scene& scene) {
+  const KeyedMap entry(value, solid_keys());
+  const double thickness = entry.number("thickness");
   MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
   const Value* block = entry.find("block");
   check_room(block ? *block->find("cells") : *entry.find("mesh"), scene, shape.count);
   shape.closed = true;
-  if (!(shape.mass(0) > 0 && std::isfinite(shape.mass(0))))
-    entry.need("density", "").fail_expected("a finite mass > 0 of each node");
+  if (!(shape.mass(0) > 0 && std::isfinite(shape.mass(0)))) entry.need("density").fail_expected("a finite mass > 0 of each node");
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   Vec3 spin = Vec3::Zero();
-  if (const Value* value = entry.find("angular_velocity")) spin = read_vector(*value, scene, "rad/s");
+  if (entry.has("angular_velocity")) spin = read_vector(entry, "angular_velocity", scene);
   const auto loads = read_loads(entry, shape, nodes, scene);
   const Id first = add_flexible(
       scene, nodes, shape.count,
@@ -116,13 +123,31 @@ void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const s
   std::get<ConstraintList<InversionGuard>>(out).push_back(guard);
 }
 
-std::vector<std::string> solid_keys() {
-  std::vector<std::string> keys = node_keys;
-  keys.insert(keys.end(), elasticity_keys.begin(), elasticity_keys.end());
-  for (const char* key : {"block", "mesh", "scale", "weld", "density", "regions", "energy_volume", "least_volume", "thickness",
-                          "angular_velocity", "loads", "self_collision", "drag"})
-    keys.emplace_back(key);
-  return keys;
+const Keys& solid_keys() {
+  static const Keys table =
+      node_keys("solid", "A soft solid of tetrahedra.", "[i, j, k] of a block or k of a mesh, from 0")
+          .with({"",
+                 "",
+                 {keys::map("block", block_keys, "a map with size and cells", "a mesh", "a block of tetrahedra"),
+                  keys::text("mesh", "a .msh or .vtu file", "a block",
+                             "Gmsh (2.2, 4.1) or VTK file of tetrahedra, its path from the scene's folder"),
+                  keys::scale(), keys::weld(), keys::number("density", "kg/m^3", positive, needed, "density at rest")}})
+          .with({"", "", elasticity_keys(true)})
+          .with({"",
+                 "",
+                 {keys::list_of_maps("regions", region_keys, "regions", "none",
+                                     "parts of another elasticity; where they overlap the last holds"),
+                  keys::choice(
+                      "energy_volume", {"rest", "current"}, "rest",
+                      "the volume of a tetrahedron that weighs its strains' energy: that at rest, as St. Venant-Kirchhoff; or "
+                      "its current one, as the paper"),
+                  keys::number("least_volume", "", {0, 1, true, true}, "none",
+                               "share of its volume at rest below which a tetrahedron is kept from falling"),
+                  keys::number("thickness", "m", positive, needed,
+                               "of its skin: what touches it lies at half of that from its surface"),
+                  keys::vector("angular_velocity", "rad/s", "[0, 0, 0]", "angular velocity at the start, about the position"),
+                  loads_key(), self_collision_key(), drag_key()}});
+  return table;
 }
 
 void read_solids(const Value& list, Scene& scene) {

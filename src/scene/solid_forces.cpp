@@ -7,7 +7,30 @@ namespace {
 
 constexpr double slack = 1e-9;  // of the part's extent: nodes on its rim belong to it
 
+const Keys& part_keys() {
+  static const Keys table{"within",
+                          "A box along the world's axes.",
+                          {keys::vector("min", "m", needed, "corner of the least coordinates"),
+                           keys::vector("max", "m", needed, "corner of the greatest coordinates")}};
+  return table;
+}
+
+const Keys& load_keys() {
+  static const Keys table{
+      "load",
+      "A force on a part of a solid's surface.",
+      {within_key(needed, "box, world axes: the triangles of the surface with all of their nodes in it at the start"),
+       keys::vector("force", "N", needed, "the force in all, spread by area, and from each triangle evenly to its nodes")}};
+  return table;
+}
+
 }  // namespace
+
+Key within_key(const Without& without, const char* about) {
+  return keys::map("within", part_keys, "a map with min and max (m)", without, about);
+}
+
+Key loads_key() { return keys::list_of_maps("loads", load_keys, "loads", "none", "dead forces on parts of the surface"); }
 
 bool Part::holds(const Vec3& x) const {
   const Vec3 room = Vec3::Constant(slack * (1 + (upper - lower).maxCoeff()));
@@ -15,24 +38,23 @@ bool Part::holds(const Vec3& x) const {
 }
 
 Part read_part(const Value& value, const Scene& scene) {
-  value.map({"min", "max"});
+  const KeyedMap map(value, part_keys());
   Part part;
-  part.lower = read_vector(value.need("min", "a point (m)"), scene, "m");
-  part.upper = read_vector(value.need("max", "a point (m)"), scene, "m");
+  part.lower = read_vector(map, "min", scene);
+  part.upper = read_vector(map, "max", scene);
   if (!((part.upper - part.lower).array() >= 0).all()) value.fail("max below min", "a box from min to max");
   return part;
 }
 
 // Spreads each force by area over the triangles that lie in the part with all of their nodes: a third of a triangle's share at
 // each.
-std::map<Id, Vec3> read_loads(const Value& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene) {
+std::map<Id, Vec3> read_loads(const KeyedMap& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene) {
   std::map<Id, Vec3> loads;
-  const Value* list = entry.find("loads");
-  if (!list) return loads;
-  for (const Value& value : list->list("loads")) {
-    value.map({"within", "force"});
-    const Part part = read_part(value.need("within", "a map with min and max (m)"), scene);
-    const Vec3 force = read_vector(value.need("force", "a vector (N)"), scene, "N");
+  if (!entry.has("loads")) return loads;
+  for (const Value& value : entry.list("loads")) {
+    const KeyedMap map(value, load_keys());
+    const Part part = read_part(map.need("within"), scene);
+    const Vec3 force = read_vector(map, "force", scene);
     std::map<Id, double> area;
     double total = 0;
     for (Id t = 0; t < shape.triangle_count; ++t) {

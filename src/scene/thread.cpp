@@ -48,28 +48,38 @@ void read_line(const Value& points, Thread& thread, const Scene& scene) {
   }
 }
 
-void read_stretch(const Value& value, double radius, Thread& thread) {
-  value.map({"stiffness", "youngs_modulus", "damping"});
-  thread.stretch = read_spring(value, "N/m");
-  const Value *modulus = value.find("youngs_modulus"), *stiffness = value.find("stiffness");
-  if (modulus && stiffness) modulus->fail("a youngs_modulus beside stiffness", "only one of them");
-  if (modulus) thread.stretch.stiffness = modulus->number(positive, "Pa") * pi * radius * radius / thread.segment();
+const Keys& stretch_keys() {
+  static const Keys table =
+      Keys{"stretch", "The resistance of a thread to stretch.", spring_keys("N/m", "stiffness of a segment")}.with(
+          {"",
+           "",
+           {keys::number("youngs_modulus", "Pa", positive, "a stiffness", "E: a segment has E pi radius^2 / its length")}});
+  return table;
 }
 
-void read_thread(const Value& entry, Scene& scene) {
-  entry.map(thread_keys());
+const Keys& thread_bending_keys() {
+  static const Keys table{"thread_bending", "Links of a thread's nodes to their second neighbours.",
+                          spring_keys("N/m", "stiffness of each link")};
+  return table;
+}
+
+void read_stretch(const Value& value, double radius, Thread& thread) {
+  const KeyedMap map(value, stretch_keys());
+  thread.stretch = read_spring(map);
+  map.only_one_of({"stiffness", "youngs_modulus"});
+  if (const auto modulus = map.number_if("youngs_modulus"))
+    thread.stretch.stiffness = *modulus * pi * radius * radius / thread.segment();
+}
+
+void read_thread(const Value& value, Scene& scene) {
+  const KeyedMap entry(value, thread_keys());
   Thread thread;
-  read_line(entry.need("points", "a list of at least 2 points"), thread, scene);
-  const Value& segments = entry.need("segments", "an integer >= 1");
-  thread.segments = segments.integer(1, 1'000'000'000);
-  check_room(segments, scene, thread.segments + 1);
-  const double radius = entry.need("radius", "a number > 0 (m)").number(positive, "m");
-  const double mass = entry.need("mass", "a number > 0 (kg)").number(positive, "kg");
+  read_line(entry.need("points"), thread, scene);
+  thread.segments = entry.integer("segments");
+  check_room(entry.need("segments"), scene, thread.segments + 1);
+  const double radius = entry.number("radius"), mass = entry.number("mass");
   if (const Value* stretch = entry.find("stretch")) read_stretch(*stretch, radius, thread);
-  if (const Value* bending = entry.find("bending")) {
-    bending->map({"stiffness", "damping"});
-    thread.bending = read_spring(*bending, "N/m");
-  }
+  if (const Value* bending = entry.find("bending")) thread.bending = read_spring(KeyedMap(*bending, thread_bending_keys()));
   const Nodes nodes = read_nodes(entry, radius, scene);
   const Id first = add_flexible(
       scene, nodes, thread.segments + 1,
@@ -90,16 +100,26 @@ void read_thread(const Value& entry, Scene& scene) {
     if (node > first) out.push_back({node - 1, node, node});
     if (node < last) out.push_back({node, node + 1, node + 1});
   };
-  if (const Value* self = entry.find("self_collision")) surface.self_collision = self->boolean();
+  surface.self_collision = entry.flag("self_collision");
   read_pins(entry, scene, first, thread.segments + 1, [&](const Value& node) { return node.integer(0, thread.segments); });
 }
 
 }  // namespace
 
-std::vector<std::string> thread_keys() {
-  std::vector<std::string> keys = node_keys;
-  for (const char* key : {"points", "segments", "radius", "mass", "stretch", "bending", "self_collision"}) keys.emplace_back(key);
-  return keys;
+const Keys& thread_keys() {
+  static const Keys table =
+      node_keys("thread", "A line of particles, linked one to the next.", "k, from 0")
+          .with({"",
+                 "",
+                 {keys::list("points", "m", "a list of at least 2 points", needed, "points of the line, in the entry's frame",
+                             [] { return keys::list_of(keys::of_type("number"), 3); }),
+                  keys::integer("segments", 1, 1'000'000'000, needed, "segments of equal length; nodes less one"),
+                  keys::number("radius", "m", positive, needed, "a node touches as a sphere of this radius"),
+                  keys::number("mass", "kg", positive, needed, "mass of the whole; an end node has half of another's"),
+                  keys::map("stretch", stretch_keys, "a map", "stiff", "resistance to stretch"),
+                  keys::map("bending", thread_bending_keys, "a map", "none", "links to the second neighbour"),
+                  self_collision_key()}});
+  return table;
 }
 
 void read_threads(const Value& list, Scene& scene) {

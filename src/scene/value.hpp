@@ -67,26 +67,10 @@ Value load_value(const std::string& path, const std::vector<Override>& overrides
 // The same of a text that is in no file: `path` names it in errors.
 Value value_of_text(const std::string& text, const std::string& path, const std::vector<Override>& overrides);
 
-// A table of the keys of a map: one line a key, read in the order of the table.
-template <class Target>
-struct Field {
-  const char* key;
-  void (*read)(const Value& value, Target& target);
-};
-
 // A key that had another name before: it stops the reading with a line that names the new one.
 struct RenamedKey {
   const char *before, *now;
 };
 void refuse_renamed(const Value& map, std::span<const RenamedKey> renamed);
-
-template <class Target, std::size_t n>
-void read_fields(const Value& value, const Field<Target> (&fields)[n], Target& target) {
-  std::vector<std::string> keys;
-  for (const auto& field : fields) keys.emplace_back(field.key);
-  value.map(keys);
-  for (const auto& field : fields)
-    if (const Value* child = value.find(field.key)) field.read(*child, target);
-}
 
 }  // namespace unibody

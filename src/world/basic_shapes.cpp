@@ -9,7 +9,7 @@ namespace unibody {
 
 namespace {
 
-constexpr std::string_view radius_key[] = {"radius"};
+constexpr ShapeLength radius_key[] = {{"radius", "radius"}};
 
 Shape make_sphere(std::span<const double> v) { return {ShapeKind::sphere, Vec3(v[0], 0, 0)}; }
 Shape make_disc(std::span<const double> v) { return {ShapeKind::disc, Vec3(v[0], 0, 0)}; }

@@ -8,7 +8,8 @@ namespace unibody {
 
 namespace {
 
-constexpr std::string_view keys[] = {"radius", "length"};  // the length between the centres of the caps
+constexpr ShapeLength keys[] = {{"radius", "radius of the tube and its caps"},
+                                {"length", "length between the centres of the caps, along z"}};
 
 double radius(const Shape& s) { return s.size.x(); }
 double half_segment(const Shape& s) { return s.size.z() - s.size.x(); }

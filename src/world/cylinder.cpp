@@ -9,7 +9,7 @@ namespace unibody {
 
 namespace {
 
-constexpr std::string_view keys[] = {"radius", "length"};
+constexpr ShapeLength keys[] = {{"radius", "radius of the ends"}, {"length", "length along z"}};
 constexpr double steepest_cap = 0.7071;  // cosine of the angle to the axis up to which a cap faces a direction
 constexpr int rim = 8;                   // points of a cap
 constexpr double rolls = 0.05;           // tangent of the tilt from which on it rolls over its rim

@@ -27,9 +27,14 @@ struct ConvexFunctions {
   void (*feature)(const Shape& shape, const Vec3& direction, SupportFeature& feature);  // of the core
 };
 
+// A length of a shape by its key in the scene file (m, > 0), and what it is.
+struct ShapeLength {
+  const char *key, *about;
+};
+
 struct ShapeType {
   ShapeKind kind;
-  std::span<const std::string_view> lengths;  // keys of the scene file, all in m and > 0; empty: it is read by hand
+  std::span<const ShapeLength> lengths;  // those that give its size; empty: it is read by hand
   Shape (*make)(std::span<const double> lengths);
   double (*bounding_radius)(const Shape& shape);
   Vec3 (*half_extents)(const Shape& shape, const Mat3& rotation);

@@ -65,7 +65,7 @@ class Events(ProgramTest):
                 ("kinetic_enegy, above: 1", f"when.column': found kinetic_enegy (did you mean kinetic_energy?), {column}"),
                 ("wall_solve, above: 1", f"when.column': found wall_solve, {column}"),
                 ("kinetic_energy", "when.below': found nothing, expected a number, or above: one"),
-                ("kinetic_energy, above: 1, below: 2", "when.above': found above beside below, expected only one of them"),
+                ("kinetic_energy, above: 1, below: 2", "when.above': found above beside below, expected only one of below and above"),
                 ("kinetic_energy, above: much", "when.above': found much, expected a finite number (in the unit of the column)"),
                 ("kinetic_energy, above: 1, after: -1", "when.after': found -1, expected a number >= 0 (s)")):
             for check in ((), ("-check",)):

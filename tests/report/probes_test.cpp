@@ -124,7 +124,7 @@ const std::vector<Fault> faults{
      "FILE:5: key 'probes[0].flow': found nothing, expected a map with point and normal, or box or "
      "stress: one with low and high, or force: one with on"},
     {"both", probed("  - {name: a, box: {low: [0, 0, 0], high: [1, 1, 1]}, flow: {point: [0, 0, 0], normal: [0, 0, 1]}}\n"),
-     "FILE:5: key 'probes[0].box': found box beside another measurement, expected only one of flow, box, force and "
+     "FILE:5: key 'probes[0].box': found box beside flow, expected only one of flow, box, force and "
      "stress"},
     {"box_turned_over", probed("  - {name: a, box: {low: [0, 0, 0], high: [1, -1, 1]}}\n"),
      "FILE:5: key 'probes[0].box.high': found [1, -1, 1], expected a corner that is above the other one along each axis (m)"},

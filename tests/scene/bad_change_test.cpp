@@ -38,7 +38,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"no_rate", with_inlet("count: 1, " + box + ", " + mix),
                  inlet_at + ".rate': found nothing, expected bodies a second, or mass_rate (kg/s)"},
         BadInput{"two_rates", with_inlet("count: 1, rate: 1, mass_rate: 2, " + box + ", " + mix),
-                 inlet_at + ".mass_rate': found mass_rate beside rate, expected only one of them"},
+                 inlet_at + ".mass_rate': found mass_rate beside rate, expected only one of rate and mass_rate"},
         BadInput{"negative_rate", with_inlet("count: 1, rate: -1, " + box + ", " + mix),
                  inlet_at + ".rate': found -1, expected a number >= 0 (1/s)"},
         BadInput{"no_place", with_inlet("count: 1, rate: 1, " + mix),
@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(
     Sizes, ChangesRefuse,
     testing::Values(
         BadInput{"two_laws", with_scale("{uniform: [1, 2], table: [[1, 1]]}"),
-                 scale_at + ".table': found table beside another distribution, expected only one of them"},
+                 scale_at + ".table': found table beside uniform, expected only one of uniform, normal, log_normal and table"},
         BadInput{"no_law", with_scale("{by: mass}"),
                  scale_at + ".uniform': found nothing, expected [smallest, largest], or one of normal, log_normal, table"},
         BadInput{"no_number", with_scale("2"),

@@ -58,7 +58,7 @@ const std::vector<Fault> faults{
     {"path_that_starts_elsewhere", moved("path: {table: [[0, 1, 0, 0], [1, 2, 0, 0]]}"),
      "FILE:2: key 'bodies[0].path': found a map, expected a path that is 0 at time 0: it starts where the body does"},
     {"path_and_velocity", moved("path: [[[0, 0], [1, 1]], 0, 0], velocity: [1, 0, 0]"),
-     "FILE:2: key 'bodies[0].path': found a path beside a velocity, expected only one of them"},
+     "FILE:2: key 'bodies[0].path': found path beside velocity, expected only one of velocity and path"},
     {"path_of_a_dynamic_body", moved("path: [[[0, 0], [1, 1]], 0, 0], mass: 1", "dynamic"),
      "FILE:2: key 'bodies[0].path': found a list of 3, expected motion: kinematic beside a path"},
     {"velocity_in_time_of_a_dynamic_body", moved("velocity: [[[0, 0], [1, 1]], 0, 0], mass: 1", "dynamic"),

@@ -77,7 +77,7 @@ const std::vector<Fault> faults{
      "name, type, bodies, anchors, anchor, axis or axes"},
     {"two_targets",
      with_joint("type: slider, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1, offset: 2, max_force: 1}"),
-     "FILE:7: key 'joints[0].motor.offset': found 2 beside speed 1, expected only one of speed and offset"},
+     "FILE:7: key 'joints[0].motor.offset': found offset beside speed, expected only one of speed and offset"},
     {"negative_compliance", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], compliance: -1"),
      "FILE:7: key 'joints[0].compliance': found -1, expected a number >= 0 (m/N)"},
     {"axes_not_square",

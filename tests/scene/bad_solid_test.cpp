@@ -33,7 +33,7 @@ const std::vector<Fault> faults{
     {"block_of_no_cells", with_solid("poissons_ratio: 0.3", "[1, 0, 1]"),
      "FILE:2: key 'solids[0].block.cells[1]': found 0, expected an integer >= 1"},
     {"block_and_mesh", with_solid("poissons_ratio: 0.3\n    mesh: a.msh"),
-     "FILE:7: key 'solids[0].mesh': found a mesh beside a block, expected only one of block and mesh"},
+     "FILE:7: key 'solids[0].mesh': found mesh beside block, expected only one of block and mesh"},
     {"mesh_that_is_not_there",
      "solids:\n  - mesh: nothing.msh\n    density: 1\n    youngs_modulus: 1\n    poissons_ratio: 0\n    thickness: 1\n",
      "nothing.msh, which isn't there, expected a .msh or .vtu file, its path from the scene's folder"},
