@@ -51,6 +51,7 @@ std::vector<PatchLink> Balance::links(const ConstraintSet& constraints) const {
     }
   });
   std::vector<PatchLink> result;
+  result.reserve(found.size());
   for (const auto& [link, weight] : found) result.push_back({link.a, link.b, weight});
   return result;
 }

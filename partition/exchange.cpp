@@ -63,7 +63,7 @@ void Exchange::add(const TrafficByRank& more, TrafficByRank& traffic) {
 }
 
 // Slots of a range ascend with ids: the same order on both sides.
-std::vector<Exchange::Traffic> Exchange::sorted(std::map<int, Traffic> traffic) {
+std::vector<Exchange::Traffic> Exchange::sorted(TrafficByRank&& traffic) {
   std::vector<Traffic> list;
   for (auto& [rank, shared] : traffic) {
     sort_unique(shared.send), sort_unique(shared.receive);

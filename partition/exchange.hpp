@@ -84,7 +84,7 @@ class Exchange {
   // Adds what the ranks of a constraint's bodies have to tell each other.
   void share(const World& world, std::span<const Slot> ends, TrafficByRank& traffic) const;
   static void add(const TrafficByRank& more, TrafficByRank& traffic);
-  static std::vector<Traffic> sorted(TrafficByRank traffic);
+  static std::vector<Traffic> sorted(TrafficByRank&& traffic);
   void run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) const;
   template <typename T, typename Record>
   void run(std::span<const Traffic> traffic, std::span<T> values) const;

@@ -4,8 +4,10 @@
 #include <numeric>
 #include <type_traits>
 
+#include "core/assume.hpp"
 #include "core/checked.hpp"
 #include "partition/messages.hpp"
+#include "world/world_faults.hpp"
 
 namespace unibody {
 
@@ -83,6 +85,7 @@ void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<co
   for (std::size_t i = 0; i < mine.size(); ++i) world.set(i, mine[i]);
   for (std::size_t i = 0; i < statics; ++i) world.set(mine.size() + i, static_bodies[i]);
   multipliers = keep_own(world, all);
+  assume([&] { return fault_of(world); });
 }
 
 }  // namespace unibody

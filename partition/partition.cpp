@@ -193,6 +193,7 @@ void rename_parts(const std::vector<Cell>& cells, std::vector<idx_t>& part, int 
   for (std::size_t i = 0; i < cells.size(); ++i)
     overlap[static_cast<std::uint64_t>(part[i]) * n + static_cast<std::uint64_t>(cells[i].owner)] += cells[i].weight;
   std::vector<std::pair<double, std::uint64_t>> heaviest;
+  heaviest.reserve(overlap.size());
   for (const auto& [key, weight] : overlap) heaviest.emplace_back(-weight, key);
   std::sort(heaviest.begin(), heaviest.end());
   std::vector<idx_t> rank_of(n, -1);

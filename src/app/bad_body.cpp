@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "core/text.hpp"
 #include "report/measure.hpp"
 #include "world/limits.hpp"
 
@@ -67,20 +67,14 @@ std::optional<std::string> constraint_of(const Scene& scene, const Simulation& s
   return found;
 }
 
-std::string number(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.2e", x);
-  return text.data();
-}
-
 // What is wrong with the body.
 std::string fault_of(const Scene& scene, const World& world, Id id) {
   const BodyState state = world.state(static_cast<std::size_t>(world.find(id)));
   const double place = state.position.cwiseAbs().maxCoeff(), speed = state.velocity.norm();
   if (place > farthest)
-    return named(scene, id) + " is " + number(place) + " m from the origin, beyond " + number(farthest) + " m; ";
+    return named(scene, id) + " is " + exponent_text(place) + " m from the origin, beyond " + exponent_text(farthest) + " m; ";
   if (speed >= fastest && std::isfinite(speed))
-    return named(scene, id) + " moves at " + number(speed) + " m/s, faster than light; ";
+    return named(scene, id) + " moves at " + exponent_text(speed) + " m/s, faster than light; ";
   return "the state of " + named(scene, id) + " is no longer finite; ";
 }
 

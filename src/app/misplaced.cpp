@@ -2,23 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <limits>
 
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/text.hpp"
 
 namespace unibody {
 
 namespace {
 
 constexpr Id none = std::numeric_limits<Id>::max();
-
-std::string number(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", x);
-  return text.data();
-}
 
 // How many there are, and the first of them.
 struct Found {
@@ -78,8 +72,8 @@ void find_outlier(const Simulation& simulation, std::vector<std::string>& warnin
   for (std::size_t i = 0; i < world.homes; ++i)
     if ((world.position[i] - middle).norm() == farthest) outlier.add(world.id[i]);
   outlier.unite(comm);
-  warnings.push_back(name_with_line(simulation.scene, outlier.first) + " starts " + number(farthest) +
-                     " m from the middle of what moves, " + number(farthest / mean) +
+  warnings.push_back(name_with_line(simulation.scene, outlier.first) + " starts " + number_text(farthest, 3) +
+                     " m from the middle of what moves, " + number_text(farthest / mean, 3) +
                      " times as far as the mean: is its position meant?");
 }
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "app/misplaced.hpp"
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/text.hpp"
 #include "report/changing_bodies.hpp"
 #include "world/shapes.hpp"
 
@@ -19,15 +19,9 @@ namespace {
 constexpr double least_overlap = 0.01;                    // of the smaller body's size: less is how bodies rest on each other
 constexpr double largest_usual = 50, least_usual = 1e-4;  // m: beyond these a scene is probably in other units
 
-std::string number(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.3g", x);
-  return text.data();
-}
-
 std::string place(const double* at) {
   std::string text = "[";
-  for (int k = 0; k < 3; ++k) text += (k == 0 ? "" : ", ") + number(at[k] == 0 ? 0 : at[k]);
+  for (int k = 0; k < 3; ++k) text += (k == 0 ? "" : ", ") + number_text(at[k] == 0 ? 0 : at[k], 3);
   return text + "]";
 }
 
@@ -131,9 +125,9 @@ void tell_scene(const Simulation& simulation, const Bodies& bodies, std::vector<
                   (bodies.nodes > 0 ? "; " + counted(bodies.nodes, "node") + " of cloths, threads and solids" : "") +
                   (scene.joints.empty() ? "" : "; " + counted(static_cast<std::int64_t>(scene.joints.size()), "joint")));
   if (bodies.moved[0] + bodies.nodes > 0)
-    lines.push_back("  what moves  " + number(bodies.mass) + " kg, from " + number(bodies.smallest) + " m (thinnest) to " +
-                    number(bodies.largest) + " m (longest), between " + place(bodies.low.data()) + " and " +
-                    place(bodies.high.data()) + " m");
+    lines.push_back("  what moves  " + number_text(bodies.mass, 3) + " kg, from " + number_text(bodies.smallest, 3) +
+                    " m (thinnest) to " + number_text(bodies.largest, 3) + " m (longest), between " + place(bodies.low.data()) +
+                    " and " + place(bodies.high.data()) + " m");
   for (std::string& line : told_changes(scene)) lines.push_back(std::move(line));
 }
 
@@ -144,13 +138,14 @@ void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
   check_mpi(MPI_Comm_size(simulation.comm(), &ranks));
   auto bytes = static_cast<double>(simulation.bytes());
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MAX, simulation.comm()));
-  lines.push_back("  run  " + counted(scene.time.frames, "frame") + " of " + number(scene.time.frame) + " s, " +
-                  counted(scene.time.substeps, "step") + " each, on " + counted(ranks, "rank") + "; " + number(bytes / 1e6) +
-                  " MB on the largest at the start");
+  lines.push_back("  run  " + counted(scene.time.frames, "frame") + " of " + number_text(scene.time.frame, 3) + " s, " +
+                  counted(scene.time.substeps, "step") + " each, on " + counted(ranks, "rank") + "; " +
+                  number_text(bytes / 1e6, 3) + " MB on the largest at the start");
   lines.push_back("  plan  " + used.name + ", at most " + counted(used.iterations, "iteration") +
                   " a step, stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
-                  number(*used.tolerance) + " m" + (used.accuracy ? " for an accuracy of " + number(*used.accuracy) : "") +
-                  ", contacts from " + number(*used.margin) + " m on");
+                  number_text(*used.tolerance, 3) + " m" +
+                  (used.accuracy ? " for an accuracy of " + number_text(*used.accuracy, 3) : "") + ", contacts from " +
+                  number_text(*used.margin, 3) + " m on");
 }
 
 void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector<std::string>& warnings) {
@@ -158,22 +153,23 @@ void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector
   if (const Overlaps overlaps = find_overlaps(simulation); overlaps.count > 0 && simulation.steps_done == 0)
     warnings.push_back(counted(overlaps.count, "pair") +
                        " of bodies overlap at the start by more than 1 % of the smaller one's size, the deepest by " +
-                       number(overlaps.depth) + " m: " + name_with_line(scene, overlaps.deepest[0]) + " and " +
+                       number_text(overlaps.depth, 3) + " m: " + name_with_line(scene, overlaps.deepest[0]) + " and " +
                        name_with_line(scene, overlaps.deepest[1]) +
                        "; they will be pushed apart: move them, unless that is meant");
   if (simulation.steps_done == 0)
     for (std::string& warning : misplaced_bodies(simulation)) warnings.push_back(std::move(warning));
   if (scene.gravity.z() > 0)
-    warnings.push_back("gravity points up (" + number(scene.gravity.z()) + " m/s^2 along z): most scenes have it along -z");
+    warnings.push_back("gravity points up (" + number_text(scene.gravity.z(), 3) +
+                       " m/s^2 along z): most scenes have it along -z");
   const bool any = bodies.moved[0] + bodies.nodes > 0;
   const double step = scene.time.frame / scene.time.substeps, fall = scene.largest_gravity() * step * step;
   if (any && fall > bodies.smallest)
-    warnings.push_back("a step of " + number(step) + " s lets a body fall by " + number(fall) +
-                       " m, more than the smallest one's size of " + number(bodies.smallest) +
+    warnings.push_back("a step of " + number_text(step, 3) + " s lets a body fall by " + number_text(fall, 3) +
+                       " m, more than the smallest one's size of " + number_text(bodies.smallest, 3) +
                        " m: more time.substeps, or a shorter time.frame, would follow it");
   if (any && (bodies.smallest > largest_usual || bodies.largest < least_usual))
     warnings.push_back("all that moves is " + std::string(bodies.smallest > largest_usual ? "thicker than " : "smaller than ") +
-                       number(bodies.smallest > largest_usual ? largest_usual : least_usual) +
+                       number_text(bodies.smallest > largest_usual ? largest_usual : least_usual, 3) +
                        " m: lengths are in metres; are these in another unit?");
   int ranks = 1;
   check_mpi(MPI_Comm_size(simulation.comm(), &ranks));

@@ -127,7 +127,8 @@ class Run {
         static_cast<long long>(count.one), scene_.body_name(count.one).c_str());
   }
 
-  // m. What is farther from solved than anything before it in the run is worth a name; of what stops the run, all.
+  // The residual (m) above which a step names its worst constraint: the largest of the run so far; with -strict the limit at
+  // which the run stops.
   double name_above(const FrameReport& frame) const {
     if (options_.strict) return least_named(summary_.convergence);
     return std::max(summary_.convergence.worst_residual, frame.natural_residual);

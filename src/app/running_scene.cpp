@@ -57,7 +57,7 @@ void RunningScene::start_frame(std::int64_t frame) {
 }
 
 StepReport RunningScene::step(const StepRequest& request, std::int64_t frame, int substep) {
-  const StepReport report = simulation.step(request);
+  StepReport report = simulation.step(request);
   stop_if_not_finite(comm_, scene_, simulation, frame, substep);  // before anything looks for contacts among such bodies
   stop_if_not_held(report, frame);
   return report;

@@ -298,7 +298,7 @@ Body checked_body(Id id, const BodyRow& row) {
   if (!is_whole(*motion, 0, static_cast<double>(Motion::pinned))) fail("a motion");
   if (!is_whole(*material, 0, 0x1p31 - 1)) fail("a material");
   if (!is_whole(*group, -1, 0x1p31 - 1)) fail("a group");
-  const Body body = from_row(id, row);
+  Body body = from_row(id, row);
   const Shape& of = body.properties.shape;
   if (static_cast<std::size_t>(of.kind) >= shape_names.size() || of.data >= shape_library().count(of.kind)) fail("a shape");
   if (!(of.size.minCoeff() >= 0)) fail("a size");

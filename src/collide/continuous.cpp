@@ -205,7 +205,7 @@ class Search {
     double span = 1 - now.time;
     if (rate < 0) span = std::min(span, (now.smallest - aim_) / -rate);
     for (; span > 2 * (sure - now.time) && directions_ < settings_.most_directions; span /= 2) {
-      const Moment<n> then = moment(now.time + span >= 1 ? 1 : now.time + span);
+      Moment<n> then = moment(now.time + span >= 1 ? 1 : now.time + span);
       if (apart_between(now, then)) return then;
     }
     return moment(sure);

@@ -223,7 +223,8 @@ class ContactBatch : public BatchDefaults {
     return contacts_->manifolds[static_cast<std::size_t>(block.manifold[lane])];
   }
 
-  // m/s, across the normal: at which relative velocity of its bodies a manifold's tangents aim, beside none.
+  // The relative velocity (m/s, across the normal) that friction at a manifold seeks, which takes back what it has slipped
+  // (creep.hpp); zero where nothing is to be taken back.
   Vec3 aim_of(std::size_t manifold) const;
 
   const Vec3x4* drift_at(const Block& block) const { return block.drift < 0 ? nullptr : &drifts[block.drift]; }

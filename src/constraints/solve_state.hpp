@@ -50,7 +50,7 @@ struct SolveState {
   std::pmr::vector<Vec4d> moved_places;   // x + h v of each body, kept by sweeps of those constraints; else empty
   std::pmr::vector<std::int32_t> counts;  // n_b of each body: its constraints of all kinds; empty for Gauss-Seidel
   double step = 0.016;                    // s
-  double stabilisation = -1;              // see StepStart
+  double stabilisation = -1;              // share of an error that a step takes out (StepStart)
   bool rotates = true;                    // some body can turn: torques count
   bool keeps_places = false;              // in this stage constraints of centres act, which see moved_places
 

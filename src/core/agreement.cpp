@@ -13,7 +13,7 @@ void wait_for_all(MPI_Request& request, const std::string& fault) {
   const double start = MPI_Wtime();
   for (int done = 0; done == 0;) {
     check_mpi(MPI_Test(&request, &done, MPI_STATUS_IGNORE));
-    if (done == 0 && MPI_Wtime() - start > patience) end_all_ranks(fault, std::source_location::current());
+    if (done == 0 && MPI_Wtime() - start > patience) end_all_ranks(fault, __FILE__, __LINE__);
   }
 }
 

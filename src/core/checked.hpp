@@ -9,27 +9,26 @@
 #include <mpi.h>
 
 #include <cstddef>
-#include <source_location>
 #include <string>
 
 namespace unibody {
 
 // Says "unibody: rank R: WHAT (FILE:LINE)" and ends the program on all ranks with exit code 3.
-[[noreturn]] void end_all_ranks(const std::string& what, const std::source_location& where);
+[[noreturn]] void end_all_ranks(const std::string& what, const char* file, int line);
 
-[[noreturn]] void fail_mpi(int code, const std::source_location& where);
-[[noreturn]] void fail_petsc(int code, const std::source_location& where);
+[[noreturn]] void fail_mpi(int code, const char* file, int line);
+[[noreturn]] void fail_petsc(int code, const char* file, int line);
 
-inline void check_mpi(int code, const std::source_location& where = std::source_location::current()) {
-  if (code != MPI_SUCCESS) fail_mpi(code, where);
+inline void check_mpi(int code, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if (code != MPI_SUCCESS) fail_mpi(code, file, line);
 }
 
 // code: a PetscErrorCode; 0 is success.
-inline void check_petsc(int code, const std::source_location& where = std::source_location::current()) {
-  if (code != 0) fail_petsc(code, where);
+inline void check_petsc(int code, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if (code != 0) fail_petsc(code, file, line);
 }
 
 // A number of records as the int that MPI takes; ends the program where it does not fit.
-int mpi_count(std::size_t count, const std::source_location& where = std::source_location::current());
+int mpi_count(std::size_t count, const char* file = __builtin_FILE(), int line = __builtin_LINE());
 
 }  // namespace unibody

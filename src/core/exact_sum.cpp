@@ -42,7 +42,8 @@ double rounded_magnitude(const Limbs& a) {
   std::size_t top = limbs;
   while (top > 0 && a[top - 1] == 0) --top;
   if (top == 0) return 0;
-  const int highest = static_cast<int>(32 * (top - 1)) + std::bit_width(static_cast<std::uint64_t>(a[top - 1])) - 1;
+  const int highest =
+      32 * static_cast<int>(top - 1) + static_cast<int>(std::bit_width(static_cast<std::uint64_t>(a[top - 1]))) - 1;
   if (highest <= 52) return std::ldexp(static_cast<double>(mantissa_at(a, 0)), -1074);
   const int first = highest - 52;
   std::uint64_t mantissa = mantissa_at(a, first);

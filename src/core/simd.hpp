@@ -60,10 +60,10 @@ inline Vec3x4 cross(const Vec3x4& a, const Vec3x4& b) {
 
 // Turns four rows of four into four columns: from a record a lane to a field a vector, and back.
 inline void transpose(Vec4d& a, Vec4d& b, Vec4d& c, Vec4d& d) {
-  const Vec4d ab_low = __builtin_shuffle(a, b, Mask4{0, 4, 2, 6}), ab_high = __builtin_shuffle(a, b, Mask4{1, 5, 3, 7});
-  const Vec4d cd_low = __builtin_shuffle(c, d, Mask4{0, 4, 2, 6}), cd_high = __builtin_shuffle(c, d, Mask4{1, 5, 3, 7});
-  a = __builtin_shuffle(ab_low, cd_low, Mask4{0, 1, 4, 5}), c = __builtin_shuffle(ab_low, cd_low, Mask4{2, 3, 6, 7});
-  b = __builtin_shuffle(ab_high, cd_high, Mask4{0, 1, 4, 5}), d = __builtin_shuffle(ab_high, cd_high, Mask4{2, 3, 6, 7});
+  const Vec4d ab_low = __builtin_shufflevector(a, b, 0, 4, 2, 6), ab_high = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Vec4d cd_low = __builtin_shufflevector(c, d, 0, 4, 2, 6), cd_high = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5), c = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+  b = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5), d = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
 }  // namespace unibody

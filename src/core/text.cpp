@@ -1,6 +1,8 @@
 #include "core/text.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 
 namespace unibody {
 
@@ -8,6 +10,18 @@ std::string one_line(std::string message) {
   for (char& c : message)
     if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
   return message;
+}
+
+std::string number_text(double x, int digits) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.*g", digits, x);
+  return text.data();
+}
+
+std::string exponent_text(double x) {
+  std::array<char, 40> text{};
+  std::snprintf(text.data(), text.size(), "%.2e", x);
+  return text.data();
 }
 
 std::string one_of(const std::vector<std::string>& names) {

@@ -77,7 +77,7 @@ class JointBatch : public BatchDefaults {
   // Lays out the joints in the order of the list, or colour by colour. It depends on where the bodies are: in each step anew.
   void build(const BuildContext& context);
 
-  // The trees come last, all at once.
+  // Trees of joints, whose rows are solved together, have one colour, the last.
   std::size_t colours() const { return any_ ? colour_end_.size() + (any_tree_ ? 1 : 0) : 0; }
   bool needs_all(std::size_t colour) const { return colour >= colour_end_.size(); }
 

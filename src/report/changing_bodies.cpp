@@ -1,9 +1,7 @@
 #include "report/changing_bodies.hpp"
 
-#include <array>
-#include <cstdio>
-
 #include "core/checked.hpp"
+#include "core/text.hpp"
 #include "scene/events.hpp"
 
 namespace unibody {
@@ -17,19 +15,13 @@ std::optional<ChangingBodies> changing_bodies(const Scene& scene) {
 
 namespace {
 
-std::string short_text(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.4g", x);
-  return text.data();
-}
-
 std::string when_of(const Event& event) {
-  if (!event.when) return "at " + short_text(event.time) + " s";
-  return "when " + event.when->column + (event.when->above ? " is above " : " is below ") + short_text(event.when->value);
+  if (!event.when) return "at " + number_text(event.time, 4) + " s";
+  return "when " + event.when->column + (event.when->above ? " is above " : " is below ") + number_text(event.when->value, 4);
 }
 
 std::string bodies_of(Id number, double mass) {
-  return std::to_string(number) + (number == 1 ? " body (" : " bodies (") + short_text(mass) + " kg)";
+  return std::to_string(number) + (number == 1 ? " body (" : " bodies (") + number_text(mass, 4) + " kg)";
 }
 
 // Calls f(group, past) for each inlet.

@@ -33,7 +33,7 @@ namespace unibody {
 // contacts of a frame for it. The same bytes on any number of ranks.
 class ContactFile {
  public:
-  // kept_to: where the file is there, its frames up to this one stay; -1: none does.
+  // Opens or makes the file. Of a file that is there, the frames up to `kept_to` stay; with -1 none does. Collective.
   ContactFile(MPI_Comm comm, const std::string& directory, const Scene& scene, std::int64_t kept_to = -1);
 
   // step: s, in which the impulses acted. Of contacts that this rank counts.

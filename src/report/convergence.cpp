@@ -2,25 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "core/text.hpp"
 #include "report/report.hpp"
 
 namespace unibody {
 
 namespace {
-
-std::string number(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.2e", x);
-  return text.data();
-}
-
-std::string short_number(double x) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%g", x);
-  return text.data();
-}
 
 std::string of_all(std::int64_t count, const Convergence& c) {
   const std::string all = std::to_string(c.residuals.size());
@@ -28,7 +16,7 @@ std::string of_all(std::int64_t count, const Convergence& c) {
 }
 
 std::string spread(const std::vector<double>& figures, double unit, const std::string& name) {
-  const auto part = [&](double share) { return number(within(figures, share) / unit) + name; };
+  const auto part = [&](double share) { return exponent_text(within(figures, share) / unit) + name; };
   return "half within " + part(0.5) + ", 95 % within " + part(0.95) + ", all within " + part(1);
 }
 
@@ -42,9 +30,9 @@ std::string advice(const Convergence& c) {
 }
 
 std::string verdict(const Convergence& c) {
-  const std::string size = " of the smallest moving body's size (" + number(c.allowed()) + " m)";
-  std::string text = c.asked ? "accuracy " + short_number(c.accuracy) + size + " asked: held in " + of_all(c.held(), c)
-                             : "accuracy: " + of_all(c.held(), c) + " are within " + short_number(c.accuracy) + size;
+  const std::string size = " of the smallest moving body's size (" + exponent_text(c.allowed()) + " m)";
+  std::string text = c.asked ? "accuracy " + number_text(c.accuracy) + size + " asked: held in " + of_all(c.held(), c)
+                             : "accuracy: " + of_all(c.held(), c) + " are within " + number_text(c.accuracy) + size;
   text += "\nwhat they are off by, over that size: " + spread(c.offs, c.smallest_size, "");
   if (c.most_off.length > 0)
     text += " (frame " + std::to_string(c.most_off_frame) + ", " +
@@ -57,7 +45,7 @@ std::string told_residuals(const Convergence& c) {
   if (c.asked) return text + "\n";
   if (c.tolerance == 0) return text + "; the tolerance is 0: all iterations were made\n";
   const std::int64_t converged = std::ssize(c.residuals) - c.unconverged;
-  return text + "; " + of_all(converged, c) + " converged to the tolerance of " + number(c.tolerance) + " m\n";
+  return text + "; " + of_all(converged, c) + " converged to the tolerance of " + exponent_text(c.tolerance) + " m\n";
 }
 
 }  // namespace

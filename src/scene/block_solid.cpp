@@ -79,8 +79,8 @@ struct Block {
           if (const Cell cell{node[0] - i, node[1] - j, node[2] - k}; has_cell(cell)) f(cell, Cell{i, j, k});
   }
 
-  // An eighth of each of its cells'. A quarter of each of its tetrahedra's, as nodes of a mesh have it, would be five times as
-  // much at odd corners as at even ones, and Gauss-Seidel would leave more undone after the same iterations.
+  // A node has an eighth of the mass of each of its cells. With a quarter of the mass of each of its tetrahedra, as nodes of a
+  // mesh have, odd corners would have five times the mass of even ones, and Gauss-Seidel would leave more undone.
   double mass_of(const Cell& node) const {
     Id cells_at = 0;
     for_each_cell_at(node, [&](const Cell&, const Cell&) { ++cells_at; });

@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "core/errors.hpp"
+#include "core/text.hpp"
 #include "world/limits.hpp"
 
 namespace unibody {
@@ -14,12 +14,6 @@ namespace {
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 constexpr double resolved_size = 1e7;    // in units of the rounding of a coordinate
 constexpr double resolved_speed = 1e-6;  // rounding of a coordinate in a step, over the scene's speed
-
-std::string text(double x) {
-  std::ostringstream out;
-  out << x;
-  return out.str();
-}
 
 // What the checks compare.
 struct Extent {
@@ -63,32 +57,33 @@ void for_each_body_looked_at(const Scene& scene, F&& f) {
 void check_body(const Scene& scene, const BodyGroup& group, Id k, const Extent& e) {
   const auto refuse = [&](const std::string& found, const std::string& expected) { fail(scene, group, k, found, expected); };
   if (std::isfinite(e.size) && !(e.size >= least_size && e.size <= largest_size))  // a plane has no size
-    refuse("a size of " + text(e.size) + " m", "1e-15 to 1e15 m");
-  if (!(e.place <= farthest)) refuse("a coordinate of " + text(e.place) + " m", "at most 1e15 m");
-  if (!(e.speed < fastest)) refuse("a speed of " + text(e.speed) + " m/s", "less than that of light, 299792458 m/s");
+    refuse("a size of " + number_text(e.size) + " m", "1e-15 to 1e15 m");
+  if (!(e.place <= farthest)) refuse("a coordinate of " + number_text(e.place) + " m", "at most 1e15 m");
+  if (!(e.speed < fastest)) refuse("a speed of " + number_text(e.speed) + " m/s", "less than that of light, 299792458 m/s");
   const double rounding = epsilon * e.place;
   if (!group.is_static && !(e.size >= resolved_size * rounding))
-    refuse(
-        "a size of " + text(e.size) + " m where coordinates of " + text(e.place) + " m are rounded by " + text(rounding) + " m",
-        "a size of at least " + text(resolved_size * rounding) + " m, or a place nearer to the origin");
+    refuse("a size of " + number_text(e.size) + " m where coordinates of " + number_text(e.place) + " m are rounded by " +
+               number_text(rounding) + " m",
+           "a size of at least " + number_text(resolved_size * rounding) + " m, or a place nearer to the origin");
 }
 
 void check_step(const Scene& scene, const BodyGroup& group, Id k, const Extent& e, double speed) {
   const double step = scene.time.frame / scene.time.substeps, rounding = epsilon * std::max(e.place, e.size);
   if (group.is_static || !(rounding / step > resolved_speed * speed)) return;
   fail(scene, group, k,
-       "steps of " + text(step) + " s (time.frame / time.substeps), in which coordinates of " + text(std::max(e.place, e.size)) +
-           " m are rounded by more than 1e-6 of what bodies move at " + text(speed) + " m/s",
-       "steps of at least " + text(rounding / (resolved_speed * speed)) + " s");
+       "steps of " + number_text(step) + " s (time.frame / time.substeps), in which coordinates of " +
+           number_text(std::max(e.place, e.size)) + " m are rounded by more than 1e-6 of what bodies move at " +
+           number_text(speed) + " m/s",
+       "steps of at least " + number_text(rounding / (resolved_speed * speed)) + " s");
 }
 
 // What gravity adds to a speed in a step is taken off again where a body rests, to its rounding.
 void check_gravity(const Scene& scene, double speed) {
   const double step = scene.time.frame / scene.time.substeps, added = scene.largest_gravity() * step;
   if (!(epsilon * added > resolved_speed * speed)) return;
-  throw InputError(scene.path + ": found steps of " + text(step) + " s (time.frame / time.substeps) in a gravity of " +
-                   text(scene.largest_gravity()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " +
-                   text(speed) + " m/s, expected shorter steps or less gravity");
+  throw InputError(scene.path + ": found steps of " + number_text(step) + " s (time.frame / time.substeps) in a gravity of " +
+                   number_text(scene.largest_gravity()) + " m/s^2, which add speeds that are rounded by more than 1e-6 of " +
+                   number_text(speed) + " m/s, expected shorter steps or less gravity");
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ void read_solid(const Value& value, Scene& scene) {
     scene.notes.push_back(
         ratio.key + ": found " + ratio.found() +
         ": linear tetrahedra of a material that is nearly incompressible are too stiff, in bending by a third with four "
-        "cells across at 0.49 (scenes/README.md#solids has a table)");
+        "cells across at 0.49 (docs/scene-flexible.md#solids has a table)");
 }
 
 }  // namespace

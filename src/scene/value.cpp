@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <sstream>
 
 #include "core/errors.hpp"
 #include "core/text.hpp"
@@ -11,12 +10,6 @@
 namespace unibody {
 
 namespace {
-
-std::string short_number(double x) {
-  std::ostringstream out;
-  out << x;
-  return out.str();
-}
 
 std::string a_number(const Range& range) { return (range.text().empty() ? "a finite number" : "a number") + range.text(); }
 
@@ -42,9 +35,9 @@ std::string shortened(const std::string& text) {
 std::string Range::text() const {
   const bool has_low = low > -1e308, has_high = high < 1e308;
   if (has_low && has_high)
-    return std::string(" in ") + (low_open ? "(" : "[") + short_number(low) + ", " + short_number(high) + (high_open ? ")" : "]");
-  if (has_low) return (low_open ? " > " : " >= ") + short_number(low);
-  if (has_high) return (high_open ? " < " : " <= ") + short_number(high);
+    return std::string(" in ") + (low_open ? "(" : "[") + number_text(low) + ", " + number_text(high) + (high_open ? ")" : "]");
+  if (has_low) return (low_open ? " > " : " >= ") + number_text(low);
+  if (has_high) return (high_open ? " < " : " <= ") + number_text(high);
   return "";
 }
 
@@ -140,7 +133,7 @@ Vec3 Value::vector(const Range& range, const std::string& unit) const {
 
 Vec3 Value::unit_vector() const {
   const Vec3 v = vector(any_number, "");
-  if (!(std::abs(v.norm() - 1) <= 1e-3)) fail(found() + " of length " + short_number(v.norm()), "a vector of length 1");
+  if (!(std::abs(v.norm() - 1) <= 1e-3)) fail(found() + " of length " + number_text(v.norm()), "a vector of length 1");
   return v.normalized();
 }
 

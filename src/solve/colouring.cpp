@@ -192,7 +192,7 @@ class Colourer {
   std::pmr::vector<Ends> ends_;  // of each manifold: small enough for the cache, where they come in no order
   const Exchange& exchange_;
   TakenColours taken_;
-  std::pmr::vector<std::uint32_t> waiting_;           // in the order of their priorities
+  std::pmr::vector<std::uint32_t> waiting_;           // manifolds that have no colour yet, in the order of their priorities
   std::unordered_map<std::uint32_t, Shared> shared_;  // manifolds across the cut
   std::vector<std::vector<std::uint64_t>> offers_;    // to be sent, by neighbour
   Colouring result_;

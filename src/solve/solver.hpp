@@ -97,6 +97,9 @@ struct Split {
   double uneven_share = 1;
 };
 
+// From so many iterations on a stage reaches so far down a pile that momentum and a large leak help.
+inline constexpr int least_for_momentum = 30;
+
 struct Solver {
   std::string_view name;
   SolveFunction solve;             // null: `newton`, of which each step is a reference_step

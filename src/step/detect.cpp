@@ -4,11 +4,14 @@
 #include <iterator>
 #include <limits>
 
+#include "collide/contact_faults.hpp"
 #include "collide/crowds.hpp"
+#include "core/assume.hpp"
 #include "core/checked.hpp"
 #include "step/assemble.hpp"
 #include "step/attach.hpp"
 #include "step/build.hpp"
+#include "world/world_faults.hpp"
 
 namespace unibody {
 
@@ -56,6 +59,7 @@ void refresh_guests(RankState& state) {
   else
     state.halo.refresh_guests(state.world, state.collide_settings, state.needs_surfaces() ? &state.surfaces : nullptr);
   hold_pinned(state.scene, state.world, state.time(), state.step());  // guests: a refresh brings states only
+  assume([&] { return fault_of(state.world); });
 }
 
 void build_lasting(RankState& state, System& system) {
@@ -93,6 +97,7 @@ bool find_contacts(RankState& state) {
                state.crowd_ranks);
   leave_out_attached(state.scene, state.world, state.time(), state.contacts);
   leave_out_jointed(state.scene.joints, state.joints, state.contacts);
+  assume([&] { return fault_of(state.contacts, state.world); });
   return crowded;
 }
 

@@ -17,13 +17,11 @@ Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, cons
   return traits.has_constraints() && !solver.sweeps_by_colour ? Stages::position : Stages::two;
 }
 
-constexpr int most_without_momentum = 29;  // iterations, of gauss_seidel's in solver.cpp
-
 // Links and joints have the position stage alone: half of the iterations are for it, whatever contacts would do with fewer.
 Split split_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
   // Sweeps without momentum reach no further down a pile than the few that leave it no time.
   const bool plain = solver.sweeps_by_colour && settings.acceleration == Acceleration::none;
-  Split split = solver.split(plain ? std::min(settings.iterations, most_without_momentum) : settings.iterations);
+  Split split = solver.split(plain ? std::min(settings.iterations, least_for_momentum - 1) : settings.iterations);
   if (traits.has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
   split.velocity_share = settings.velocity_share.value_or(split.velocity_share);
   split.leak = settings.leak.value_or(split.leak);

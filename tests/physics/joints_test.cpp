@@ -140,7 +140,7 @@ TEST(Joint, AHingeKeepsItsAxis) {
 
 // Two bodies that turn about each other, free: neither momentum changes in steps up to the default, however few the iterations;
 // in steps three times as long neither angular momentum nor energy comes from nowhere. In steps in which they turn by more than
-// half a radian linear momentum stays all the same, the rest only as far as scenes/README.md says (What joints can't).
+// half a radian linear momentum stays all the same, the rest only as far as docs/scene-joints.md says (What joints can't).
 TEST(Joint, MomentumStaysAndEnergyDoesNotGrow) {
   struct Type {
     const char* text;

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The tables of keys as told by -settings, -schema and scenes/README.md. (tests/python/test_scene_keys.py has what the reader refuses.)"""
+"""The tables of keys as told by -settings, -schema and the pages of scenes. (tests/python/test_scene_keys.py has what the reader refuses.)"""
 import json
 import re
 import unittest
@@ -7,7 +7,7 @@ import unittest
 import jsonschema
 import yaml
 
-from unibody_runs import SCENES, ProgramTest, unibody
+from unibody_runs import SCENES, SOURCE, ProgramTest, unibody
 
 
 class Loader(yaml.SafeLoader):
@@ -72,7 +72,7 @@ class Schema(ProgramTest):
         self.assertEqual(plain.state, told_all.state)
 
     def test_the_reference_page_says_the_same(self):
-        page = rows((SCENES / "README.md").read_text())
+        page = rows((SOURCE / "docs" / "scene.md").read_text())
         for key, told_of in self.settings.items():
             with self.subTest(key):
                 self.assertEqual(page.get(key, page.get(key.removeprefix("solver."))), told_of)

@@ -215,7 +215,9 @@ def test_the_guide_has_the_units_and_defaults_of_the_tables():
              "pins": "pin", "regions": "region", "loads": "load"}
     inner = {"cloths.bending": "bending", "threads.bending": "thread_bending"}
     compared = 0
-    for heading, key, unit, default in rows_of((SOURCE / "scenes" / "README.md").read_text(encoding="utf-8")):
+    pages = "\n".join(page.read_text(encoding="utf-8") for page in sorted((SOURCE / "docs").glob("scene-*.md"))
+                      if page.name != "scene-keys.md")
+    for heading, key, unit, default in rows_of(pages):
         parent, _, own = key.replace("[]", "").rpartition(".")
         table = inner.get(f"{heading}.{parent}") or names.get(parent or heading, parent or heading)
         if (table, own) not in tables:

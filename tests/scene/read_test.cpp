@@ -212,7 +212,7 @@ TEST(ReadScene, OverrideOfOneAliasLeavesTheOtherAlone) {
 }
 
 TEST(ReadScene, TheReferencesFirstExampleWorks) {
-  std::ifstream file(UNIBODY_SOURCE_DIR "/scenes/README.md");
+  std::ifstream file(UNIBODY_SOURCE_DIR "/docs/scene.md");
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   const auto begin = text.find("```yaml\n") + 8, end = text.find("```\n", begin);
   ASSERT_LT(end, text.size());
