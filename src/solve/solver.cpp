@@ -19,7 +19,9 @@ namespace {
 //
 // The more iterations a stage has, the less it needs the old differences of a face's forces, and the faster they may be forgotten
 // (Split::uneven_share): in e-folds of so many iterations beyond 30. Fewer than 30 hold a column upright only with all of them.
-double uneven_share(int iterations, double per_fold) { return std::exp(-std::max(0, iterations - least_for_momentum) / per_fold); }
+double uneven_share(int iterations, double per_fold) {
+  return std::exp(-std::max(0, iterations - least_for_momentum) / per_fold);
+}
 
 Split of_accelerated_jacobi(int iterations) {
   return {0.8, iterations >= least_for_momentum ? 0.6 : iterations >= 20 ? 0.15 : 0, 0, 4, uneven_share(iterations, 120)};
