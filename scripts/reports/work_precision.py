@@ -368,7 +368,7 @@ def make(maker):
                 'The cloth\'s links have 1e4 N/m here: of inextensible ones Newton\'s method finds no step. In one long step the'
                 ' others end at some distance from its, however many iterations they have, since their default form of'
                 ' constraints misses implicit Euler by the turning of directions within a step; that falls with substeps'
-                ' (docs/scene.md, Form).'
+                ' (docs/scene-flexible.md, Form).'
             ),
             about_error_bars(everything),
             *said,
