@@ -85,7 +85,7 @@ Key flag(const char* name, bool without, const char* about) {
 
 Key text(const char* name, const char* words, const Without& without, const char* about) {
   Key key = key_of(name, "", words, without, about);
-  key.schema = [] { return Json::object().set("type", texts({"string", "number"})); };  // a name may be 7
+  key.schema = [] { return Json::object().set("type", texts({"string", "number", "boolean"})); };  // a name may be 7, or true
   return key;
 }
 

@@ -2,6 +2,7 @@
 import copy
 import json
 import re
+from random import Random
 
 import jsonschema
 import pytest
@@ -161,6 +162,42 @@ def test_maps_take_their_own_keys_alone_and_need_those_that_are_required(scene, 
             del at(less, path)[key]
             assert not is_valid(less)
             assert f"key '{text_of([*path, key])}': found nothing" in refusal(less)
+
+
+JUNK = [None, 0, -1, 1, 1e300, 0.5, "x", "", "auto", True, [], {}, [1], [1, 2], [0, 0, 1], [[0, 0], [1, 1]], {"a": 1}, {"table": [[0, 1]]},
+        {"sine": {"amplitude": 1, "frequency": 1}}, "world", "crate", "a", 2**60, float("nan"), [None], {"x": None}]
+
+
+def paths_of(value, path=()):
+    yield path
+    if isinstance(value, dict):
+        for key, child in value.items():
+            yield from paths_of(child, (*path, key))
+    if isinstance(value, list):
+        for place, child in enumerate(value):
+            yield from paths_of(child, (*path, place))
+
+
+def test_scenes_changed_at_random(is_valid):
+    """Each is read or refused with a sentence, and what the reader takes the schema takes too."""
+    random = Random(1)
+    taken = refused = 0
+    for _ in range(3000):
+        scene = copy.deepcopy(random.choice(EXAMPLES))
+        path = random.choice([path for path in paths_of(scene) if path])
+        if random.random() < 0.8:
+            at(scene, path[:-1])[path[-1]] = copy.deepcopy(random.choice(JUNK))
+        else:
+            del at(scene, path[:-1])[path[-1]]
+        try:
+            unibody.Scene(scene, folder=str(DATA))
+        except unibody.InputError as error:
+            assert "found" in str(error) and "expected" in str(error), str(error)
+            refused += 1
+        else:
+            assert is_valid(scene), (path, at(scene, path[:-1]))
+            taken += 1
+    assert min(taken, refused) > 200
 
 
 def test_keys_that_a_generator_or_a_type_does_not_have(is_valid):
