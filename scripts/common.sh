@@ -8,7 +8,7 @@ tool_packages=(ccache clang-format clang-tidy libgtest-dev libfclib0 libxdmf-dev
   procps python3 python3-numpy python3-h5py python3-matplotlib python3-jsonschema python3-yaml python3-vtk9 xvfb)
 python_packages=(python3-dev pybind11-dev python3-numpy python3-mpi4py python3-pytest)
 slurm_packages=(slurmctld slurmd slurm-client munge)
-docs_packages=(mkdocs)
+docs_packages=(mkdocs doxygen)
 bench_packages=(libbullet-dev libode-dev libdart-dev libdart-collision-bullet-dev libdart-external-ikfast-dev liggghts lammps python3-siconos)
 
 # How many processes may compute here at a time; nproc alone would tell the threads that OpenMP may have.
