@@ -66,10 +66,9 @@ std::string physics_of(const Scene& scene) {
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
   if (scene.friction_in_time) text << "friction " << scene.friction_in_time->text() << '\n';
-  for (const auto& [what, values] :
-       {std::pair("bounce", &scene.restitution), {"roll", &scene.rolling}, {"spin", &scene.spinning}})
-    if (has_any(*values))
-      for (const double value : *values) text << what << ' ' << value << '\n';
+  for (std::size_t k = 0; k < pair_value_types.size(); ++k)
+    if (scene.pairs.any(static_cast<PairValue>(k)))
+      for (const double value : scene.pairs.values[k]) text << pair_value_types[k].mark << ' ' << value << '\n';
   for (const BodyGroup& group : scene.groups) {
     text << group.name << ' ' << group.count << ' ' << group.is_static << '\n';
     for (const Id k : {Id{0}, group.count / 2, group.count - 1}) add_body(group.make(k), text);

@@ -17,8 +17,10 @@ void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std
   if (!scene.constraint_groups.empty() || !scene.attachments.empty() || !scene.joints.empty())
     throw InputError("option -dump_fclib: found joints, cloths, threads or solids in " + scene.path +
                      ", expected rigid bodies that touch, alone");
-  if (has_any(scene.rolling) || has_any(scene.spinning))
-    throw InputError("option -dump_fclib: found rolling or spinning friction in " + scene.path + ", expected none");
+  for (std::size_t k = 0; k < pair_value_types.size(); ++k)
+    if (!pair_value_types[k].in_contact_problem && scene.pairs.any(static_cast<PairValue>(k)))
+      throw InputError("option -dump_fclib: found " + std::string(pair_value_types[k].key) + " in " + scene.path +
+                       ", expected none");
   if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
   if (first_frame >= scene.time.frames)
     throw InputError("option -dump_fclib: the run starts with its last frame, " + std::to_string(first_frame) +

@@ -20,6 +20,7 @@
 #include "constraints/solver_settings.hpp"
 #include "constraints/stage.hpp"
 #include "constraints/sweep.hpp"
+#include "world/material_pairs.hpp"
 
 namespace unibody {
 
@@ -49,12 +50,11 @@ struct BuildContext {
   bool by_colour = false;  // laid out by colour, for Gauss-Seidel; else in one group
   double time = 0;         // s, at the start of the step
 
-  const Contacts* contacts = nullptr;                   // of bodies and of surfaces
-  std::span<const std::uint32_t> contact_order = {};    // numbers of manifolds, in the order of the layout
-  std::span<const std::uint32_t> contact_groups = {};   // where in that order each group ends
-  const ContactBatch* contact_batch = nullptr;          // built before the others
-  std::span<const double> rolling = {}, spinning = {};  // m, of each pair of materials; empty where nothing resists rolling
-  std::size_t materials = 1;
+  const Contacts* contacts = nullptr;                     // of bodies and of surfaces
+  std::span<const std::uint32_t> contact_order = {};      // numbers of manifolds, in the order of the layout
+  std::span<const std::uint32_t> contact_groups = {};     // where in that order each group ends
+  const ContactBatch* contact_batch = nullptr;            // built before the others
+  const MaterialPairs* pairs = nullptr;                   // null: of nothing but friction
   bool has_surfaces = false;                              // the scene has surfaces that may touch something
   std::span<const AttachedNode> attached = {};            // to dynamic bodies, in this step
   bool has_attachments = false;                           // the scene has any

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "constraints/friction.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -22,11 +23,14 @@ double normal_impulse(const ContactBatch& batch, std::size_t block_number, std::
 
 }  // namespace
 
-std::size_t RollingBatch::pair_of(const BuildContext& context, const Manifold& m) {
-  const auto material = [&](Slot s) {
-    return static_cast<std::size_t>(context.world.properties[static_cast<std::size_t>(s)].material);
-  };
-  return material(m.slot_a) * context.materials + material(m.slot_b);
+bool RollingBatch::may_act(const BuildContext& context) {
+  const MaterialPairs* pairs = context.pairs;
+  return pairs && acts_in_solve(context.settings.friction) && (pairs->any(PairValue::rolling) || pairs->any(PairValue::spinning));
+}
+
+double RollingBatch::resistance(const BuildContext& context, PairValue value, const Manifold& m) {
+  const auto material = [&](Slot s) { return context.world.properties[static_cast<std::size_t>(s)].material; };
+  return context.pairs->of(value, material(m.slot_a), material(m.slot_b));
 }
 
 void RollingBatch::build(const BuildContext& context) {

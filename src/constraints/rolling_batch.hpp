@@ -90,7 +90,9 @@ class RollingBatch : public BatchDefaults {
   // f(number of the manifold, manifold, coefficient of rolling, of spinning (m))
   template <class F>
   static void for_each_resisting(const BuildContext& context, F&& f);
-  static std::size_t pair_of(const BuildContext& context, const Manifold& m);  // of materials, into the context's coefficients
+  // Whether friction acts in the solve, and any pair of materials resists.
+  static bool may_act(const BuildContext& context);
+  static double resistance(const BuildContext& context, PairValue value, const Manifold& m);  // m
 
   std::pmr::vector<Row> rows_;
   const ContactBatch* contacts_ = nullptr;
@@ -102,12 +104,12 @@ class RollingBatch : public BatchDefaults {
 
 template <class F>
 void RollingBatch::for_each_resisting(const BuildContext& context, F&& f) {
-  if (context.rolling.empty()) return;
+  if (!may_act(context)) return;
   const auto& manifolds = context.contacts->manifolds;
   for (std::uint32_t m = 0; m < manifolds.size(); ++m) {
-    const std::size_t pair = pair_of(context, manifolds[m]);
-    if (context.rolling[pair] > 0 || context.spinning[pair] > 0)
-      f(m, manifolds[m], context.rolling[pair], context.spinning[pair]);
+    const double rolling = resistance(context, PairValue::rolling, manifolds[m]);
+    const double spinning = resistance(context, PairValue::spinning, manifolds[m]);
+    if (rolling > 0 || spinning > 0) f(m, manifolds[m], rolling, spinning);
   }
 }
 

@@ -1,9 +1,7 @@
 #include "scene/materials.hpp"
 
 #include <array>
-#include <cmath>
 #include <set>
-#include <type_traits>
 
 #include "scene/in_time.hpp"
 
@@ -11,28 +9,11 @@ namespace unibody {
 
 namespace {
 
-// What a pair of materials may say beside its friction, and of a pair that isn't listed, what it has from its two materials.
-struct PairKey {
-  Key key;
-  std::vector<double> Scene::*values;
-  double (*mix)(double, double);
-};
-double smaller(double a, double b) { return std::min(a, b); }
-double geometric_mean(double a, double b) { return std::sqrt(a * b); }
-const std::array<PairKey, 3>& pair_keys() {
-  static const std::array<PairKey, 3> list{
-      {{keys::number("restitution", "", {0, 1}, 0, "speed after an impact over that before it"), &Scene::restitution, smaller},
-       {keys::number("rolling_friction", "m", not_negative, 0, "torque that resists rolling, over the normal force"),
-        &Scene::rolling, geometric_mean},
-       {keys::number("spinning_friction", "m", not_negative, 0, "torque that resists spinning, over the normal force"),
-        &Scene::spinning, geometric_mean}}};
-  return list;
-}
-
 Keys keys_of(const char* name, const char* about, const Without& friction, const std::vector<Key>& first) {
   Keys table{name, about, first};
   table.keys.push_back(keys::number_in_time("friction", "", not_negative, friction, "Coulomb's coefficient of friction"));
-  for (const PairKey& pair : pair_keys()) table.keys.push_back(pair.key);
+  for (const PairValueType& type : pair_value_types)
+    table.keys.push_back(keys::number(type.key, type.unit, {0, type.most}, 0, type.about));
   return table;
 }
 
@@ -65,10 +46,10 @@ void read_pair(const Value& value, Scene& scene, Pairs& listed, FrictionInTime& 
     between->fail(between->found() + " a second time", "each pair once");
   const std::size_t n = scene.materials.size();
   bool other = false;
-  for (const PairKey& k : pair_keys()) {
-    std::vector<double>& values = scene.*k.values;
-    values[a * n + b] = values[b * n + a] = pair.number_if(k.key.name).value_or(values[a * n + b]);
-    other |= pair.has(k.key.name);
+  for (std::size_t k = 0; k < pair_value_types.size(); ++k) {
+    std::vector<double>& values = scene.pairs.values[k];
+    values[a * n + b] = values[b * n + a] = pair.number_if(pair_value_types[k].key).value_or(values[a * n + b]);
+    other |= pair.has(pair_value_types[k].key);
   }
   if (pair.has("friction") || !other) friction.pairs[a * n + b] = friction.pairs[b * n + a] = read_in_time(pair, "friction");
 }
@@ -87,29 +68,29 @@ Key materials_key() {
                      {material_keys, material_pair_keys});
 }
 
-// Names with what they are, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials; its
-// restitution is the smaller of the two.
+// Names with what they are, and the key `pairs`. A pair that isn't listed has the geometric mean of its two materials' friction.
 void read_materials(const Value& value, Scene& scene) {
   if (value.kind != Value::Kind::map) value.fail_expected("a map of materials");
   scene.materials.clear();
   FrictionInTime friction;
-  std::array<std::vector<double>, std::tuple_size_v<std::remove_cvref_t<decltype(pair_keys())>>> others;
+  std::array<std::vector<double>, pair_value_types.size()> own;  // of each material
   for (const auto& [name, material] : value.children) {
     if (name == "pairs") continue;
     scene.materials.push_back(name);
     const KeyedMap map(material, material_keys());
     friction.materials.push_back(read_in_time(map, "friction"));
-    for (std::size_t k = 0; k < others.size(); ++k) others[k].push_back(map.number(pair_keys()[k].key.name));
+    for (std::size_t k = 0; k < own.size(); ++k) own[k].push_back(map.number(pair_value_types[k].key));
   }
   if (friction.materials.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");
   const std::size_t n = friction.materials.size();
   friction.pairs.resize(n * n);
-  const auto mix = [n](const std::vector<double>& own, double (*rule)(double, double)) {
-    std::vector<double> all;
-    for (std::size_t i = 0; i < n * n; ++i) all.push_back(i / n == i % n ? own[i / n] : rule(own[i / n], own[i % n]));
-    return all;
-  };
-  for (std::size_t k = 0; k < others.size(); ++k) scene.*pair_keys()[k].values = mix(others[k], pair_keys()[k].mix);
+  scene.pairs.materials = n;
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    scene.pairs.values[k].clear();
+    for (std::size_t i = 0; i < n * n; ++i)
+      scene.pairs.values[k].push_back(i / n == i % n ? own[k][i / n]
+                                                     : MaterialPairs::mixed(pair_value_types[k], own[k][i / n], own[k][i % n]));
+  }
   Pairs listed;
   if (const Value* pairs = value.find("pairs"))
     for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed, friction);

@@ -21,6 +21,7 @@
 #include "scene/outlet.hpp"
 #include "scene/probe.hpp"
 #include "world/body.hpp"
+#include "world/material_pairs.hpp"
 #include "world/surface.hpp"
 
 namespace unibody {
@@ -139,10 +140,8 @@ struct Scene {
   SolverSettings solver;
   OutputSettings output;
   std::vector<std::string> materials{"default"};
-  std::vector<double> friction{0.5};   // materials x materials, row major, symmetric: Coulomb's mu of each pair, at time 0
-  std::vector<double> restitution{0};  // the same: Newton's e, of speeds before and after an impact
-  std::vector<double> rolling{0};      // the same: m, most rolling resistance as a torque over the normal force
-  std::vector<double> spinning{0};     // the same, of spinning about the normal
+  std::vector<double> friction{0.5};  // materials x materials, row major, symmetric: Coulomb's mu of each pair, at time 0
+  MaterialPairs pairs;                // what else each pair has
   std::optional<FrictionInTime> friction_in_time;  // where some of it changes
   std::vector<BodyGroup> groups;                   // in the order of the file; ids run on from group to group
 
@@ -171,11 +170,6 @@ struct Scene {
     return friction[static_cast<std::size_t>(material_a) * materials.size() + static_cast<std::size_t>(material_b)];
   }
 };
-
-// Whether any pair of materials has a coefficient, such as restitution or rolling friction.
-inline bool has_any(const std::vector<double>& values) {
-  return std::any_of(values.begin(), values.end(), [](double x) { return x > 0; });
-}
 
 // A value set from the command line: path.to.key=value, the value in YAML.
 struct Override {

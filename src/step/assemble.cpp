@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "constraints/friction.hpp"
 #include "core/checked.hpp"
 #include "solve/centre_constraints.hpp"
 #include "solve/colouring.hpp"
@@ -22,8 +21,7 @@ BuildContext build_context(RankState& state, const System& system) {
   context.time = state.time();
   context.contact_history = &state.history.contacts();
   context.contacts = &state.contacts, context.contact_batch = &system.contacts();
-  if (acts_in_solve(scene.solver.friction) && (has_any(scene.rolling) || has_any(scene.spinning)))
-    context.rolling = scene.rolling, context.spinning = scene.spinning, context.materials = scene.materials.size();
+  context.pairs = &scene.pairs;
   context.has_surfaces = state.has_surfaces();
   context.attached = state.attached, context.has_attachments = state.traits.has_attachments;
   context.constraint_colours = state.colours;

@@ -35,7 +35,7 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   collide_settings.planar = scene.planar;
   collide_settings.merge_supports = !solver.sweeps_by_colour;
   collide_settings.friction = scene.friction;
-  if (has_any(scene.restitution)) collide_settings.restitution = scene.restitution;
+  if (scene.pairs.any(PairValue::restitution)) collide_settings.restitution = scene.pairs[PairValue::restitution];
   collide_settings.material_count = scene.materials.size();
 }
 

@@ -25,7 +25,7 @@ Hit hit_of(double speed, double ahead) {
 Scene two(const Body& round, double speed, double ahead, double restitution, const std::string& solver) {
   Scene scene = scene_with(0);
   scene.gravity = Vec3::Zero();
-  scene.restitution = {restitution};
+  scene.pairs[PairValue::restitution] = {restitution};
   scene.planar = round.properties.shape.kind == ShapeKind::disc;
   scene.solver.name = solver, scene.solver.tolerance = 0;
   Body first = round;

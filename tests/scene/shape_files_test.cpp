@@ -62,12 +62,12 @@ TEST(ShapeFiles, RestitutionOfAPairIsTheSmallerUnlessListed) {
   const Scene scene = scene_from(ball +
                                  "materials:\n  a: {friction: 1, restitution: 0.5}\n  b: {friction: 1, restitution: 0.2}\n"
                                  "  c: {friction: 1}\n  pairs: [{between: [a, c], restitution: 0.9}]\n");
-  EXPECT_EQ(scene.restitution, (std::vector<double>{0.5, 0.2, 0.9, 0.2, 0.2, 0, 0.9, 0, 0}));
+  EXPECT_EQ(scene.pairs[PairValue::restitution], (std::vector<double>{0.5, 0.2, 0.9, 0.2, 0.2, 0, 0.9, 0, 0}));
   const Scene rolling = scene_from(ball +
                                    "materials:\n  a: {friction: 1, rolling_friction: 0.04}\n  b: {friction: 1, rolling_friction: "
                                    "0.01}\n  c: {friction: 1}\n  pairs: [{between: [a, c], spinning_friction: 0.3}]\n");
-  EXPECT_EQ(rolling.rolling, (std::vector<double>{0.04, 0.02, 0, 0.02, 0.01, 0, 0, 0, 0}));
-  EXPECT_EQ(rolling.spinning, (std::vector<double>{0, 0, 0.3, 0, 0, 0, 0.3, 0, 0}));
+  EXPECT_EQ(rolling.pairs[PairValue::rolling], (std::vector<double>{0.04, 0.02, 0, 0.02, 0.01, 0, 0, 0, 0}));
+  EXPECT_EQ(rolling.pairs[PairValue::spinning], (std::vector<double>{0, 0, 0.3, 0, 0, 0, 0.3, 0, 0}));
   EXPECT_EQ(scene.friction_of(0, 2), 1);
 }
 
