@@ -124,7 +124,7 @@ struct JointForce {
   double friction;    // N m or N, of its friction, along the coordinate
 };
 
-// Sums over all bodies, and how deep they are in each other.
+// Energies and momenta of all bodies together, and how deep bodies penetrate each other.
 struct Energies {
   double kinetic;                          // J
   double potential;                        // J, in the scene's gravity
