@@ -13,7 +13,7 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_bodies = 141, tag_manifolds = 142, tag_points = 143, tag_places = 144, tag_torques = 145, tag_creeps = 146;
+constexpr int tag_bodies = 141, tag_manifolds = 142, tag_points = 143, tag_places = 144, tag_creeps = 145;
 
 // Rank to which the body is going, for home bodies; -1 for ids that are not home here.
 int destination(const World& world, std::span<const int> home, Id id) {
@@ -69,11 +69,10 @@ void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<co
   const auto manifolds = exchange(&Multipliers::manifolds, tag_manifolds);
   const auto points = exchange(&Multipliers::points, tag_points);
   const auto places = exchange(&Multipliers::places, tag_places);
-  const auto torques = exchange(&Multipliers::torques, tag_torques);
   const auto creeps = exchange(&Multipliers::creeps, tag_creeps);
   Multipliers all;
   for (std::size_t r = 0; r < ranks; ++r) {
-    const Multipliers from{manifolds[r], points[r], torques[r], creeps[r], places[r]};
+    const Multipliers from{manifolds[r], points[r], creeps[r], places[r]};
     for (std::size_t i = 0; i < from.manifolds.size(); ++i) all.append(from, i);
   }
 

@@ -25,7 +25,7 @@ namespace unibody {
 
 namespace {
 
-const std::string format = "unibody checkpoint 3";
+const std::string format = "unibody checkpoint 4";
 
 bool in_range(const World& world, std::size_t first, std::size_t last, Id id) {
   const auto begin = world.id.begin() + static_cast<std::ptrdiff_t>(first),
@@ -63,17 +63,9 @@ bool write_bodies(hid_t file, const RowsById<BodyRow>& bodies, Id count) {
   return h5::write_rows(ids, H5T_NATIVE_INT64, first, bodies.ids.size(), bodies.ids.data()) && good;
 }
 
-// What some contacts have of a manifold, kept with its first point: a table of rows for all points, where any has it.
-struct OfManifold {
-  const char *table, *columns;
-  std::array<double, 3> PointRow::*value;
-};
-constexpr std::array of_manifolds{
-    OfManifold{"multipliers/torque", "of a manifold's first point: torque[3] (N m)", &PointRow::torque},
-    OfManifold{"multipliers/creep", "of a manifold's first point: creep[3] (m)", &PointRow::creep}};
-using HasOfManifold = std::array<bool, of_manifolds.size()>;
+constexpr const char* creep_table = "multipliers/creep";  // a row for each point; there is none where nothing creeps
 
-bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total, const HasOfManifold& has) {
+bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total, bool has_creeps) {
   const auto mine = static_cast<std::int64_t>(rows.size());
   std::int64_t last = 0;
   check_mpi(MPI_Scan(&mine, &last, 1, MPI_INT64_T, MPI_SUM, comm));
@@ -90,17 +82,13 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
   h5::write_attribute(key, "columns", std::string("owner id_a id_b place_in_manifold placed"));
   const auto force = h5::create_dataset(group, "point", H5T_IEEE_F64LE, static_cast<hsize_t>(total), 7);
   h5::write_attribute(force, "columns", std::string("place[3] (m) normal (N) tangential[3] (N)"));
-  bool all = h5::write_rows(force, H5T_NATIVE_DOUBLE, first, rows.size(), reals.data()) && good;
-  for (std::size_t k = 0; k < of_manifolds.size(); ++k) {
-    if (!has[k]) continue;
-    std::vector<double> values;
-    for (const PointRow& p : rows)
-      values.insert(values.end(), (p.*of_manifolds[k].value).begin(), (p.*of_manifolds[k].value).end());
-    const auto table = h5::create_dataset(file, of_manifolds[k].table, H5T_IEEE_F64LE, static_cast<hsize_t>(total), 3);
-    h5::write_attribute(table, "columns", std::string(of_manifolds[k].columns));
-    all = h5::write_rows(table, H5T_NATIVE_DOUBLE, first, rows.size(), values.data()) && all;
-  }
-  return all;
+  const bool both = h5::write_rows(force, H5T_NATIVE_DOUBLE, first, rows.size(), reals.data()) && good;
+  if (!has_creeps) return both;
+  std::vector<double> creeps;
+  for (const PointRow& p : rows) creeps.insert(creeps.end(), p.creep.begin(), p.creep.end());
+  const auto creep = h5::create_dataset(file, creep_table, H5T_IEEE_F64LE, static_cast<hsize_t>(total), 3);
+  h5::write_attribute(creep, "columns", std::string("of a manifold's first point: creep[3] (m)"));
+  return h5::write_rows(creep, H5T_NATIVE_DOUBLE, first, rows.size(), creeps.data()) && both;
 }
 
 }  // namespace
@@ -118,15 +106,13 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
   int rank = 0;
   check_mpi(MPI_Comm_rank(comm, &rank));
   const std::string part = path + ".part";
-  std::array<std::int64_t, 3> sums{static_cast<std::int64_t>(points.size()), history.contacts().torques.empty() ? 0 : 1,
-                                   history.contacts().creeps.empty() ? 0 : 1};
+  std::array<std::int64_t, 2> sums{static_cast<std::int64_t>(points.size()), history.contacts().creeps.empty() ? 0 : 1};
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), sums.size(), MPI_INT64_T, MPI_SUM, comm));
   const std::int64_t total = sums[0];
-  const HasOfManifold has{sums[1] > 0, sums[2] > 0};
   const h5::Quiet quiet;
   const std::string failed = "cannot write the checkpoint " + path + ": ";
   agree<RunError>(comm, failed, [&] {
-    if (rank == 0) reserve_on_disk(part, (body_columns * count + (key_columns + 13) * total) * 8 + 65536);
+    if (rank == 0) reserve_on_disk(part, (body_columns * count + (key_columns + 10) * total) * 8 + 65536);
   });
   agree<RunError>(comm, failed, [&] {
     auto file = h5::create_file(comm, part, seal_bytes);
@@ -137,7 +123,7 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     h5::write_attribute(file, "bodies", count);
     bool good = write_past(comm, file, history);
     good = write_bodies(file, bodies, count) && good;
-    good = write_points(comm, file, points, total, has) && good;
+    good = write_points(comm, file, points, total, sums[1] > 0) && good;
     good = write_history_rows(comm, file, rows) && good;
     good = write_joint_rows(file, joints) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
@@ -215,7 +201,7 @@ class Directory {
   std::vector<int> homes_;
 };
 
-Multipliers assemble(std::vector<PointRow> rows, const HasOfManifold& has) {
+Multipliers assemble(std::vector<PointRow> rows, bool has_creeps) {
   const auto key = [](const PointRow& p) { return std::array{p.id_a, p.id_b, p.place_in_manifold}; };
   std::sort(rows.begin(), rows.end(), [&](const PointRow& a, const PointRow& b) { return key(a) < key(b); });
   // A pair with both bodies home here arrived twice.
@@ -226,16 +212,14 @@ Multipliers assemble(std::vector<PointRow> rows, const HasOfManifold& has) {
     const auto& manifolds = result.manifolds;
     if (manifolds.empty() || manifolds.back().id_a != p.id_a || manifolds.back().id_b != p.id_b)
       result.begin_manifold(p.id_a, p.id_b);
-    if (has[0] && p.place_in_manifold == 0) result.set_last_torque({p.torque[0], p.torque[1], p.torque[2]});
-    if (has[1] && p.place_in_manifold == 0) result.set_last_creep({p.creep[0], p.creep[1], p.creep[2]});
+    if (has_creeps && p.place_in_manifold == 0) result.set_last_creep({p.creep[0], p.creep[1], p.creep[2]});
     append(result, p);
   }
   return result;
 }
 
 struct PointTables {
-  h5::Handle key, point;
-  std::array<h5::Handle, of_manifolds.size()> of_manifold;  // those that there are
+  h5::Handle key, point, creep;  // creep: where there is one
   Id count = 0;
 };
 
@@ -243,9 +227,8 @@ PointTables point_tables(hid_t file) {
   PointTables tables;
   tables.key = h5::open_table(file, "multipliers/key", {}, key_columns, H5T_STD_I64LE);
   tables.point = h5::open_table(file, "multipliers/point", h5::rows_of(tables.key), 7, H5T_IEEE_F64LE);
-  for (std::size_t k = 0; k < of_manifolds.size(); ++k)
-    if (h5::has_link(file, of_manifolds[k].table))
-      tables.of_manifold[k] = h5::open_table(file, of_manifolds[k].table, h5::rows_of(tables.key), 3, H5T_IEEE_F64LE);
+  if (h5::has_link(file, creep_table))
+    tables.creep = h5::open_table(file, creep_table, h5::rows_of(tables.key), 3, H5T_IEEE_F64LE);
   tables.count = static_cast<Id>(h5::rows_of(tables.key));
   return tables;
 }
@@ -259,15 +242,13 @@ std::vector<PointRow> read_points(const PointTables& tables, Id first, Id last) 
   std::vector<PointRow> rows(n);
   for (std::size_t k = 0; k < n; ++k) {
     const auto* i = keys.data() + k * key_columns;
-    rows[k] = {i[0], i[1], i[2], i[3], i[4], {}, {}, {}};
+    rows[k] = {i[0], i[1], i[2], i[3], i[4], {}, {}};
     std::copy_n(reals.data() + k * 7, 7, rows[k].reals.begin());
   }
-  for (std::size_t k = 0; k < of_manifolds.size(); ++k) {
-    if (tables.of_manifold[k] < 0) continue;
-    std::vector<double> values(n * 3);
-    h5::read_rows(tables.of_manifold[k], H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, values.data());
-    for (std::size_t row = 0; row < n; ++row) std::copy_n(values.data() + row * 3, 3, (rows[row].*of_manifolds[k].value).begin());
-  }
+  if (tables.creep < 0) return rows;
+  std::vector<double> creeps(n * 3);
+  h5::read_rows(tables.creep, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, creeps.data());
+  for (std::size_t k = 0; k < n; ++k) std::copy_n(creeps.data() + k * 3, 3, rows[k].creep.begin());
   return rows;
 }
 
@@ -277,8 +258,7 @@ void check_point(const PointRow& row, const PointRow* before, Id bodies) {
   const bool pair = row.id_a >= 0 && row.id_a < row.id_b && row.id_b < bodies && (row.owner == row.id_a || row.owner == row.id_b);
   const bool numbers = row.placed == 0 || row.placed == 1;
   const auto is_finite = [](double x) { return std::isfinite(x); };
-  const bool reals = std::ranges::all_of(row.reals, is_finite) && std::ranges::all_of(row.torque, is_finite) &&
-                     std::ranges::all_of(row.creep, is_finite);
+  const bool reals = std::ranges::all_of(row.reals, is_finite) && std::ranges::all_of(row.creep, is_finite);
   const auto manifold = [](const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b}; };
   const bool goes_on = before != nullptr && manifold(*before) == manifold(row);
   const bool follows = goes_on ? row.place_in_manifold == before->place_in_manifold + 1 && row.placed == 1 && before->placed == 1
@@ -369,7 +349,7 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
 
 void Checkpoint::read_histories(const Elements& elements, History& history) const {
   reading(path_, [&] {
-    unibody::read_histories(file_, elements, history);
+    unibody::read_histories(file_, count_, elements, history);
     read_past(file_, history);
     if (elements.joints != nullptr) history.joints() = read_joint_impulses(file_, *elements.joints->list);
   });
@@ -379,11 +359,11 @@ Multipliers Checkpoint::read_multipliers(const World& world) const {
   int rank = 0;
   check_mpi(MPI_Comm_rank(comm_, &rank));
   std::vector<PointRow> rows;
-  HasOfManifold has{};
+  bool has_creeps = false;
   agree<InputError>(comm_, "", [&] {
     rows = reading(path_, [&] {
       const PointTables tables = point_tables(file_);
-      for (std::size_t k = 0; k < has.size(); ++k) has[k] = tables.of_manifold[k] >= 0;
+      has_creeps = tables.creep >= 0;
       const IdBlocks share = id_blocks(comm_, tables.count);
       const Id first = share.first(rank), before = std::max<Id>(0, first - 1);  // the last of the rank before is looked at, too
       auto read = read_points(tables, before, share.first(rank + 1));
@@ -393,7 +373,7 @@ Multipliers Checkpoint::read_multipliers(const World& world) const {
       return read;
     });
   });
-  return assemble(Directory(comm_, count_, world).deliver(world, rows), has);
+  return assemble(Directory(comm_, count_, world).deliver(world, rows), has_creeps);
 }
 
 }  // namespace unibody

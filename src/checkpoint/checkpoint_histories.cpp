@@ -14,9 +14,17 @@ namespace unibody {
 namespace {
 
 template <class B>
-constexpr std::size_t key_size = std::tuple_size_v<typename B::Key>;
+constexpr std::size_t key_size = std::tuple_size_v<typename HistoryTypes<B>::Key>;
 template <class B>
-constexpr std::size_t value_size = std::tuple_size_v<typename B::History::value_type>;
+constexpr std::size_t value_size = std::tuple_size_v<typename HistoryTypes<B>::Value>;
+
+template <class B>
+std::string value_columns() {
+  if constexpr (PairedBatch<B>)
+    return std::string(B::history_columns);
+  else
+    return "impulse of each row (N s)";
+}
 
 // Calls f(place in the list, std::type_identity<batch>) for each kind that has a group.
 template <typename F>
@@ -37,18 +45,16 @@ std::vector<HistoryRow<B>> rows_of(MPI_Comm comm, Id body_count, const Elements&
   const World& world = elements.world;
   std::vector<HistoryRow<B>> mine;
   std::vector<int> target;
-  std::size_t i = 0;
-  B::for_each_element(elements, [&](const typename B::Key& key, std::span<const Id> ids) {
+  for_each_record<B>(elements, history, [&](const HistoryRecord<B>& record, std::span<const Id> ids) {
     for (const Id id : ids) {
       const Slot slot = world.find(id);
       if (slot >= 0 && world.is_static(slot)) continue;
       if (slot >= 0 && world.is_home(slot)) {
-        mine.push_back({id, key, history[i]});
+        mine.push_back({id, record.key, record.value});
         target.push_back(blocks.owner(id));
       }
       break;  // the first that moves is the owner
     }
-    ++i;
   });
   auto rows = exchange<HistoryRow<B>>(comm, target, mine);
   std::sort(rows.begin(), rows.end(), before<B>);
@@ -75,7 +81,7 @@ bool write_group(MPI_Comm comm, hid_t group, const std::vector<HistoryRow<B>>& r
   h5::write_attribute(key, "columns", std::string("owner, then the bodies"));
   const bool good = h5::write_rows(key, H5T_NATIVE_INT64, first, rows.size(), keys.data());
   const auto value = h5::create_dataset(own, "multipliers", H5T_IEEE_F64LE, count, value_size<B>);
-  h5::write_attribute(value, "columns", std::string("impulse of each row (N s)"));
+  h5::write_attribute(value, "columns", value_columns<B>());
   return h5::write_rows(value, H5T_NATIVE_DOUBLE, first, rows.size(), values.data()) && good;
 }
 
@@ -96,8 +102,13 @@ Tables tables_of(hid_t file) {
   return tables;
 }
 
+void check_pair(Id owner, const std::array<Id, 2>& pair, Id body_count) {
+  if (pair[0] < 0 || pair[0] >= pair[1] || pair[1] >= body_count || (owner != pair[0] && owner != pair[1]))
+    throw std::runtime_error("a row is of no pair of bodies");
+}
+
 template <class B>
-std::vector<HistoryRow<B>> read_rows(const Tables& tables, Id first, Id last) {
+std::vector<HistoryRow<B>> read_rows(const Tables& tables, Id first, Id last, Id body_count) {
   const auto n = static_cast<std::size_t>(last - first);
   std::vector<HistoryRow<B>> rows(n);
   std::vector<std::int64_t> keys(n * (key_size<B> + 1));
@@ -110,9 +121,35 @@ std::vector<HistoryRow<B>> read_rows(const Tables& tables, Id first, Id last) {
     rows[i].owner = keys[i * (key_size<B> + 1)];
     std::copy_n(keys.data() + i * (key_size<B> + 1) + 1, key_size<B>, rows[i].key.begin());
     std::copy_n(values.data() + i * value_size<B>, value_size<B>, rows[i].value.begin());
+    if constexpr (PairedBatch<B>) check_pair(rows[i].owner, rows[i].key, body_count);
   }
   return rows;
 }
+
+// Which rows of the file are of something here.
+template <class B>
+class KeysHere {
+ public:
+  using Key = typename HistoryTypes<B>::Key;
+
+  explicit KeysHere(const Elements& elements) : world_(elements.world) {
+    if constexpr (KeyedBatch<B>)
+      B::for_each_element(elements, [&](const Key& key, std::span<const Id>) { keys_.push_back(key); });
+  }
+  bool has(const Key& key) const {
+    if constexpr (KeyedBatch<B>)
+      return std::ranges::binary_search(keys_, key);
+    else
+      return std::ranges::any_of(key, [&](Id id) {
+        const Slot slot = world_.find(id);
+        return slot >= 0 && world_.is_home(slot);
+      });
+  }
+
+ private:
+  const World& world_;
+  std::vector<Key> keys_;
+};
 
 }  // namespace
 
@@ -137,19 +174,16 @@ bool write_history_rows(MPI_Comm comm, hid_t file, const HistoryRows& rows) {
   return good;
 }
 
-void read_histories(hid_t file, const Elements& elements, BatchHistories& histories) {
+void read_histories(hid_t file, Id body_count, const Elements& elements, BatchHistories& histories) {
   constexpr Id piece = 1'000'000;
   for_each_group([&]<class B>(auto, std::type_identity<B>) {
-    std::vector<typename B::Key> keys;
-    B::for_each_element(elements, [&](const typename B::Key& key, std::span<const Id>) { keys.push_back(key); });
-    auto& to = histories.of<B>();
-    to.assign(keys.size(), {});
     const Tables tables = tables_of<B>(file);
+    const KeysHere<B> here(elements);
+    std::vector<HistoryRecord<B>> records;
     for (Id first = 0; first < tables.count; first += piece)
-      for (const auto& row : read_rows<B>(tables, first, std::min(tables.count, first + piece))) {
-        const auto at = std::lower_bound(keys.begin(), keys.end(), row.key);
-        if (at != keys.end() && *at == row.key) to[static_cast<std::size_t>(at - keys.begin())] = row.value;
-      }
+      for (const auto& row : read_rows<B>(tables, first, std::min(tables.count, first + piece), body_count))
+        if (here.has(row.key)) records.push_back({row.key, row.value});
+    histories.of<B>() = history_of<B>(elements, std::move(records));
   });
 }
 

@@ -1,4 +1,4 @@
-// The part of a checkpoint that holds what the constraints beside contacts start the next step from: a group for each kind of
+// The part of a checkpoint that holds what constraints other than contacts start the next step from: a group for each kind of
 // batch, but for the joints, which have a table of their own (checkpoint_joints.hpp).
 #pragma once
 
@@ -8,6 +8,7 @@
 
 #include "core/hdf5.hpp"
 #include "step/history.hpp"
+#include "step/history_records.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -16,11 +17,11 @@ namespace unibody {
 template <class B>
 struct HistoryRow {
   Id owner;
-  typename B::Key key;
-  typename B::History::value_type value;  // N s
+  typename HistoryTypes<B>::Key key;
+  typename HistoryTypes<B>::Value value;  // N s; of a PairedBatch as its history_columns say
 };
 template <class B>
-inline constexpr bool is_in_groups = KeyedBatch<B> && !std::is_same_v<B, JointBatch>;
+inline constexpr bool is_in_groups = RecordedBatch<B> && !std::is_same_v<B, JointBatch>;
 template <class B>
 struct HistoryRowsOf {
   using List = std::tuple<>;
@@ -46,6 +47,6 @@ HistoryRows history_rows(MPI_Comm comm, Id body_count, const Elements& elements,
 
 // What the constraints that are here start from. Each rank reads all rows of the file, a piece at a time. Throws
 // std::runtime_error where a table is not what it should be.
-void read_histories(hid_t file, const Elements& elements, BatchHistories& histories);
+void read_histories(hid_t file, Id body_count, const Elements& elements, BatchHistories& histories);
 
 }  // namespace unibody

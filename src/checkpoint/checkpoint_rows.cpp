@@ -48,7 +48,6 @@ Body from_row(Id id, const BodyRow& row) {
 PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k) {
   const RememberedPoint& p = all.points_of(m)[k];
   const auto places = all.places_of(m);
-  const Vec3 torque = all.torques.empty() || k > 0 ? Vec3(Vec3::Zero()) : all.torques[m];
   const Vec3 creep = k > 0 ? Vec3(Vec3::Zero()) : all.creep_of(m);
   const Vec3 place = places.empty() ? Vec3(Vec3::Zero()) : places[k];
   return {owner,
@@ -57,7 +56,6 @@ PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k) 
           static_cast<std::int64_t>(k),
           !places.empty(),
           {place[0], place[1], place[2], p.normal, p.tangential[0], p.tangential[1], p.tangential[2]},
-          {torque[0], torque[1], torque[2]},
           {creep[0], creep[1], creep[2]}};
 }
 

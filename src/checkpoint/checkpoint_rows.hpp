@@ -20,8 +20,7 @@ Body from_row(Id id, const BodyRow& row);
 struct PointRow {
   std::int64_t owner, id_a, id_b, place_in_manifold, placed;  // placed: 1, or 0 where no place is kept
   std::array<double, 7> reals;                                // place, normal, tangential
-  std::array<double, 3> torque;                               // N m, of the manifold's first point: its rolling friction
-  std::array<double, 3> creep;                                // m, the same
+  std::array<double, 3> creep;                                // m, of the manifold's first point
 };
 constexpr Id key_columns = 5;
 
@@ -29,7 +28,7 @@ inline auto order(const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b
 
 // The k-th point of the m-th manifold that is remembered.
 PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k);
-// Adds the point; its manifold and torque are the caller's.
+// Adds the point; its manifold and creep are the caller's.
 void append(Multipliers& to, const PointRow& row);
 
 }  // namespace unibody

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "collide/contacts.hpp"
+#include "constraints/pair_history.hpp"
 #include "constraints/solve_state.hpp"
 #include "constraints/solver_settings.hpp"
 #include "constraints/stage.hpp"
@@ -62,7 +63,7 @@ struct BuildContext {
   std::pmr::memory_resource* memory = std::pmr::get_default_resource();
   std::function<void(std::span<std::int32_t>)> exchange{};  // values of guests from their homes, one a slot
   std::span<const Vec3> displaced{};                        // m, by slot: where bodies seem to start the step; empty: nowhere
-  Multipliers* contact_history = nullptr;                   // in which rolling friction keeps its torques
+  const Multipliers* contact_history = nullptr;             // of the last step
   std::function<bool(bool)> any_over_ranks{};               // collective
 };
 
@@ -161,6 +162,13 @@ concept KeyedBatch = Batch<B> && requires(const Elements& elements) {
   typename B::Key;
   typename B::History::value_type;
   B::for_each_element(elements, [](const typename B::Key&, std::span<const Id>) {});
+};
+
+// Whose history is a PairHistory, since its constraints come and go with contacts.
+template <class B>
+concept PairedBatch = Batch<B> && pair_width<typename B::History> >
+0 && requires {
+  { B::history_columns } -> std::convertible_to<std::string_view>;
 };
 
 // Adds one for each constraint to the counts of its bodies.

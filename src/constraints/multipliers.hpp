@@ -23,9 +23,8 @@ struct RememberedManifold {
 struct Multipliers {
   std::vector<RememberedManifold> manifolds;  // ascending (id_a, id_b); of all pairs with a home body here
   std::vector<RememberedPoint> points;
-  std::vector<Vec3> torques;  // N m, of rolling and spinning friction, world frame, on body a; of each manifold, or of none
-  std::vector<Vec3> creeps;   // m, of each manifold or of none: see creep.hpp; world frame, of body a against b
-  std::vector<Vec3> places;   // m, of each point of a manifold or of none, in the frame of body a (of b where a is static)
+  std::vector<Vec3> creeps;  // m, of each manifold or of none: see creep.hpp; world frame, of body a against b
+  std::vector<Vec3> places;  // m, of each point of a manifold or of none, in the frame of body a (of b where a is static)
 
   std::span<const RememberedPoint> points_of(std::size_t m) const {
     const std::size_t first = manifolds[m].first_point;
@@ -39,10 +38,6 @@ struct Multipliers {
   void begin_manifold(Id id_a, Id id_b) {
     manifolds.push_back({id_a, id_b, static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(places.size())});
   }
-  void set_last_torque(const Vec3& torque) {
-    torques.resize(manifolds.size(), Vec3::Zero());
-    torques.back() = torque;
-  }
   Vec3 creep_of(std::size_t m) const { return creeps.empty() ? Vec3(Vec3::Zero()) : creeps[m]; }
   void set_last_creep(const Vec3& creep) {
     creeps.resize(manifolds.size(), Vec3::Zero());
@@ -52,7 +47,6 @@ struct Multipliers {
     const auto new_points = from.points_of(m);
     const auto new_places = from.places_of(m);
     begin_manifold(from.manifolds[m].id_a, from.manifolds[m].id_b);
-    if (!from.torques.empty() || !torques.empty()) set_last_torque(from.torques.empty() ? Vec3(Vec3::Zero()) : from.torques[m]);
     if (!from.creeps.empty() || !creeps.empty()) set_last_creep(from.creep_of(m));
     points.insert(points.end(), new_points.begin(), new_points.end());
     places.insert(places.end(), new_places.begin(), new_places.end());

@@ -100,17 +100,21 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
 }
 
 void start_remembering(Multipliers& multipliers, const Contacts& contacts) {
-  multipliers.torques.clear(), multipliers.creeps.clear();
+  multipliers.creeps.clear();
   const std::size_t places_before = multipliers.places.size();
   renew_room(multipliers.manifolds, contacts.manifolds.size()), renew_room(multipliers.points, contacts.points.size());
   renew_room(multipliers.places, places_before + places_before / 32);
+}
+
+bool is_remembered(const World& world, const Contacts& contacts, const Manifold& m) {
+  return !(has_one_point(world, m) && is_core(contacts, m));
 }
 
 void remember_manifold(Multipliers& multipliers, const World& world, const Contacts& contacts, const Manifold& m,
                        std::span<const ContactBatch::Impulse> of_manifold, double step) {
   const auto is_zero = [](const ContactBatch::Impulse& i) { return i.n == 0 && i.s == 0 && i.t == 0; };
   if (std::all_of(of_manifold.begin(), of_manifold.end(), is_zero)) return;
-  if (has_one_point(world, m) && is_core(contacts, m)) return;
+  if (!is_remembered(world, contacts, m)) return;
   const auto& known = multipliers.manifolds;  // of two bodies of many parts all manifolds are remembered as one
   if (known.empty() || known.back().id_a != m.id_a || known.back().id_b != m.id_b) multipliers.begin_manifold(m.id_a, m.id_b);
   const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);

@@ -20,6 +20,8 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
 // The other way: what to remember of these impulses. Either of all points at once, or first of nothing, with room for the
 // contacts that there are, and then of each manifold in order.
 void start_remembering(Multipliers& multipliers, const Contacts& contacts);
+// Whether the manifold is remembered: all are but those of cores beside the one point of a round body.
+bool is_remembered(const World& world, const Contacts& contacts, const Manifold& manifold);
 void remember_manifold(Multipliers& multipliers, const World& world, const Contacts& contacts, const Manifold& manifold,
                        std::span<const ContactBatch::Impulse> of_manifold, double step);
 void remember(Multipliers& multipliers, const World& world, const Contacts& contacts,

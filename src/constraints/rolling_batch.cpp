@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "constraints/friction.hpp"
+#include "constraints/recall.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -38,8 +39,7 @@ void RollingBatch::build(const BuildContext& context) {
     std::uint32_t manifold;
     double rolling, spinning;  // m
   };
-  contacts_ = context.contact_batch, step_ = context.state.step;
-  history_ = context.contact_history, kept_ = Kept::nothing;
+  contacts_ = context.contact_batch, step_ = context.state.step, kept_ = Kept::nothing;
   rows_.clear(), group_end_.clear();
   std::vector<Resistance> list;
   for_each_resisting(context, [&](std::uint32_t manifold, const Manifold&, double rolling, double spinning) {
@@ -61,6 +61,7 @@ void RollingBatch::build(const BuildContext& context) {
     const auto& all = context.contacts->manifolds;
     row.first =
         resistance.manifold == 0 || all[resistance.manifold - 1].id_a != m.id_a || all[resistance.manifold - 1].id_b != m.id_b;
+    row.remembered = is_remembered(world, *context.contacts, m);
     row.a = m.slot_a, row.b = m.slot_b, row.rolling = resistance.rolling, row.spinning = resistance.spinning;
     row.axes = {m.normal, first_tangent_of(m.normal), m.normal.cross(first_tangent_of(m.normal))};
     const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
@@ -170,24 +171,13 @@ void RollingBatch::keep_impulses(bool together) {
   }
 }
 
-namespace {
-
-// The place of a pair in the contacts' history; -1: it is not there.
-std::ptrdiff_t place_of(const Multipliers& history, Id a, Id b) {
-  const auto before = [](const RememberedManifold& m, const std::pair<Id, Id>& key) { return std::pair(m.id_a, m.id_b) < key; };
-  const auto& all = history.manifolds;
-  const auto at = std::lower_bound(all.begin(), all.end(), std::pair(a, b), before);
-  return at != all.end() && at->id_a == a && at->id_b == b ? at - all.begin() : -1;
-}
-
-}  // namespace
-
-void RollingBatch::start_from(const NoHistory&, const WarmStart& warm) {
-  if (!warm.has_contacts() || history_ == nullptr || history_->torques.empty()) return;
+void RollingBatch::start_from(const History& history, const WarmStart& warm) {
+  if (!warm.has_contacts()) return;
   for (Row& row : rows_) {
-    const std::ptrdiff_t place = row.first ? place_of(*history_, row.id_a, row.id_b) : -1;
-    if (place < 0) continue;
-    const Vec3 torque = contacts_->start_share(warm, row.manifold) * step_ * history_->torques[static_cast<std::size_t>(place)];
+    const std::array key{row.id_a, row.id_b};
+    const auto at = std::ranges::lower_bound(history, key, {}, &PairRecord<3>::key);
+    if (!row.first || at == history.end() || at->key != key) continue;
+    const Vec3 torque = contacts_->start_share(warm, row.manifold) * step_ * Vec3(at->value.data());
     for (std::size_t k = 0; k < 3; ++k) {
       const bool acts = k == 0 ? row.spinning > 0 && row.scale[0] > 0 : row.rolling > 0 && row.scale[1] > 0;
       row.lambda[k] = row.y[k] = acts ? row.axes[k].dot(torque) : 0;
@@ -205,19 +195,26 @@ void RollingBatch::add_impulses(SolveState& state, const WarmStart& warm, double
   }
 }
 
-void RollingBatch::remember(NoHistory&, double leak) const {
-  if (rows_.empty() || history_ == nullptr) return;
-  history_->torques.assign(history_->manifolds.size(), Vec3::Zero());
+void RollingBatch::remember(History& history, double leak) const {
+  history.clear();
   for (const Row& row : rows_) {
-    const std::ptrdiff_t place = place_of(*history_, row.id_a, row.id_b);
-    if (place < 0) continue;
+    if (!row.remembered) continue;
     Torque kept;
     for (std::size_t k = 0; k < 3; ++k) {
       const double x = row.kept[k], y = row.lambda[k];
       kept[k] = kept_ == Kept::nothing ? y : x + contacts_->leak_of(leak, row.manifold) * (kept_ == Kept::apart ? y : y - x);
     }
-    history_->torques[static_cast<std::size_t>(place)] += torque_of(row, kept) / step_;
+    const Vec3 torque = torque_of(row, kept) / step_;
+    history.push_back({{row.id_a, row.id_b}, {torque.x(), torque.y(), torque.z()}});
   }
+  std::ranges::stable_sort(history, {}, &PairRecord<3>::key);
+  std::size_t pairs = 0;  // of a pair with several manifolds the sum
+  for (std::size_t i = 0; i < history.size(); ++i)
+    if (pairs > 0 && history[pairs - 1].key == history[i].key)
+      for (std::size_t k = 0; k < 3; ++k) history[pairs - 1].value[k] += history[i].value[k];
+    else
+      history[pairs++] = history[i];
+  history.resize(pairs);
 }
 
 void RollingBatch::join_stages() {

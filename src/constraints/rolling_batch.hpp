@@ -5,8 +5,8 @@
 // angular impulses (N m s), bounded by the manifold's normal impulses N, summed over its points, at every iteration anew:
 //   |tau_n| <= spinning N,  |(tau_s, tau_t)| <= rolling N
 // with coefficients in metres: the arm at which the normal force meets the ground ahead of the centre. As friction, it is the
-// same in both stages, each with its own N, whose bounds add up. It starts from a share of the last step's torques, which stand
-// with the contacts' history (Multipliers::torques): from nothing, what is held would creep by what each step leaves undone.
+// same in both stages, each with its own N, whose bounds add up. It starts from a share of the last step's torques: from
+// nothing, what is held would creep by what each step leaves undone.
 // Scales are absolute row sums of the manifold's 3 x 3 block, masses split by the bodies' counts with the Jacobi solvers, where
 // such a manifold counts twice: once for its contact, once for these rows.
 #pragma once
@@ -23,7 +23,9 @@ namespace unibody {
 
 class RollingBatch : public BatchDefaults {
  public:
-  static constexpr std::string_view name = "rolling friction";
+  static constexpr std::string_view name = "rolling_friction";
+  static constexpr std::string_view history_columns = "torque[3] (N m, world frame, on the first body)";
+  using History = PairHistory<3>;
   static constexpr bool in_velocity_stage = true, in_free_islands = true, follows = true;
 
   explicit RollingBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource()) : rows_(memory) {}
@@ -56,9 +58,9 @@ class RollingBatch : public BatchDefaults {
   void keep_impulses(bool together);
   void join_stages();
 
-  void start_from(const NoHistory&, const WarmStart& warm);
+  void start_from(const History& history, const WarmStart& warm);
   void add_impulses(SolveState& state, const WarmStart& warm, double) const;
-  void remember(NoHistory&, double leak) const;  // after the contacts' own
+  void remember(History& history, double leak) const;
 
   // An angle counts by the longer arm from the bodies' centres to the contact.
   double residual(const SolveState& state) const;
@@ -74,6 +76,7 @@ class RollingBatch : public BatchDefaults {
     Slot a, b;
     Id id_a, id_b;
     bool first;                       // of its pair's manifolds
+    bool remembered;                  // as its contact is
     double rolling, spinning, lever;  // m
     std::array<Vec3, 3> axes;         // n, s, t
     Mat3 turn_a, turn_b;              // 1/(kg m^2), inverse inertia, world frame
@@ -97,7 +100,6 @@ class RollingBatch : public BatchDefaults {
   std::pmr::vector<Row> rows_;
   const ContactBatch* contacts_ = nullptr;
   std::vector<std::size_t> group_end_;
-  Multipliers* history_ = nullptr;
   double step_ = 0.016;
   enum class Kept { nothing, apart, together } kept_ = Kept::nothing;  // as ContactBatch's
 };

@@ -27,15 +27,11 @@ std::vector<int> ranks_of(const World& world, std::span<const Id> ids, std::span
 HistoriesByRank histories_by_rank(const RankState& state, std::span<const int> home) {
   HistoriesByRank records;
   for_each_batch_type([&]<class B>(auto place, std::type_identity<B>) {
-    if constexpr (KeyedBatch<B>) {
+    if constexpr (RecordedBatch<B>) {
       auto& to = std::get<decltype(place)::value>(records);
       to.resize(static_cast<std::size_t>(state.halo.size()));
-      const auto& history = state.history.of<B>();
-      std::size_t i = 0;
-      B::for_each_element(state.elements(), [&](const typename B::Key& key, std::span<const Id> ids) {
-        if (i < history.size())
-          for (const int rank : ranks_of(state.world, ids, home)) to[static_cast<std::size_t>(rank)].push_back({key, history[i]});
-        ++i;
+      for_each_record<B>(state.elements(), state.history.of<B>(), [&](const HistoryRecord<B>& record, std::span<const Id> ids) {
+        for (const int rank : ranks_of(state.world, ids, home)) to[static_cast<std::size_t>(rank)].push_back(record);
       });
     }
   });
@@ -44,19 +40,12 @@ HistoriesByRank histories_by_rank(const RankState& state, std::span<const int> h
 
 void take_histories(RankState& state, HistoriesByRank records) {
   for_each_batch_type([&]<class B>(auto place, std::type_identity<B>) {
-    if constexpr (KeyedBatch<B>) {
+    if constexpr (RecordedBatch<B>) {
       constexpr std::size_t number = decltype(place)::value;
       const auto in = exchange_all(state.comm(), std::get<number>(records), tag_records + static_cast<int>(number));
       std::vector<HistoryRecord<B>> all;
       for (const auto& from : in) all.insert(all.end(), from.begin(), from.end());
-      const auto before = [](const HistoryRecord<B>& a, const HistoryRecord<B>& b) { return a.key < b.key; };
-      std::sort(all.begin(), all.end(), before);
-      typename B::History history;
-      B::for_each_element(state.elements(), [&](const typename B::Key& key, std::span<const Id>) {
-        const auto at = std::lower_bound(all.begin(), all.end(), HistoryRecord<B>{key, {}}, before);
-        history.push_back(at != all.end() && at->key == key ? at->value : typename B::History::value_type{});
-      });
-      state.history.of<B>() = std::move(history);
+      state.history.of<B>() = history_of<B>(state.elements(), std::move(all));
     }
   });
 }

@@ -7,21 +7,16 @@
 #include <type_traits>
 #include <vector>
 
+#include "step/history_records.hpp"
 #include "step/rank_state.hpp"
 
 namespace unibody {
 
-// What a constraint of a batch starts from, on its way.
-template <class B>
-struct HistoryRecord {
-  typename B::Key key;
-  typename B::History::value_type value;
-};
 template <class B>
 struct HistoryRecords {
   using ByRank = std::tuple<>;
 };
-template <KeyedBatch B>
+template <RecordedBatch B>
 struct HistoryRecords<B> {
   using ByRank = std::vector<std::vector<HistoryRecord<B>>>;
 };

@@ -58,12 +58,16 @@ bool RankState::is_alone() const {
 
 std::size_t RankState::bytes() const {
   const Multipliers& multipliers = history.contacts();
+  std::size_t bytes_of_pairs = bytes_of(multipliers.creeps);
+  for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
+    if constexpr (PairedBatch<B>) bytes_of_pairs += bytes_of(history.of<B>());
+  });
   return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(world.held_orientation) +
          bytes_of(multipliers.manifolds) + bytes_of(multipliers.points) + bytes_of(multipliers.places) +
          bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(attached) +
-         drag.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) + bytes_of(history.joints()) +
-         bytes_of(joint_slots) + bytes_of(lasting_counts);
+         bytes_of_pairs + drag.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) +
+         bytes_of(history.joints()) + bytes_of(joint_slots) + bytes_of(lasting_counts);
 }
 
 }  // namespace unibody

@@ -169,6 +169,11 @@ std::vector<Body> changed(const World& world, std::size_t first, std::size_t las
 void Simulation::change_bodies(const BodyChanges& changes) {
   std::vector<Id> removed = changes.removed;
   std::ranges::sort(removed);
+  const auto is_removed = [&](Id id) { return std::ranges::binary_search(removed, id); };
+  for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
+    if constexpr (PairedBatch<B>)
+      std::erase_if(history.of<B>(), [&](const auto& pair) { return is_removed(pair.key[0]) || is_removed(pair.key[1]); });
+  });
   const std::vector<int> stay(world.homes, halo.rank());
   HistoriesByRank records = histories_by_rank(*this, stay);
   const std::vector<Body> homes = changed(world, 0, world.homes, removed, changes.homes),
@@ -176,7 +181,6 @@ void Simulation::change_bodies(const BodyChanges& changes) {
   world = make_world(homes, statics, scene.has_rotations());
   Multipliers& multipliers = history.contacts();
   Multipliers kept;
-  const auto is_removed = [&](Id id) { return std::ranges::binary_search(removed, id); };
   for (std::size_t i = 0; i < multipliers.manifolds.size(); ++i)
     if (!is_removed(multipliers.manifolds[i].id_a) && !is_removed(multipliers.manifolds[i].id_b)) kept.append(multipliers, i);
   multipliers = keep_own(world, kept);

@@ -14,6 +14,7 @@ from unibody_runs import ProgramTest, contents, tree, unibody
 SCENE = """
     time: {frames: 6}
     output: {every: 0, checkpoint_every: 2}
+    materials: {wood: {friction: 0.5, rolling_friction: 0.01}}
     bodies:
       - {name: ground, shape: {plane: {normal: [0, 0, 1]}}}
       - {name: box, lattice: {count: 8, columns: [2, 2], spacing: [0.16, 0.16, 0.19], height: 0.08}, shape: {box: {size: [0.12, 0.12, 0.15]}}, mass: 1}
@@ -48,7 +49,7 @@ def seal(path):
         block = data[number:number + (1 << 20)]
         padded = block + bytes(-len(block) % 8)
         total += hash_of([number >> 20, len(block), *struct.unpack(f"<{len(padded) // 8}Q", padded)])
-    text = f"unibody checkpoint 3\nbytes behind this block: {len(data)}\nhash of them: {total & MASK:016x}\n".encode()
+    text = f"unibody checkpoint 4\nbytes behind this block: {len(data)}\nhash of them: {total & MASK:016x}\n".encode()
     with open(path, "r+b") as file:
         file.write(text + bytes(SEAL - len(text)))
 
@@ -149,7 +150,8 @@ class DamagedCheckpoints(ProgramTest):
             "nowhere": lambda file, name, data: None,
         }
         for k, name in enumerate(("bodies", "multipliers/key", "multipliers/point", "constraints/distance/ids",
-                                  "constraints/distance/multipliers", "joints")):
+                                  "constraints/distance/multipliers", "constraints/rolling_friction/ids",
+                                  "constraints/rolling_friction/multipliers", "joints")):
             for j, (what, make) in enumerate(shapes.items()):
                 if k > 0 and (j + k) % 3:
                     continue  # a third of them, but for bodies: all tables are opened by the same function
@@ -176,7 +178,12 @@ class DamagedCheckpoints(ProgramTest):
             def change(file, column=column, value=value):
                 file["multipliers/key"][1, column] = value
             self.refused(f"key {column}: {value}", change)
-        for table, value in (("multipliers/point", np.nan), ("multipliers/point", np.inf), ("constraints/distance/multipliers", np.nan), ("joints", -np.inf)):
+        for column, value in ((0, 10**6), (0, -1), (1, -1), (1, 10**9), (2, 10**9), (2, 0), (2, -1)):
+            def change(file, column=column, value=value):
+                file["constraints/rolling_friction/ids"][0, column] = value
+            self.refused(f"id {column} of rolling friction: {value}", change)
+        for table, value in (("multipliers/point", np.nan), ("multipliers/point", np.inf), ("constraints/distance/multipliers", np.nan),
+                             ("constraints/rolling_friction/multipliers", np.nan), ("joints", -np.inf)):
             def change(file, table=table, value=value):
                 file[table][0, 0] = value
             self.refused(f"{table}: {value}", change)
@@ -187,7 +194,7 @@ class DamagedCheckpoints(ProgramTest):
             file.attrs["format"] = "unibody checkpoint 2"
         run = self.restart(path)
         self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
-        self.assertIn("it does not begin with 'unibody checkpoint 3'", run.message[0])
+        self.assertIn("it does not begin with 'unibody checkpoint 4'", run.message[0])
 
 
 if __name__ == "__main__":
