@@ -1,0 +1,165 @@
+#!/usr/bin/python3
+"""scripts/geometry: the volumes, corners and velocities of the surfaces it makes are those of the bodies, by closed forms."""
+import subprocess
+import unittest
+import xml.etree.ElementTree
+
+import h5py
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+
+from unibody_runs import SOURCE, ProgramTest
+
+FLIGHT = """
+    time: {frame: 0.01, frames: 6}
+    gravity: [0, 0, 0]
+    output: {every: 3}
+    materials: {wood: {friction: 0.5}, iron: {friction: 0.3}}
+    bodies:
+      - {shape: {box: {size: [0.4, 0.6, 1.0]}}, mass: 2, velocity: [1, 2, 3], angular_velocity: [0.5, 0, 4], material: iron}
+      - {shape: {sphere: {radius: 0.3}}, mass: 1, position: [3, 0, 0]}
+      - {shape: {cylinder: {radius: 0.2, length: 0.8}}, mass: 1, position: [6, 0, 0], angular_velocity: [0, 1, 2]}
+      - {shape: {capsule: {radius: 0.2, length: 0.8}}, mass: 1, position: [9, 0, 0], velocity: [0, 0, -1]}
+      - {shape: {hull: {points: [[0, 0, 0], [0.6, 0, 0], [0, 0.9, 0], [0, 0, 1.2]]}}, mass: 1, position: [12, 0, 0], angular_velocity: [3, 0, 0]}
+      - {shape: {compound: {parts: [{shape: {box: {size: [0.4, 0.2, 0.2]}}, position: [0.5, 0, 0]}, {shape: {sphere: {radius: 0.2}}, position: [-0.5, 0, 0]}]}},
+         mass: 1, position: [15, 0, 0], angular_velocity: [0, 0, 2]}
+    cloths: [{grid: {size: [1, 1], nodes: [4, 3]}, mass: 1, thickness: 0.01, position: [0, 5, 5]}]
+    threads: [{points: [[0, -5, 0], [1, -5, 0]], segments: 5, radius: 0.01, mass: 0.1}]
+"""
+PILE = """
+    time: {frame: 0.01, frames: 100}
+    output: {every: 50, contacts: 100}
+    bodies:
+      - {shape: {plane: {normal: [0, 0, 1]}}}
+      - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, position: [0, 0, 0.1]}
+      - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, position: [0, 0, 0.3]}
+      - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [2, 0, 0.1], name: leaves}
+    events: [{do: remove, bodies: leaves, when: {time: 0.6}}]
+"""
+
+
+class Surface:
+    """What a .vtp file holds."""
+
+    def __init__(self, path):
+        reader = vtkXMLPolyDataReader()
+        reader.SetFileName(str(path))
+        reader.Update()
+        data = reader.GetOutput()
+        self.points = vtk_to_numpy(data.GetPoints().GetData()).astype(float)
+        self.lines, self.triangles = ([] if cells.GetNumberOfCells() == 0 else vtk_to_numpy(cells.GetConnectivityArray()).reshape(-1, width)
+                                      for cells, width in ((data.GetLines(), 2), (data.GetPolys(), 3)))
+        self.velocity = vtk_to_numpy(data.GetPointData().GetArray("velocity"))
+        arrays = data.GetCellData()
+        self.cells = {arrays.GetArrayName(k): vtk_to_numpy(arrays.GetArray(k)) for k in range(arrays.GetNumberOfArrays())}
+
+    def of(self, body):
+        """The triangles of a body: [n, 3, 3]."""
+        return self.points[self.triangles[self.cells["body"][len(self.lines):] == body]]
+
+    def volume(self, body):
+        a, b, c = np.moveaxis(self.of(body), 1, 0)
+        return np.einsum("ij,ij", a - a[0], np.cross(b - a[0], c - a[0])) / 6
+
+
+def turned(facets, radii, heights):
+    """The volume between the circles' inscribed polygons: of each slice that of the frustum of a pyramid."""
+    r, q, h = np.array(radii[:-1]), np.array(radii[1:]), np.diff(heights)
+    return facets / 2 * np.sin(2 * np.pi / facets) * np.sum(h * (r * r + r * q + q * q)) / 3
+
+
+class Geometry(ProgramTest):
+    def geometry(self, name, *options, code=0):
+        done = subprocess.run([str(SOURCE / "scripts/geometry"), str(self.folder / name), *options], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done.stderr if code else done.stdout.split()
+
+    def flight(self):
+        self.good(self.scene(FLIGHT), "run")
+        self.geometry("run")
+        return Surface(self.folder / "run/geometry/000006.vtp"), h5py.File(self.folder / "run/frames.h5", "r")
+
+    def test_volumes(self):
+        surface, _ = self.flight()
+        angle = np.linspace(-np.pi / 2, np.pi / 2, 9)
+        half = np.linspace(0, np.pi / 2, 5)
+        ends = np.concatenate([-0.4 - 0.2 * np.sin(half[::-1]), 0.4 + 0.2 * np.sin(half)])
+        ball = turned(16, np.cos(angle), np.sin(angle))
+        expected = [0.4 * 0.6 * 1.0, 0.3**3 * ball, turned(16, [0.2, 0.2], [-0.4, 0.4]),
+                    turned(16, 0.2 * np.cos(np.concatenate([half[::-1], half])), ends), 0.6 * 0.9 * 1.2 / 6, 0.4 * 0.2 * 0.2 + 0.2**3 * ball]
+        for body, volume in enumerate(expected):
+            self.assertAlmostEqual(surface.volume(body), volume, delta=2e-6 * volume, msg=f"body {body}")
+
+    def test_more_facets_come_nearer_to_the_ball(self):
+        self.good(self.scene(FLIGHT), "run")
+        misses = []
+        for facets in (16, 32, 64):
+            self.geometry("run", "--facets", str(facets), "--frame", "last")
+            misses.append(1 - Surface(self.folder / "run/geometry/000006.vtp").volume(1) / (4 / 3 * np.pi * 0.3**3))
+        self.assertEqual([round(100 * miss, 1) for miss in misses[:2]], [6.3, 1.6])  # as docs/results.md says
+        self.assertAlmostEqual(misses[0] / misses[1], 4, delta=0.2)
+        self.assertAlmostEqual(misses[1] / misses[2], 4, delta=0.1)
+
+    def test_places_and_velocities(self):
+        surface, file = self.flight()
+        frame = file["frames/000006"]
+        x, q, v, w = (frame[name][:] for name in ("position", "orientation", "velocity", "angular_velocity"))
+        s, u = q[0, 0], q[0, 1:]
+        corners = {tuple(np.round(x[0] + k + 2 * np.cross(u, np.cross(u, k) + s * k), 5))
+                   for k in (np.array([a, b, c]) for a in (-0.2, 0.2) for b in (-0.3, 0.3) for c in (-0.5, 0.5))}
+        self.assertEqual({tuple(p) for p in np.round(surface.of(0).reshape(-1, 3), 5)}, corners)
+        self.assertTrue(np.allclose(np.linalg.norm(surface.of(1) - x[1], axis=-1), 0.3, atol=1e-6))
+        for body in range(6):
+            chosen = np.unique(surface.triangles[surface.cells["body"][len(surface.lines):] == body])
+            rigid = v[body] + np.cross(w[body], surface.points[chosen] - x[body])
+            self.assertTrue(np.allclose(surface.velocity[chosen], rigid, atol=1e-5), body)
+        self.assertTrue((surface.cells["material"][surface.cells["body"] == 0] == 1).all())
+        self.assertTrue((surface.cells["mass"][surface.cells["body"] == 0] == 2).all())
+
+    def test_cloths_and_threads(self):
+        surface, file = self.flight()
+        x = file["frames/000006/position"][:]
+        cloth, thread = (file[f"surfaces/00000{k}/cells"][:] for k in (0, 1))
+        of = surface.cells["surface"]
+        self.assertEqual(len(surface.lines), 5)
+        self.assertTrue(np.allclose(surface.points[surface.lines], x[thread], atol=1e-6))
+        self.assertTrue((of[:5] == 1).all())
+        self.assertTrue(np.allclose(surface.points[surface.triangles[of[5:] == 0]], x[cloth], atol=1e-6))
+
+    def test_the_series_has_the_frames_at_their_times(self):
+        self.flight()
+        sets = xml.etree.ElementTree.parse(self.folder / "run/geometry.pvd").getroot().findall("Collection/DataSet")
+        self.assertEqual([float(s.get("timestep")) for s in sets], [0.0, 0.03, 0.06])
+        for s in sets:
+            self.assertEqual(len(Surface(self.folder / "run" / s.get("file")).of(0)), 12)
+
+    def test_forces_and_bodies_that_leave(self):
+        self.good(self.scene(PILE), "pile")
+        self.geometry("pile")
+        before, after = (Surface(self.folder / f"pile/geometry/{n}.vtp") for n in ("000050", "000100"))
+        self.assertEqual((len(before.of(3)) > 0, len(after.of(3))), (True, 0))
+        self.assertTrue(np.isnan(before.cells["pressure"]).all() and (before.cells["coordination"] == -1).all())
+        self.geometry("pile", "--frame", "0")
+        self.assertEqual(set(Surface(self.folder / "pile/geometry/000000.vtp").cells), set(after.cells))
+        with h5py.File(self.folder / "pile/contacts.h5") as file:
+            frame = file["frames/000100"]
+            for k, body in enumerate(frame["body_ids"][:]):
+                cells = after.cells["body"] == body
+                self.assertTrue((after.cells["coordination"][cells] == frame["coordination"][k]).all())
+        # The upper box stands on its face: the force of its weight acts half an edge below its centre, over the box's volume. The
+        # lower one bears two weights below and one above.
+        for body, weights in ((2, 1), (1, 3)):
+            pressure = after.cells["pressure"][after.cells["body"] == body]
+            self.assertTrue(np.allclose(pressure, weights * 9.81 * 0.1 / 0.2**3 / 3, rtol=0.01), pressure[:3])
+
+    def test_refusals(self):
+        self.assertIn("cannot read frames", self.geometry("nothing", code=1))
+        self.good(self.scene(FLIGHT), "run")
+        self.assertIn("no frame 5 in", self.geometry("run", "--frame", "5", code=1))
+        self.assertIn("--facets 6, expected a multiple of 4", self.geometry("run", "--facets", "6", code=1))
+        self.assertFalse((self.folder / "run/geometry").exists())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
