@@ -51,7 +51,8 @@ class Run:
 
 
 def command(arguments, ranks):
-    return [MPIEXEC, "-n", str(ranks), PROGRAM, *map(str, arguments)]
+    """One rank starts by itself, as users start it; mpirun would take longer."""
+    return [*([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []), PROGRAM, *map(str, arguments)]
 
 
 def start(words, folder=None):
