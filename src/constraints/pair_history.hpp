@@ -1,6 +1,6 @@
 // What a kind of constraint that follows the contacts remembers of them: a few numbers for each pair of bodies that touch.
-// A batch whose history is a PairHistory says of what its numbers are, in a constant history_columns; migration, checkpoints and
-// changes of the bodies then take it along.
+// A batch whose history is a PairHistory names these numbers in its constant history_columns. Migration, checkpoints and changes
+// of the bodies take the history along.
 #pragma once
 
 #include <array>
