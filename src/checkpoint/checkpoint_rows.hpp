@@ -28,7 +28,7 @@ inline auto order(const PointRow& p) { return std::array{p.owner, p.id_a, p.id_b
 
 // The k-th point of the m-th manifold that is remembered.
 PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k);
-// Adds the point; its manifold and creep are the caller's.
+// Adds the point. The caller has begun its manifold before, and sets the manifold's creep.
 void append(Multipliers& to, const PointRow& row);
 
 }  // namespace unibody

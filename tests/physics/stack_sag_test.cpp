@@ -11,8 +11,8 @@ namespace unibody::small_worlds::stack_sag_test {
 
 namespace {
 
-// Ten discs from rest, touching; position stage, no recovery bound, Nesterov's momentum, as in the independent code: the sum of
-// all penetrations (mm), mean of frames 101 to 200.
+// The sum of all penetrations (mm) of ten discs that start at rest and touch, as a mean over frames 101 to 200. The settings are
+// those of the independent code: a position stage, no bound of the speed of recovery, Nesterov's momentum.
 double sag(const std::string& solver, int iterations, double warm_start, Stages stages = Stages::position,
            const Body& lowest = disc(1, 0.5, Vec3(0, 0, 0.5)), double scaling = 1,
            Acceleration acceleration = Acceleration::nesterov) {
@@ -131,8 +131,9 @@ TEST(StackSag, HalfAWarmStartHalvesTheSag) {
     EXPECT_NEAR(warm, cold / 2, 0.01 * cold) << solver;
   }
 }
-// The velocity stage has its multipliers in full, which leaves nothing to sag once it has settled: at few iterations, half of
-// them its own, still the independent code's figures.
+
+// The velocity stage starts from all of its last multipliers, so that a stack which has settled does not sag. With few
+// iterations, half of which are the velocity stage's, some sag is left: the figures are the independent code's.
 TEST(StackSag, VelocityStageRemovesTheSag) {
   EXPECT_NEAR(sag("jacobi", 10, 0, Stages::two), 5.3, 0.05 * 5.3);
   EXPECT_NEAR(sag("jacobi", 20, 0, Stages::two), 0.32, 0.05 * 0.32);
@@ -145,8 +146,9 @@ TEST(StackSag, VelocityStageRemovesTheSag) {
   EXPECT_LT(sag("gauss_seidel", 20, 0, Stages::two), 0.005);
 }
 
-// Boxes, two corners to each interface. The independent code counts points where this one counts pairs, so that its steps are
-// shorter: what it leaves at 10, 20, 50 and 100 iterations bounds ours from above.
+// Two boxes of the planar scene touch at two corners. The independent code splits a body's mass by its contact points and this
+// program by its pairs, so that the independent code takes shorter steps: the sag that it has after 10, 20, 50 and 100 iterations
+// is an upper bound of this program's.
 TEST(StackSag, SagOfBoxes) {
   const Body box = block(1, Vec3(1, 1, 1), Vec3(0, 0, 0.5));
   const int iterations[] = {10, 20, 50, 100};
@@ -160,8 +162,8 @@ TEST(StackSag, SagOfBoxes) {
     EXPECT_LT(sag("accelerated_jacobi", iterations[k], 0.5, Stages::position, box), warm_accelerated[k]) << iterations[k];
     EXPECT_LT(sag("accelerated_jacobi", iterations[k], 0, Stages::two, box), two[k]) << iterations[k];
   }
-  // With masses shared by points as there, two to a pair, what is left between the two is how a pair's row sums are bounded: as
-  // one block here, which is shorter.
+  // A scaling of 2 splits the masses by points here too, as each pair has two. The codes then differ in how they bound the row
+  // sums of a pair alone: this program takes the pair as one block, and its steps are shorter.
   for (int k = 0; k < 2; ++k) {
     const double shared = sag("jacobi", iterations[k], 0, Stages::position, box, 2),
                  momentum = sag("accelerated_jacobi", iterations[k], 0, Stages::position, box, 2);
