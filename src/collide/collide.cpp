@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collide/crowds.hpp"
+#include "collide/face_patch.hpp"
 #include "collide/merge_supports.hpp"
 #include "collide/restitution.hpp"
 #include "collide/seams.hpp"
@@ -111,7 +112,7 @@ void add_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, C
     make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
     contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
                                   static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count),
-                                  found.time});
+                                  found.time, 0, found.is_inner_ring});
     contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
   };
   if (!settings.merge_supports || (!is_composite(a.kind) && !is_composite(b.kind))) return for_each_manifold(add);
@@ -128,8 +129,8 @@ void Collider::collide_bodies(const IndexPair& pair, const CollideSettings& sett
   const AtSeam start{pair, contacts.manifolds.size(), contacts.points.size()};
   bool at_seam = false;
   add_pair(a, b, settings, contacts, [&](const auto& add) {
-    collide_parts(a, b, settings, [&](const PairManifold& found) {
-      at_seam = at_seam || may_be_at_seam(found, settings);
+    collide_with_rings(a, b, settings, [&](const PairManifold& found) {
+      at_seam = at_seam || (!found.is_inner_ring && may_be_at_seam(found, settings));
       if (!at_seam) add(found);
     });
   });

@@ -30,6 +30,7 @@ struct Manifold {
   std::uint32_t count;   // 1..8
   double time = 0;       // s, since the start of the step
   double displaced = 0;  // m, along the normal: part of the gaps, where impacts in the step let bodies seem to start it elsewhere
+  bool is_inner_ring = false;  // of the manifold before it (face_patch.hpp)
 };
 
 // The arm (m) from a body's centre to the point, both where they are at the manifold's time.

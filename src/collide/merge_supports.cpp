@@ -10,10 +10,6 @@ namespace {
 constexpr double same_direction = 1 - 1e-8;  // cosine
 constexpr int directions = 8;
 
-bool share_normal(const PairManifold& a, const PairManifold& b) {
-  return a.time == 0 && b.time == 0 && a.normal.dot(b.normal) > same_direction;
-}
-
 class Supports {
  public:
   Supports(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) : points_(points), margin_(margin) {
@@ -55,7 +51,14 @@ class Supports {
   std::vector<std::size_t> chosen_;
 };
 
-PairManifold merged(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) {
+}  // namespace
+
+bool share_normal(const PairManifold& a, const PairManifold& b) {
+  if (a.is_inner_ring || b.is_inner_ring) return false;
+  return a.time == 0 && b.time == 0 && a.normal.dot(b.normal) > same_direction;
+}
+
+PairManifold support_of(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) {
   PairManifold result;
   result.normal = normal;
   std::vector<std::size_t> chosen = Supports(points, normal, margin).find();
@@ -64,8 +67,6 @@ PairManifold merged(const std::vector<ContactPoint>& points, const Vec3& normal,
   tidy(result, HUGE_VAL);
   return result;
 }
-
-}  // namespace
 
 void merge_supports(std::vector<PairManifold>& manifolds, double margin) {
   std::vector<ContactPoint> points;
@@ -79,7 +80,7 @@ void merge_supports(std::vector<PairManifold>& manifolds, double margin) {
       if (joins(*m)) points.insert(points.end(), m->points, m->points + m->count);
     const Vec3 normal = first.normal;
     manifolds.erase(std::remove_if(rest, manifolds.end(), joins), manifolds.end());
-    manifolds[i] = merged(points, normal, margin);
+    manifolds[i] = support_of(points, normal, margin);
   }
 }
 

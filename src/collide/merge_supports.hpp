@@ -12,6 +12,13 @@ namespace unibody {
 // reach, by an eighth of that, or not at all. Gaps along one normal are affine in place, and so is their change: while those
 // points hold, the others do at these tilts, to a thousandth of the margin. For solvers that split a body's mass among its
 // manifolds.
+// Inner rings (face_patch.hpp) stay as they are.
 void merge_supports(std::vector<PairManifold>& manifolds, double margin);
+
+// The manifold of such points alone.
+PairManifold support_of(const std::vector<ContactPoint>& points, const Vec3& normal, double margin);
+
+// Whether the two may be made one.
+bool share_normal(const PairManifold& a, const PairManifold& b);
 
 }  // namespace unibody

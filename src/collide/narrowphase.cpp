@@ -129,7 +129,8 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.dynamic = body.is_dynamic();
   if (p.dynamic) p.struck = settings.struck.speed_at(p.position, p.radius);
   p.speed = std::max(p.velocity.norm(), p.struck);
-  p.spin_reach = turns ? settings.step * p.radius * world.angular_velocity_of(slot).norm() : 0;
+  p.spin = turns ? world.angular_velocity_of(slot) : Vec3(Vec3::Zero());
+  p.spin_reach = settings.step * p.radius * p.spin.norm();
   p.half_size = p.kind == ShapeKind::hull ? 0.5 * smallest_size(body.shape) : p.half.minCoeff();
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;

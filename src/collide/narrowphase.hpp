@@ -15,7 +15,7 @@ namespace unibody {
 
 // What collision needs to know of one body, gathered once a step.
 struct Proxy {
-  Vec3 position, velocity;
+  Vec3 position, velocity, spin;  // m, m/s, rad/s; of bodies whose turning does not show the spin is 0
   Mat3 rotation;
   Vec3 half;          // m, the shape's size; of round bodies the radius, three times
   double radius;      // m, bounding radius
@@ -42,6 +42,7 @@ struct PairManifold {
   Vec3 normal = Vec3::UnitZ();  // from the second body towards the first
   int count = 0;
   double time = 0;  // s, as Manifold's
+  bool is_inner_ring = false;
   // The two convex parts that touch, or of a mesh the whole mesh and the triangle. They are valid while the manifold is handed
   // out, and null where the routine does not tell them.
   const Proxy *part_a = nullptr, *part_b = nullptr;

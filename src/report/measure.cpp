@@ -20,10 +20,36 @@ bool is_finite(const BodyState& s) {
   return s.position.allFinite() && s.orientation.coeffs().allFinite() && s.velocity.allFinite() && s.angular_velocity.allFinite();
 }
 
-double deepest(const Contacts& contacts, const Manifold& m) {
-  double depth = 0;
-  for (std::uint32_t k = 0; k < m.count; ++k) depth = std::max(depth, -contacts.points[m.first + k].gap);
-  return depth;
+// What is counted of pairs of bodies and contacts of surfaces, each of which has one depth.
+struct Depths {
+  double deepest = 0;  // m
+  std::int64_t pairs = 0, penetrating = 0, points = 0;
+  ExactSum squares;
+
+  void add(double depth, std::int64_t points_of_pair) {
+    deepest = std::max(deepest, depth), squares += depth * depth;
+    ++pairs, penetrating += depth > 0 ? 1 : 0, points += points_of_pair;
+  }
+};
+
+// A pair of bodies with many parts, or whose faces turn on each other, has several manifolds in a row.
+Depths depths_of(const World& world, const Contacts& contacts) {
+  Depths result;
+  for (std::size_t first = 0, end = 0; first < contacts.manifolds.size(); first = end) {
+    const Manifold& pair = contacts.manifolds[first];
+    double depth = 0;
+    std::int64_t points = 0;
+    for (; end < contacts.manifolds.size(); ++end) {
+      const Manifold& m = contacts.manifolds[end];
+      if (m.id_a != pair.id_a || m.id_b != pair.id_b) break;
+      for (std::uint32_t k = 0; k < m.count; ++k) depth = std::max(depth, -contacts.points[m.first + k].gap);
+      points += m.count;
+    }
+    if (counts_here(world, pair)) result.add(depth, points);
+  }
+  for (const SurfaceContact& c : contacts.surface)
+    if (counts_here(world, c)) result.add(std::max(0.0, -c.gap), 1);
+  return result;
 }
 
 void add_body(const BodyProperties& p, const BodyState& s, const Vec3& gravity, std::array<ExactSum, sum_count>& sums) {
@@ -48,25 +74,10 @@ bool is_sound(const BodyState& state) {
 Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here) {
   std::array<ExactSum, sum_count> sums;
   std::array<std::int64_t, integer_count> counts{};
-  std::array<double, 2> largest{0, bytes_here};  // depth, memory of a rank
-  double& deepest_of_all = largest[0];
-
-  for (const Manifold& m : contacts.manifolds) {
-    if (!counts_here(world, m)) continue;
-    const double depth = deepest(contacts, m);
-    deepest_of_all = std::max(deepest_of_all, depth);
-    sums[depth_squared] += depth * depth;
-    counts[penetrating] += depth > 0 ? 1 : 0;
-    counts[pairs] += 1, counts[points] += m.count;
-  }
-  for (const SurfaceContact& c : contacts.surface) {
-    if (!counts_here(world, c)) continue;
-    const double depth = std::max(0.0, -c.gap);
-    deepest_of_all = std::max(deepest_of_all, depth);
-    sums[depth_squared] += depth * depth;
-    counts[penetrating] += depth > 0 ? 1 : 0;
-    counts[pairs] += 1, counts[points] += 1;
-  }
+  const Depths depths = depths_of(world, contacts);
+  std::array<double, 2> largest{depths.deepest, bytes_here};  // depth, memory of a rank
+  sums[depth_squared] = depths.squares;
+  counts[penetrating] = depths.penetrating, counts[pairs] = depths.pairs, counts[points] = depths.points;
   for (std::size_t slot = 0; slot < world.homes; ++slot) add_body(world.properties[slot], world.state(slot), gravity, sums);
   counts[bodies] = static_cast<std::int64_t>(world.homes);
   counts[bytes] = static_cast<std::int64_t>(bytes_here);
@@ -76,7 +87,7 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), largest.size(), MPI_DOUBLE, MPI_MAX, comm));
 
   Measures result;
-  result.penetration_max = deepest_of_all;
+  result.penetration_max = largest[0];
   result.penetration_l2 = std::sqrt(total[depth_squared]);
   if (counts[penetrating] > 0)
     result.penetration_rms = std::sqrt(total[depth_squared] / static_cast<double>(counts[penetrating]));

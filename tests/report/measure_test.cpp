@@ -54,6 +54,7 @@ Row row(MPI_Comm comm, Id n) {
     for (double gap : gaps) r.contacts.points.push_back({Vec3::Zero(), gap, 0});
   };
   for (Id k = 1; k <= n; ++k) add(0, k, {0.5, -0.001 * static_cast<double>(k)});
+  add(0, n, {0.2, -0.0005});  // a second manifold of a pair
   for (Id k = 1; k < n; ++k) add(k, k + 1, {k % 2 == 0 ? 0.1 : -0.01 * static_cast<double>(k)});
   return r;
 }
@@ -63,7 +64,7 @@ TEST(RanksMeasure, HandComputed) {
   const Measures m = measure(MPI_COMM_WORLD, r.world, r.contacts, Vec3(0, 0, -10), 100.0 * static_cast<double>(r.world.homes));
   // Depths 1, 2, 3, 4 mm on the ground; 10 and 30 mm between neighbours.
   EXPECT_EQ(m.pairs, 7);
-  EXPECT_EQ(m.contacts, 11);
+  EXPECT_EQ(m.contacts, 13);
   EXPECT_DOUBLE_EQ(m.penetration_max, 0.03);
   int ranks = 1;
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);

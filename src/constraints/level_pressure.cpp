@@ -1,0 +1,165 @@
+#include "constraints/level_pressure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace unibody {
+
+namespace {
+
+using Eigen::Matrix2d, Eigen::Vector2d;
+
+// What points had that are no more is made up for to this factor alone: more is of an impact that is over.
+constexpr double most_made_up = 1.5;
+
+// N, of all points that are remembered of a pair.
+double remembered_force(const Multipliers& history, const Manifold& m) {
+  const auto key = [](const RememberedManifold& r) { return std::pair(r.id_a, r.id_b); };
+  const auto found = std::ranges::lower_bound(history.manifolds, std::pair(m.id_a, m.id_b), {}, key);
+  if (found == history.manifolds.end() || key(*found) != std::pair(m.id_a, m.id_b)) return 0;
+  double sum = 0;
+  for (const RememberedPoint& p : history.points_of(static_cast<std::size_t>(found - history.manifolds.begin()))) sum += p.normal;
+  return sum;
+}
+
+struct Points {
+  std::span<const ContactPoint> contacts;
+  std::span<ContactBatch::Impulse> impulses;
+};
+
+// m/s, at which the bodies slide on each other at a place, along the tangents s and t.
+Vector2d sliding_at(const World& world, const Manifold& m, const Vec3& place) {
+  const auto velocity_of = [&](Slot slot) {
+    const auto i = static_cast<std::size_t>(slot);
+    return Vec3(world.velocity[i] + world.angular_velocity_of(i).cross(place - world.position[i]));
+  };
+  const Vec3 velocity = velocity_of(m.slot_a) - velocity_of(m.slot_b), s = first_tangent_of(m.normal);
+  return {s.dot(velocity), m.normal.cross(s).dot(velocity)};
+}
+
+// m/s, up to which friction under this load (N s) stops what slides at the rim within the step.
+double stopped_speed(const World& world, const Manifold& m, double load) {
+  const auto inverse_mass = [&](Slot slot) {
+    const BodyProperties& p = world.properties[static_cast<std::size_t>(slot)];
+    return p.is_dynamic() ? 1 / p.mass : 0;
+  };
+  constexpr double at_rim = 3;  // what moves there, over a body's inverse mass: of a disc 1 + R^2 / (R^2 / 2)
+  return at_rim * m.friction * load * (inverse_mass(m.slot_a) + inverse_mass(m.slot_b));
+}
+
+// The ring takes the load over from its rims, of which there are as many as parts or triangles. `total`: N s, of all.
+void level(const World& world, const std::vector<Points>& all, const Manifold& m, double total) {
+  const Points& ring = all.back();
+  const double stopped = stopped_speed(world, m, total);
+  const auto slides = [&](const ContactPoint& p) { return sliding_at(world, m, p.position).norm() > stopped; };
+  if (!std::ranges::all_of(ring.contacts, slides)) return;
+
+  const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+  const auto place = [&](const ContactPoint& p) { return Vector2d(s.dot(p.position), t.dot(p.position)); };
+  const auto n = static_cast<double>(ring.contacts.size());
+  Vector2d middle = Vector2d::Zero(), moment = Vector2d::Zero();
+  for (const ContactPoint& p : ring.contacts) middle += place(p) / n;
+  double sum = 0;
+  for (const Points& points : all)
+    for (std::size_t k = 0; k < points.contacts.size(); ++k) {
+      sum += points.impulses[k].n;
+      moment += points.impulses[k].n * (place(points.contacts[k]) - middle);
+    }
+  Matrix2d squares = Matrix2d::Zero();
+  for (const ContactPoint& p : ring.contacts) squares += (place(p) - middle) * (place(p) - middle).transpose();
+  if (!(sum > 0) || !(squares.determinant() > 0)) return;  // nothing to share out; all on a line
+  const Vector2d slope = squares.inverse() * moment;
+  const auto pressure = [&](const ContactPoint& p) { return sum / n + slope.dot(place(p) - middle); };
+  if (std::ranges::any_of(ring.contacts, [&](const ContactPoint& p) { return pressure(p) < 0; })) return;
+
+  for (const Points& rim : std::span(all).first(all.size() - 1)) std::ranges::fill(rim.impulses, ContactBatch::Impulse{0, 0, 0});
+  const double factor = std::min(total / sum, most_made_up);
+  for (std::size_t k = 0; k < ring.contacts.size(); ++k) {
+    const Vector2d sliding = sliding_at(world, m, ring.contacts[k].position);
+    const double load = factor * pressure(ring.contacts[k]);
+    const Vector2d friction = -m.friction * load * sliding.normalized();
+    ring.impulses[k] = {load, friction.x(), friction.y()};
+  }
+}
+
+constexpr double same_direction = 1 - 1e-8;  // cosine
+
+bool same_pair(const Manifold& a, const Manifold& b) { return a.id_a == b.id_a && a.id_b == b.id_b; }
+
+// Calls f(manifold) for each rim of the ring k.
+template <class F>
+void for_each_rim(const std::vector<Manifold>& manifolds, std::size_t k, F&& f) {
+  std::size_t first = k;
+  while (first > 0 && same_pair(manifolds[first - 1], manifolds[k])) --first;
+  for (std::size_t i = first; i < k; ++i)
+    if (!manifolds[i].is_inner_ring && manifolds[i].normal.dot(manifolds[k].normal) > same_direction) f(manifolds[i]);
+}
+
+// The number of the rim's point that is furthest out in the direction of a point of the ring.
+std::size_t point_behind(const Contacts& contacts, std::size_t ring, const Vec3& from_middle) {
+  std::size_t best = 0;
+  double furthest = -HUGE_VAL;
+  for_each_rim(contacts.manifolds, ring, [&](const Manifold& rim) {
+    for (std::size_t p = rim.first; p < rim.first + rim.count; ++p) {
+      const double along = from_middle.dot(contacts.points[p].position);
+      if (along > furthest) furthest = along, best = p;
+    }
+  });
+  return best;
+}
+
+}  // namespace
+
+bool has_rings(const Contacts& contacts) {
+  return std::ranges::any_of(contacts.manifolds, [](const Manifold& m) { return m.is_inner_ring; });
+}
+
+void level_pressure(const Multipliers& history, const World& world, const Contacts& contacts, double scale,
+                    std::span<ContactBatch::Impulse> impulses) {
+  const auto points_of = [&](const Manifold& m) {
+    return Points{std::span(contacts.points).subspan(m.first, m.count), impulses.subspan(m.first, m.count)};
+  };
+  const auto load_of = [&](const Manifold& m) {
+    double load = 0;
+    for (const ContactBatch::Impulse& impulse : impulses.subspan(m.first, m.count)) load += impulse.n;
+    return load;
+  };
+  const auto& manifolds = contacts.manifolds;
+  std::vector<Points> all;
+  for (std::size_t k = 0; k < manifolds.size(); ++k) {
+    const Manifold& ring = manifolds[k];
+    if (!ring.is_inner_ring) continue;
+    all.clear();
+    double load = load_of(ring), of_pair = 0;  // N s
+    for_each_rim(manifolds, k, [&](const Manifold& rim) { all.push_back(points_of(rim)), load += load_of(rim); });
+    all.push_back(points_of(ring));
+    for (std::size_t i = k; i > 0 && same_pair(manifolds[i - 1], ring); --i) of_pair += load_of(manifolds[i - 1]);
+    for (std::size_t i = k; i < manifolds.size() && same_pair(manifolds[i], ring); ++i) of_pair += load_of(manifolds[i]);
+    if (load > 0) level(world, all, ring, load / of_pair * scale * remembered_force(history, ring));
+  }
+}
+
+void move_to_rims(const Contacts& contacts, std::span<ContactBatch::Impulse> impulses) {
+  const auto& manifolds = contacts.manifolds;
+  for (std::size_t k = 0; k < manifolds.size(); ++k) {
+    const Manifold& ring = manifolds[k];
+    if (!ring.is_inner_ring) continue;
+    const auto points = std::span(contacts.points).subspan(ring.first, ring.count);
+    const auto load = impulses.subspan(ring.first, ring.count);
+    const auto count = static_cast<double>(ring.count);
+    Vec3 middle = Vec3::Zero();
+    double mean = 0;
+    for (std::size_t p = 0; p < points.size(); ++p) middle += points[p].position / count, mean += load[p].n / count;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Vec3 arm = points[p].position - middle;
+      const std::size_t behind = point_behind(contacts, k, arm);
+      const double rim = arm.normalized().dot(contacts.points[behind].position - middle);  // m, from the middle
+      const double size = rim > 0 ? std::min(1.0, arm.norm() / rim) : 1;
+      impulses[behind].n += mean + size * (load[p].n - mean);
+      impulses[behind].s += load[p].s, impulses[behind].t += load[p].t;
+      load[p] = {0, 0, 0};
+    }
+  }
+}
+
+}  // namespace unibody

@@ -1,0 +1,31 @@
+// Where faces lie on each other with a rim and an inner ring of points (collide/face_patch.hpp), how the load is shared out
+// between the two does not follow from the bodies' motion: any sharing with the same force and moment moves them the same way,
+// but friction resists spinning more the further out the load is. It belongs to the inner ring, with the pressure a linear
+// function of the place, as of elastic faces. Iterations that have much to mend would move it out again: friction, whose
+// direction turns with the faces, therefore starts as the velocities say.
+#pragma once
+
+#include <span>
+
+#include "collide/contacts.hpp"
+#include "constraints/contact_batch.hpp"
+#include "constraints/multipliers.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+// Gives the impulses (N s, of each of the contacts' points) with which pairs with inner rings start that distribution along the
+// normal, with the same force and moment, and friction against the bodies' velocities. They stay as they are where that would
+// pull somewhere, and where friction would stop the sliding within the step, as between bodies that a pile presses together.
+// `scale` times the forces of the history is what they were recalled from: what points of such a pair had that are no more goes
+// to those that are.
+void level_pressure(const Multipliers& history, const World& world, const Contacts& contacts, double scale,
+                    std::span<ContactBatch::Impulse> impulses);
+
+// At the end of the step: gives what the points of inner rings bear to the points of their rims, whose smaller copies they are,
+// with the same force and, where one manifold is the rim, the same moment about the tangents. History knows rims alone, so that
+// nothing is lost where the faces turn no more.
+void move_to_rims(const Contacts& contacts, std::span<ContactBatch::Impulse> impulses);
+bool has_rings(const Contacts& contacts);
+
+}  // namespace unibody
