@@ -79,6 +79,7 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
     collider.finish();
   }
   if (!at_seams_.empty()) mend_seams(settings, surfaces, contacts);
+  leave_out_rings_in_piles(world, contacts);
   if (!settings.restitution.empty()) set_bounces(world, settings, contacts);
 }
 
@@ -183,9 +184,9 @@ void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfa
     std::vector<const Proxy*> thirds;
     for (const std::int32_t k : both) thirds.push_back(&proxies_[k]);
     add_pair(a, b, settings, mended, [&](const auto& add) {
-      collide_parts(a, b, settings, [&](const PairManifold& found) {
+      collide_with_rings(a, b, settings, [&](const PairManifold& found) {
         PairManifold manifold = found;
-        mend_at_seam(manifold, thirds, settings);
+        if (!found.is_inner_ring) mend_at_seam(manifold, thirds, settings);
         if (manifold.count > 0) add(manifold);
       });
     });

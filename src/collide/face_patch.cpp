@@ -46,7 +46,7 @@ struct Face {
 }  // namespace
 
 bool needs_inner_ring(const PairManifold& rim, const Proxy& a, const Proxy& b, const CollideSettings& settings) {
-  if (rim.count < 3) return false;
+  if (rim.count < 3 || a.dynamic == b.dynamic) return false;
   const double turn = settings.step * std::abs(rim.normal.dot(a.spin - b.spin));
   if (!(turn > least_turn)) return false;
   const Face face(rim);
@@ -86,6 +86,24 @@ void FaceRings::for_each(const std::function<void(const PairManifold&)>& f) cons
     const PairManifold rim = alone ? found_[i] : support_of(points, found_[i].normal, settings_.margin);
     if (needs_inner_ring(rim, a_, b_, settings_)) f(inner_ring(rim));
   }
+}
+
+void leave_out_rings_in_piles(const World& world, Contacts& contacts) {
+  const auto is_ring = [](const Manifold& m) { return m.is_inner_ring; };
+  if (std::ranges::none_of(contacts.manifolds, is_ring)) return;
+  std::vector<std::int32_t> partners(world.size(), 0);
+  for (std::size_t i = 0; i < contacts.manifolds.size(); ++i) {
+    const Manifold& m = contacts.manifolds[i];
+    if (i > 0 && contacts.manifolds[i - 1].id_a == m.id_a && contacts.manifolds[i - 1].id_b == m.id_b) continue;
+    ++partners[static_cast<std::size_t>(m.slot_a)], ++partners[static_cast<std::size_t>(m.slot_b)];
+  }
+  for (const SurfaceContact& c : contacts.surface)
+    for (std::size_t k = 0; k < c.slots.size(); ++k)
+      if (c.ids[k] >= 0) ++partners[static_cast<std::size_t>(c.slots[k])];
+  leave_out(contacts, [&](const Manifold& m) {
+    const bool a_moves = world.properties[static_cast<std::size_t>(m.slot_a)].is_dynamic();
+    return m.is_inner_ring && partners[static_cast<std::size_t>(a_moves ? m.slot_a : m.slot_b)] > 1;
+  });
 }
 
 }  // namespace unibody

@@ -11,8 +11,8 @@
 
 namespace unibody {
 
-// Whether the manifold is of faces, and the two turn so fast against each other about its normal that friction needs more than a
-// tenth of the step to stop it.
+// Whether the manifold is of faces, just one of the bodies is dynamic, and the two turn so fast against each other about its
+// normal that friction needs more than a tenth of the step to stop it.
 bool needs_inner_ring(const PairManifold& rim, const Proxy& a, const Proxy& b, const CollideSettings& settings);
 
 // The inner rings of one pair of bodies of many parts or triangles, from its manifolds.
@@ -34,6 +34,11 @@ class FaceRings {
 // its area does to 0.653 (Farkas, Bartels, Unger, Wolf 2003, Physical Review Letters 90, 248302); of a square to 0.520, and
 // 0.510, in units of half its diagonal.
 PairManifold inner_ring(const PairManifold& rim);
+
+// Leaves out the inner rings of dynamic bodies that touch others as well. In a pile what presses a pair together changes with all
+// its neighbours, and loads that are moved within the pair are loads that the iterations have to find anew. Which bodies those
+// are is known where they are home, and there alone are pairs with what does not move.
+void leave_out_rings_in_piles(const World& world, Contacts& contacts);
 
 // Hands f the manifolds of collide_parts(), and the inner rings: of parts or triangles that share a normal one for all.
 template <class F>

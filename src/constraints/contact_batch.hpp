@@ -257,7 +257,6 @@ class ContactBatch : public BatchDefaults {
   // Calls f(block, residual of each lane (m/s)).
   template <class F>
   void for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const;
-  std::span<Impulse> to_remember(std::size_t manifold, double leak, std::span<Impulse> of_manifold) const;
   void recall_creeps(const Multipliers* history);
   void remember_creep(Multipliers& history, std::size_t manifold, Vec3& sum, int& count) const;
   void forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const;

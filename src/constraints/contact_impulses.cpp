@@ -132,40 +132,26 @@ void ContactBatch::remember_creep(Multipliers& history, std::size_t manifold, Ve
   history.set_last_creep(sum / count);
 }
 
-// What remains of a manifold's points of this step for the next.
-std::span<ContactBatch::Impulse> ContactBatch::to_remember(std::size_t i, double leak, std::span<Impulse> of_manifold) const {
-  const Manifold& m = contacts_->manifolds[i];
-  const Rows& rows = rows_[places_[i] / lanes];
-  for (std::uint32_t p = 0; p < m.count; ++p) {
-    const std::size_t tangent = rows.first_tangent < 0 ? no_tangent : static_cast<std::size_t>(rows.first_tangent) + p;
-    Impulse& impulse = of_manifold[p] = row(places_[i] % lanes, rows.first_point + p, tangent);
-    if (kept_ == Kept::nothing) continue;
-    const Impulse old = kept_impulses_[m.first + p], now = impulse;
-    const double share = leak_of(leak, i) * (leak_shares_.empty() ? 1 : leak_shares_[m.first + p]);
-    const auto mix = [&](double x, double y) { return x + share * (kept_ == Kept::apart ? y : y - x); };
-    impulse = {mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
-  }
-  const std::span<Impulse> all = of_manifold.first(m.count);
-  if (!uneven_shares_.empty() && uneven_shares_[i] < 1) take_towards_mean(all, uneven_shares_[i]);
-  return all;
-}
-
 void ContactBatch::remember(Multipliers& history, double leak) const {
   start_remembering(history, *contacts_);
-  std::vector<Impulse> all;  // of all points, where there are rings
-  if (has_rings(*contacts_)) {
-    all.resize(contacts_->points.size());
-    for (std::size_t i = 0; i < places_.size(); ++i)
-      to_remember(i, leak, std::span(all).subspan(contacts_->manifolds[i].first, contacts_->manifolds[i].count));
-    move_to_rims(*contacts_, all);
-  }
   Vec3 creep = Vec3::Zero();
   int manifolds = 0;
   std::array<Impulse, most_points> of_manifold;
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const Manifold& m = contacts_->manifolds[i];
-    const auto impulses = all.empty() ? to_remember(i, leak, of_manifold) : std::span(all).subspan(m.first, m.count);
-    remember_manifold(history, *world_, *contacts_, m, impulses, step_);
+    const Rows& rows = rows_[places_[i] / lanes];
+    for (std::uint32_t p = 0; p < m.count; ++p) {
+      const std::size_t tangent = rows.first_tangent < 0 ? no_tangent : static_cast<std::size_t>(rows.first_tangent) + p;
+      Impulse& impulse = of_manifold[p] = row(places_[i] % lanes, rows.first_point + p, tangent);
+      if (kept_ == Kept::nothing) continue;
+      const Impulse old = kept_impulses_[m.first + p], now = impulse;
+      const double share = leak_of(leak, i) * (leak_shares_.empty() ? 1 : leak_shares_[m.first + p]);
+      const auto mix = [&](double x, double y) { return x + share * (kept_ == Kept::apart ? y : y - x); };
+      impulse = {mix(old.n, now.n), mix(old.s, now.s), mix(old.t, now.t)};
+    }
+    const std::span<Impulse> all = std::span(of_manifold).first(m.count);
+    if (!uneven_shares_.empty() && uneven_shares_[i] < 1) take_towards_mean(all, uneven_shares_[i]);
+    remember_manifold(history, *world_, *contacts_, m, all, step_);
     remember_creep(history, i, creep, manifolds);
   }
   if (!history.creeps.empty()) history.creeps.resize(history.manifolds.size(), Vec3::Zero());

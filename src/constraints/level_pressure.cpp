@@ -1,16 +1,12 @@
 #include "constraints/level_pressure.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace unibody {
 
 namespace {
 
 using Eigen::Matrix2d, Eigen::Vector2d;
-
-// What points had that are no more is made up for to this factor alone: more is of an impact that is over.
-constexpr double most_made_up = 1.5;
 
 // N, of all points that are remembered of a pair.
 double remembered_force(const Multipliers& history, const Manifold& m) {
@@ -51,9 +47,6 @@ double stopped_speed(const World& world, const Manifold& m, double load) {
 void level(const World& world, const std::vector<Points>& all, const Manifold& m, double total) {
   const Points& ring = all.back();
   const double stopped = stopped_speed(world, m, total);
-  const auto slides = [&](const ContactPoint& p) { return sliding_at(world, m, p.position).norm() > stopped; };
-  if (!std::ranges::all_of(ring.contacts, slides)) return;
-
   const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
   const auto place = [&](const ContactPoint& p) { return Vector2d(s.dot(p.position), t.dot(p.position)); };
   const auto n = static_cast<double>(ring.contacts.size());
@@ -73,11 +66,12 @@ void level(const World& world, const std::vector<Points>& all, const Manifold& m
   if (std::ranges::any_of(ring.contacts, [&](const ContactPoint& p) { return pressure(p) < 0; })) return;
 
   for (const Points& rim : std::span(all).first(all.size() - 1)) std::ranges::fill(rim.impulses, ContactBatch::Impulse{0, 0, 0});
-  const double factor = std::min(total / sum, most_made_up);
+  const double factor = total / sum;
   for (std::size_t k = 0; k < ring.contacts.size(); ++k) {
     const Vector2d sliding = sliding_at(world, m, ring.contacts[k].position);
     const double load = factor * pressure(ring.contacts[k]);
-    const Vector2d friction = -m.friction * load * sliding.normalized();
+    const double speed = std::max(sliding.norm(), stopped);
+    const Vector2d friction = speed > 0 ? Vector2d(-m.friction * load / speed * sliding) : Vector2d(Vector2d::Zero());
     ring.impulses[k] = {load, friction.x(), friction.y()};
   }
 }
@@ -95,24 +89,7 @@ void for_each_rim(const std::vector<Manifold>& manifolds, std::size_t k, F&& f) 
     if (!manifolds[i].is_inner_ring && manifolds[i].normal.dot(manifolds[k].normal) > same_direction) f(manifolds[i]);
 }
 
-// The number of the rim's point that is furthest out in the direction of a point of the ring.
-std::size_t point_behind(const Contacts& contacts, std::size_t ring, const Vec3& from_middle) {
-  std::size_t best = 0;
-  double furthest = -HUGE_VAL;
-  for_each_rim(contacts.manifolds, ring, [&](const Manifold& rim) {
-    for (std::size_t p = rim.first; p < rim.first + rim.count; ++p) {
-      const double along = from_middle.dot(contacts.points[p].position);
-      if (along > furthest) furthest = along, best = p;
-    }
-  });
-  return best;
-}
-
 }  // namespace
-
-bool has_rings(const Contacts& contacts) {
-  return std::ranges::any_of(contacts.manifolds, [](const Manifold& m) { return m.is_inner_ring; });
-}
 
 void level_pressure(const Multipliers& history, const World& world, const Contacts& contacts, double scale,
                     std::span<ContactBatch::Impulse> impulses) {
@@ -136,29 +113,6 @@ void level_pressure(const Multipliers& history, const World& world, const Contac
     for (std::size_t i = k; i > 0 && same_pair(manifolds[i - 1], ring); --i) of_pair += load_of(manifolds[i - 1]);
     for (std::size_t i = k; i < manifolds.size() && same_pair(manifolds[i], ring); ++i) of_pair += load_of(manifolds[i]);
     if (load > 0) level(world, all, ring, load / of_pair * scale * remembered_force(history, ring));
-  }
-}
-
-void move_to_rims(const Contacts& contacts, std::span<ContactBatch::Impulse> impulses) {
-  const auto& manifolds = contacts.manifolds;
-  for (std::size_t k = 0; k < manifolds.size(); ++k) {
-    const Manifold& ring = manifolds[k];
-    if (!ring.is_inner_ring) continue;
-    const auto points = std::span(contacts.points).subspan(ring.first, ring.count);
-    const auto load = impulses.subspan(ring.first, ring.count);
-    const auto count = static_cast<double>(ring.count);
-    Vec3 middle = Vec3::Zero();
-    double mean = 0;
-    for (std::size_t p = 0; p < points.size(); ++p) middle += points[p].position / count, mean += load[p].n / count;
-    for (std::size_t p = 0; p < points.size(); ++p) {
-      const Vec3 arm = points[p].position - middle;
-      const std::size_t behind = point_behind(contacts, k, arm);
-      const double rim = arm.normalized().dot(contacts.points[behind].position - middle);  // m, from the middle
-      const double size = rim > 0 ? std::min(1.0, arm.norm() / rim) : 1;
-      impulses[behind].n += mean + size * (load[p].n - mean);
-      impulses[behind].s += load[p].s, impulses[behind].t += load[p].t;
-      load[p] = {0, 0, 0};
-    }
   }
 }
 

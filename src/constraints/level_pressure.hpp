@@ -15,17 +15,11 @@
 namespace unibody {
 
 // Gives the impulses (N s, of each of the contacts' points) with which pairs with inner rings start that distribution along the
-// normal, with the same force and moment, and friction against the bodies' velocities. They stay as they are where that would
-// pull somewhere, and where friction would stop the sliding within the step, as between bodies that a pile presses together.
+// normal, with the same force and moment, and friction against the bodies' velocities, as far as it does not stop them within the
+// step. They stay as they are where that would pull somewhere.
 // `scale` times the forces of the history is what they were recalled from: what points of such a pair had that are no more goes
 // to those that are.
 void level_pressure(const Multipliers& history, const World& world, const Contacts& contacts, double scale,
                     std::span<ContactBatch::Impulse> impulses);
-
-// At the end of the step: gives what the points of inner rings bear to the points of their rims, whose smaller copies they are,
-// with the same force and, where one manifold is the rim, the same moment about the tangents. History knows rims alone, so that
-// nothing is lost where the faces turn no more.
-void move_to_rims(const Contacts& contacts, std::span<ContactBatch::Impulse> impulses);
-bool has_rings(const Contacts& contacts);
 
 }  // namespace unibody
