@@ -1,6 +1,7 @@
 // Where manifolds get an inner ring, and what it is.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "collide/narrowphase.hpp"
@@ -61,6 +62,27 @@ TEST(FacePatch, EdgesAndRoundBodiesHaveNone) {
   EXPECT_EQ(contacts_of("{box: {size: [0.2, 0.2, 0.2]}}", 0.1 * std::sqrt(2), 0.5, ", orientation: {axis: [1, 0, 0], angle: 45}")
                 .manifolds.size(),
             1u);
+}
+
+// A body that touches others as well has none, nor two that both move.
+TEST(FacePatch, InPilesThereAreNone) {
+  const auto rings = [](const std::string& more) {
+    const Scene scene = scene_from_text(
+        "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n  - {shape: {cylinder: {radius: 0.1, length: 0.2}}, density: 1000, "
+        "position: [0, 0, 0.1], angular_velocity: [0, 0, 9]}\n" +
+        more);
+    Experiment run(scene);
+    CollideSettings settings;
+    settings.step = 0.016, settings.margin = 0.001, settings.gravity = Vec3(0, 0, -9.81);
+    settings.friction = {0.5}, settings.material_count = 1;
+    Contacts contacts;
+    collide(run.world(), settings, contacts);
+    return std::ranges::count_if(contacts.manifolds, [](const Manifold& m) { return m.is_inner_ring; });
+  };
+  EXPECT_EQ(rings(""), 1);
+  EXPECT_EQ(rings("  - {shape: {sphere: {radius: 0.1}}, density: 1000, position: [5, 0, 0.1]}\n"), 1) << "it is far away";
+  EXPECT_EQ(rings("  - {shape: {sphere: {radius: 0.1}}, density: 1000, position: [0, 0.2, 0.1]}\n"), 0) << "it is beside";
+  EXPECT_EQ(rings("  - {shape: {cylinder: {radius: 0.1, length: 0.2}}, density: 1000, position: [0, 0, 0.3]}\n"), 0) << "on top";
 }
 
 // A thin plate has the corners of its far side in the manifold too, as it may turn over within the step.
