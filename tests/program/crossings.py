@@ -3,7 +3,6 @@
 files that it must refuse. tests/collide compares the search itself with brute force."""
 import os
 import re
-import shutil
 import unittest
 
 import h5py

@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Checkpoints in which something is not what it should be, their seals made anew so that they are read: every attribute and table, of
 another type, shape or size, and every number of a body out of its range. Each is refused, on all ranks, before anything is written."""
-import os
 import shutil
 import struct
 import unittest

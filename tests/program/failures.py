@@ -4,7 +4,7 @@ what failed; or, where no result depends on the call, ends in the same state. No
 import os
 import unittest
 
-from unibody_runs import ENVIRONMENT, MPIEXEC, PROGRAM, ProgramTest, execute
+from unibody_runs import MPIEXEC, PROGRAM, ProgramTest, execute
 
 FAILING = os.environ.get("UNIBODY_FAILING", "")
 

@@ -1,6 +1,5 @@
 #!/usr/bin/python3
 """The folders of the sources lie in layers: none includes a folder above it, so that no two include each other."""
-import pathlib
 import re
 import unittest
 
