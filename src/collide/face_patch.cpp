@@ -22,7 +22,8 @@ double mean_distance(int corners) {
   return corners == 4 ? 0.5411 : 0.4600;
 }
 
-// The points of a manifold that lie in the faces: of a thin box over a plane corners of its far side may be there as well.
+// The points of a manifold that lie in the faces. A thin box's manifold with a plane may hold corners of its far side as well,
+// which do not.
 struct Face {
   std::array<const ContactPoint*, PairManifold::kept> points;
   int count = 0;

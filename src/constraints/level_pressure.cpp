@@ -39,7 +39,7 @@ double stopped_speed(const World& world, const Manifold& m, double load) {
     const BodyProperties& p = world.properties[static_cast<std::size_t>(slot)];
     return p.is_dynamic() ? 1 / p.mass : 0;
   };
-  constexpr double at_rim = 3;  // what moves there, over a body's inverse mass: of a disc 1 + R^2 / (R^2 / 2)
+  constexpr double at_rim = 3;  // the inverse mass at the rim, over the body's: 1 + R^2 / (R^2 / 2) of a disc
   return at_rim * m.friction * load * (inverse_mass(m.slot_a) + inverse_mass(m.slot_b));
 }
 

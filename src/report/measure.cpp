@@ -20,7 +20,7 @@ bool is_finite(const BodyState& s) {
   return s.position.allFinite() && s.orientation.coeffs().allFinite() && s.velocity.allFinite() && s.angular_velocity.allFinite();
 }
 
-// What is counted of pairs of bodies and contacts of surfaces, each of which has one depth.
+// Counts of pairs of bodies and of contacts of surfaces, and the sum of squares of their depths. Each of them has one depth.
 struct Depths {
   double deepest = 0;  // m
   std::int64_t pairs = 0, penetrating = 0, points = 0;

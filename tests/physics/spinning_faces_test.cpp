@@ -97,8 +97,8 @@ TEST_P(SpinningFaces, TheTorqueOfFrictionIsThatOfTheArea) {
     }
 }
 
-// With the inner ring no less is held than by the rim alone: on a ledge that ends 0.2 R beyond the axis a disc that spins does
-// not tip.
+// The inner ring takes nothing from what the rim holds: a disc that spins on a ledge, which ends 0.2 R beyond the disc's axis,
+// does not tip.
 TEST_P(SpinningFaces, TheRimHoldsWhatWouldTip) {
   const auto [solver, substeps] = GetParam();
   const std::string ledge = "{shape: {box: {size: [1, 1, 1]}}, motion: fixed, position: [-0.48, 0, -0.5], material: m}";
