@@ -1,7 +1,9 @@
-// Two faces that lie on each other press on their whole area. A manifold has points at the rim alone, where friction resists
-// spinning too much: of a disc with mu N R, where its area does with 2/3 mu N R. Where such faces turn against each other their
-// manifold is therefore joined by a smaller copy of itself, at the area's mean distance from its middle, and the load is put
-// there (constraints/level_pressure.hpp); the rim holds what would tip. Where they do not turn, what the rim holds is enough.
+// Two faces that lie on each other press on their whole area, while their manifold has points at the rim alone. There friction
+// resists spinning too much: that of a disc by mu N R, where an even pressure on its area gives 2/3 mu N R. Where a dynamic
+// body's face turns on what is not dynamic, and the body touches nothing else, a second manifold, the inner ring, is added: a
+// copy of the first, the rim, that is as much smaller as the area's mean distance from its middle is. The warm start puts the
+// load on the inner ring (constraints/level_pressure.hpp), and the rim holds what would tip. Of faces that do not turn the rim is
+// enough.
 #pragma once
 
 #include <functional>

@@ -7,7 +7,6 @@ namespace unibody {
 
 namespace {
 
-constexpr double same_direction = 1 - 1e-8;  // cosine
 constexpr int directions = 8;
 
 class Supports {
@@ -55,7 +54,7 @@ class Supports {
 
 bool share_normal(const PairManifold& a, const PairManifold& b) {
   if (a.is_inner_ring || b.is_inner_ring) return false;
-  return a.time == 0 && b.time == 0 && a.normal.dot(b.normal) > same_direction;
+  return a.time == 0 && b.time == 0 && a.normal.dot(b.normal) > same_normal;
 }
 
 PairManifold support_of(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) {

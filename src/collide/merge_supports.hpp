@@ -18,6 +18,8 @@ void merge_supports(std::vector<PairManifold>& manifolds, double margin);
 // The manifold of such points alone.
 PairManifold support_of(const std::vector<ContactPoint>& points, const Vec3& normal, double margin);
 
+inline constexpr double same_normal = 1 - 1e-8;  // the cosine from which on two manifolds share a normal
+
 // Whether the two may be made one.
 bool share_normal(const PairManifold& a, const PairManifold& b);
 

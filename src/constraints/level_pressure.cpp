@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "collide/merge_supports.hpp"
+
 namespace unibody {
 
 namespace {
@@ -76,8 +78,6 @@ void level(const World& world, const std::vector<Points>& all, const Manifold& m
   }
 }
 
-constexpr double same_direction = 1 - 1e-8;  // cosine
-
 bool same_pair(const Manifold& a, const Manifold& b) { return a.id_a == b.id_a && a.id_b == b.id_b; }
 
 // Calls f(manifold) for each rim of the ring k.
@@ -86,7 +86,7 @@ void for_each_rim(const std::vector<Manifold>& manifolds, std::size_t k, F&& f) 
   std::size_t first = k;
   while (first > 0 && same_pair(manifolds[first - 1], manifolds[k])) --first;
   for (std::size_t i = first; i < k; ++i)
-    if (!manifolds[i].is_inner_ring && manifolds[i].normal.dot(manifolds[k].normal) > same_direction) f(manifolds[i]);
+    if (!manifolds[i].is_inner_ring && manifolds[i].normal.dot(manifolds[k].normal) > same_normal) f(manifolds[i]);
 }
 
 }  // namespace

@@ -20,7 +20,8 @@ bool is_finite(const BodyState& s) {
   return s.position.allFinite() && s.orientation.coeffs().allFinite() && s.velocity.allFinite() && s.angular_velocity.allFinite();
 }
 
-// Counts of pairs of bodies and of contacts of surfaces, and the sum of squares of their depths. Each of them has one depth.
+// The depths of all pairs of bodies and of all contacts of surfaces: how many there are, the deepest, and the sum of squares. A
+// pair has one depth, that of its deepest point.
 struct Depths {
   double deepest = 0;  // m
   std::int64_t pairs = 0, penetrating = 0, points = 0;

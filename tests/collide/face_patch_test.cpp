@@ -29,7 +29,7 @@ double distance(const Contacts& c, std::size_t point) { return c.points[point].p
 
 }  // namespace
 
-// A square's mean distance from its middle is (sqrt 2 + asinh 1) / 6 of its side; a triangle's from its own 0.46 of the corners'.
+// The points of a disc have a mean distance of 2/3 R from its middle, those of a square (sqrt 2 + asinh 1) / 6 of its side.
 TEST(FacePatch, TheRingIsAtTheMeanDistanceOfTheArea) {
   const struct {
     std::string shape;
