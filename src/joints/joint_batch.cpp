@@ -114,6 +114,10 @@ JointBatch::Step<T> JointBatch::step_in_tree(const Part& part, const std::array<
   return step;
 }
 
+void JointBatch::start_from(const History& history, const WarmStart& warm) { set_impulses(history, warm.share); }
+
+std::size_t JointBatch::bytes() const { return parts_.capacity() * sizeof(Part) + trees_.bytes(); }
+
 void JointBatch::set_impulses(std::span<const JointImpulses> impulses, double share) {
   for (Part& part : parts_) {
     part.lambda.fill(0);

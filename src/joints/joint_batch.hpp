@@ -90,7 +90,7 @@ class JointBatch : public BatchDefaults {
 
   // Index = that of the joint in the list.
   void set_impulses(std::span<const JointImpulses> impulses, double share);
-  void start_from(const History& history, const WarmStart& warm) { set_impulses(history, warm.share); }
+  void start_from(const History& history, const WarmStart& warm);
   void add_impulses(SolveState& state, const WarmStart& warm, double) const;
   void remember(History& history, double) const;
 
@@ -99,7 +99,7 @@ class JointBatch : public BatchDefaults {
   double residual(const SolveState& state) const;
   void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;  // of each joint's blocks and rows
 
-  std::size_t bytes() const { return parts_.capacity() * sizeof(Part) + trees_.bytes(); }
+  std::size_t bytes() const;
 
  private:
   enum class Law : std::uint8_t { equal, within, rate, place };

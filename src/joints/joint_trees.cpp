@@ -42,6 +42,11 @@ Matrix6 invert_semidefinite(Matrix6 P) {
 
 std::size_t JointTrees::size() const { return links_.size(); }
 
+void JointTrees::Node::solve(Vector6& x) const {
+  factor.triangularView<Eigen::Lower>().solveInPlace(x);
+  factor.transpose().triangularView<Eigen::Upper>().solveInPlace(x);
+}
+
 void JointTrees::clear() { links_.clear(), nodes_.clear(); }
 
 std::size_t JointTrees::add(std::int32_t tree, const Side& a, const Side& b, const Vector6& compliance) {

@@ -62,10 +62,7 @@ class JointTrees {
     Matrix6 factor = Matrix6::Zero();  // L of the body's pivot L L^T
     Vector6 z = Vector6::Zero();
 
-    void solve(Vector6& x) const {
-      factor.triangularView<Eigen::Lower>().solveInPlace(x);
-      factor.transpose().triangularView<Eigen::Upper>().solveInPlace(x);
-    }
+    void solve(Vector6& x) const;
   };
 
   void find_order();

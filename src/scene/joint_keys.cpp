@@ -11,7 +11,7 @@ namespace unibody {
 namespace {
 
 constexpr std::size_t kinds = joint_names.size();
-const std::vector<std::string> names{joint_names.begin(), joint_names.end()};
+const std::vector<std::string> joint_kind_names{joint_names.begin(), joint_names.end()};
 
 bool takes_axis(JointKind kind) {
   return kind == JointKind::hinge || kind == JointKind::slider || kind == JointKind::universal || kind == JointKind::ball;
@@ -74,11 +74,11 @@ Key type_key(std::vector<std::string> types) {
 
 Keys entry_keys(JointKind kind) {
   const bool rope = kind == JointKind::rope;
-  Keys table{"joint_" + names[static_cast<std::size_t>(kind)], "", behaviour_keys(kind)};
+  Keys table{"joint_" + joint_kind_names[static_cast<std::size_t>(kind)], "", behaviour_keys(kind)};
   table.in_reference = false;
   const auto add = [&](const Key& key) { table.keys.push_back(key); };
   add(keys::text("name", "a name", "none", "by which events call it; several joints may have one name"));
-  add(type_key(names));
+  add(type_key(joint_kind_names));
   add(keys::other("bodies", "", "a list of 2 bodies, the second of which may be world", needed,
                   "its bodies: names, as door or pile[3], or places of entries in the list of bodies; one must be dynamic", [] {
                     return keys::list_of(Json::object().set("type", keys::texts({"string", "integer"})), 2);
@@ -100,7 +100,7 @@ Keys entry_keys(JointKind kind) {
 }
 
 Keys template_keys(JointKind kind) {
-  Keys table{"joints_" + names[static_cast<std::size_t>(kind)], "", behaviour_keys(kind)};
+  Keys table{"joints_" + joint_kind_names[static_cast<std::size_t>(kind)], "", behaviour_keys(kind)};
   table.in_reference = false;
   table.keys.push_back(type_key({"ball", "hinge", "universal", "fixed"}));
   if (takes_axis(kind)) table.keys.push_back(keys::direction("axis", "[0, 1, 0]", "axis of each joint, in the entry's axes"));
@@ -165,7 +165,8 @@ const Keys& joint_template_keys_of(JointKind kind) { return tables_of<template_k
 const Keys& joint_keys() {
   static const Keys table = [] {
     const auto tables = tables_of<entry_keys>();
-    return all_of("joint", "A joint between two bodies, or between a body and the world.", {tables.begin(), tables.end()}, names);
+    return all_of("joint", "A joint between two bodies, or between a body and the world.", {tables.begin(), tables.end()},
+                  joint_kind_names);
   }();
   return table;
 }
@@ -175,7 +176,8 @@ const Keys& joint_template_keys() {
     const std::vector<std::string> types{"ball", "hinge", "universal", "fixed"};
     std::vector<KeysOf> tables;
     for (const std::string& type : types)
-      tables.push_back(tables_of<template_keys>()[static_cast<std::size_t>(std::ranges::find(names, type) - names.begin())]);
+      tables.push_back(tables_of<template_keys>()[static_cast<std::size_t>(std::ranges::find(joint_kind_names, type) -
+                                                                           joint_kind_names.begin())]);
     return all_of("joints_of_a_generator", "The joints of a generator, all alike.", tables, types);
   }();
   return table;

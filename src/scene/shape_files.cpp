@@ -68,7 +68,7 @@ const Keys& compound_part_keys() {
   return table;
 }
 
-Compound::Part read_part(const Value& value, const Scene& scene) {
+Compound::Part read_compound_part(const Value& value, const Scene& scene) {
   const KeyedMap map(value, compound_part_keys());
   Compound::Part part{{}, Vec3::Zero(), Quat::Identity()};
   const Value& shape = map.need("shape");
@@ -213,7 +213,7 @@ Shape read_compound(const Value& value, const Scene& scene) {
   std::vector<Compound::Part> parts;
   if (list) {
     map.none_of({"scale", "weld", "pieces"}, "beside parts");
-    for (const Value& part : list->list("shapes with positions")) parts.push_back(read_part(part, scene));
+    for (const Value& part : list->list("shapes with positions")) parts.push_back(read_compound_part(part, scene));
     return shape_library().add(make_compound(parts));
   }
   std::string path;

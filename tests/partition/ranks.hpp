@@ -1,7 +1,11 @@
-// This rank and the number of ranks of the test program.
+// This rank and the number of ranks of the test program, and what one of them tells the others.
 #pragma once
 
 #include <mpi.h>
+
+#include <cstdint>
+#include <functional>
+#include <vector>
 
 namespace unibody {
 
@@ -15,6 +19,17 @@ inline int rank_count() {
   int size = 1;
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   return size;
+}
+
+// What f gives on the first rank, where alone it is called: on all.
+inline std::vector<std::uint64_t> of_first_rank(const std::function<std::vector<std::uint64_t>()>& f) {
+  std::vector<std::uint64_t> values;
+  if (rank_here() == 0) values = f();
+  auto count = static_cast<int>(values.size());
+  MPI_Bcast(&count, 1, MPI_INT, 0, MPI_COMM_WORLD);
+  values.resize(static_cast<std::size_t>(count));
+  MPI_Bcast(values.data(), count, MPI_UINT64_T, 0, MPI_COMM_WORLD);
+  return values;
 }
 
 }  // namespace unibody

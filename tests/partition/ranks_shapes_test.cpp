@@ -1,7 +1,8 @@
-// The same bits on any number of ranks with all shapes: every rank runs the scene alone as well and compares.
+// The same bits on any number of ranks with all shapes: the first rank runs the scene alone as well.
 #include <gtest/gtest.h>
 
 #include "partition/balance.hpp"
+#include "partition/ranks.hpp"
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
 #include "step/step_parts.hpp"
@@ -47,19 +48,25 @@ solver: )" +
 TEST(RanksShapes, SameBitsOnAnyNumberOfRanks) {
   for (const std::string solver : {"{name: accelerated_jacobi, iterations: 10}", "{name: gauss_seidel, iterations: 6}"}) {
     const std::string text = scene_of(solver);
-    Experiment alone(scene_from_text(text)), together(scene_from_text(text), MPI_COMM_WORLD);
+    const auto alone = of_first_rank([&] {
+      Experiment run(scene_from_text(text));
+      std::vector<std::uint64_t> hashes;
+      for (int k = 0; k < 3; ++k) run.steps(20), hashes.push_back(state_hash(MPI_COMM_SELF, run.world()));
+      EXPECT_TRUE(run.finite());
+      return hashes;
+    });
+    Experiment together(scene_from_text(text), MPI_COMM_WORLD);
     Simulation& s = *together.simulation;
     for (int step = 1; step <= 60; ++step) {
       if (step % 20 == 1) {  // scattered at random
         s.detect();
         s.move_homes(Balance(MPI_COMM_WORLD, std::uint64_t{5} + static_cast<std::uint64_t>(step), true).homes(parts_of(s)));
       }
-      alone.step(), together.step();
+      together.step();
       if (step % 20 == 0) {
-        ASSERT_EQ(state_hash(MPI_COMM_SELF, alone.world()), state_hash(MPI_COMM_WORLD, s.world)) << solver << step;
+        ASSERT_EQ(alone[static_cast<std::size_t>(step / 20 - 1)], state_hash(MPI_COMM_WORLD, s.world)) << solver << step;
       }
     }
-    EXPECT_TRUE(alone.finite());
   }
 }
 
