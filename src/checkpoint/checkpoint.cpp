@@ -25,7 +25,7 @@ namespace unibody {
 
 namespace {
 
-const std::string format = "unibody checkpoint 4";
+const std::string format = "unibody checkpoint 5";
 
 bool in_range(const World& world, std::size_t first, std::size_t last, Id id) {
   const auto begin = world.id.begin() + static_cast<std::ptrdiff_t>(first),
@@ -63,6 +63,7 @@ bool write_bodies(hid_t file, const RowsById<BodyRow>& bodies, Id count) {
   return h5::write_rows(ids, H5T_NATIVE_INT64, first, bodies.ids.size(), bodies.ids.data()) && good;
 }
 
+constexpr std::size_t creep_columns = 6;
 constexpr const char* creep_table = "multipliers/creep";  // a row for each point; there is none where nothing creeps
 
 bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, std::int64_t total, bool has_creeps) {
@@ -86,8 +87,8 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
   if (!has_creeps) return both;
   std::vector<double> creeps;
   for (const PointRow& p : rows) creeps.insert(creeps.end(), p.creep.begin(), p.creep.end());
-  const auto creep = h5::create_dataset(file, creep_table, H5T_IEEE_F64LE, static_cast<hsize_t>(total), 3);
-  h5::write_attribute(creep, "columns", std::string("of a manifold's first point: creep[3] (m)"));
+  const auto creep = h5::create_dataset(file, creep_table, H5T_IEEE_F64LE, static_cast<hsize_t>(total), creep_columns);
+  h5::write_attribute(creep, "columns", std::string("of a manifold's first point: slip[3] (m), turn[3] (rad)"));
   return h5::write_rows(creep, H5T_NATIVE_DOUBLE, first, rows.size(), creeps.data()) && both;
 }
 
@@ -212,7 +213,7 @@ Multipliers assemble(std::vector<PointRow> rows, bool has_creeps) {
     const auto& manifolds = result.manifolds;
     if (manifolds.empty() || manifolds.back().id_a != p.id_a || manifolds.back().id_b != p.id_b)
       result.begin_manifold(p.id_a, p.id_b);
-    if (has_creeps && p.place_in_manifold == 0) result.set_last_creep({p.creep[0], p.creep[1], p.creep[2]});
+    if (has_creeps && p.place_in_manifold == 0) result.set_last_creep({Vec3(p.creep.data()), Vec3(p.creep.data() + 3)});
     append(result, p);
   }
   return result;
@@ -228,7 +229,7 @@ PointTables point_tables(hid_t file) {
   tables.key = h5::open_table(file, "multipliers/key", {}, key_columns, H5T_STD_I64LE);
   tables.point = h5::open_table(file, "multipliers/point", h5::rows_of(tables.key), 7, H5T_IEEE_F64LE);
   if (h5::has_link(file, creep_table))
-    tables.creep = h5::open_table(file, creep_table, h5::rows_of(tables.key), 3, H5T_IEEE_F64LE);
+    tables.creep = h5::open_table(file, creep_table, h5::rows_of(tables.key), creep_columns, H5T_IEEE_F64LE);
   tables.count = static_cast<Id>(h5::rows_of(tables.key));
   return tables;
 }
@@ -246,9 +247,9 @@ std::vector<PointRow> read_points(const PointTables& tables, Id first, Id last) 
     std::copy_n(reals.data() + k * 7, 7, rows[k].reals.begin());
   }
   if (tables.creep < 0) return rows;
-  std::vector<double> creeps(n * 3);
+  std::vector<double> creeps(n * creep_columns);
   h5::read_rows(tables.creep, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), n, creeps.data());
-  for (std::size_t k = 0; k < n; ++k) std::copy_n(creeps.data() + k * 3, 3, rows[k].creep.begin());
+  for (std::size_t k = 0; k < n; ++k) std::copy_n(creeps.data() + k * creep_columns, creep_columns, rows[k].creep.begin());
   return rows;
 }
 

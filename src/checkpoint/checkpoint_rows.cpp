@@ -48,7 +48,7 @@ Body from_row(Id id, const BodyRow& row) {
 PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k) {
   const RememberedPoint& p = all.points_of(m)[k];
   const auto places = all.places_of(m);
-  const Vec3 creep = k > 0 ? Vec3(Vec3::Zero()) : all.creep_of(m);
+  const auto [slip, turn] = k > 0 ? Creep{} : all.creep_of(m);
   const Vec3 place = places.empty() ? Vec3(Vec3::Zero()) : places[k];
   return {owner,
           all.manifolds[m].id_a,
@@ -56,7 +56,7 @@ PointRow to_row(Id owner, const Multipliers& all, std::size_t m, std::size_t k) 
           static_cast<std::int64_t>(k),
           !places.empty(),
           {place[0], place[1], place[2], p.normal, p.tangential[0], p.tangential[1], p.tangential[2]},
-          {creep[0], creep[1], creep[2]}};
+          {slip[0], slip[1], slip[2], turn[0], turn[1], turn[2]}};
 }
 
 void append(Multipliers& to, const PointRow& row) {

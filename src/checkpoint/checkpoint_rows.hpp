@@ -20,7 +20,7 @@ Body from_row(Id id, const BodyRow& row);
 struct PointRow {
   std::int64_t owner, id_a, id_b, place_in_manifold, placed;  // placed: 1, or 0 where no place is kept
   std::array<double, 7> reals;                                // place, normal, tangential
-  std::array<double, 3> creep;                                // m, of the manifold's first point
+  std::array<double, 6> creep;                                // of the manifold's first point: slip (m), turn (rad)
 };
 constexpr Id key_columns = 5;
 

@@ -15,7 +15,7 @@ namespace unibody {
 namespace {
 
 constexpr std::uint64_t block = 1 << 20;  // bytes hashed at a time
-const std::string title = "unibody checkpoint 4\n";
+const std::string title = "unibody checkpoint 5\n";
 
 std::string seal_text(std::uint64_t bytes, std::uint64_t hash) {
   std::string text = title + "bytes behind this block: " + std::to_string(bytes) + "\nhash of them: " + hex(hash) + "\n";

@@ -104,7 +104,7 @@ void ContactBatch::lay_out(std::span<const std::uint32_t> order, std::span<const
     ++rows.used, rows.count = std::max(rows.count, static_cast<std::uint16_t>(m.count));
     if (acts_in_solve(friction_) && m.friction > 0) {
       rows.first_tangent = 0;
-      if (is_carried(m) || (!creeps_.empty() && !creeps_[i].isZero(0))) rows.drift = 0;
+      if (is_carried(m) || (!creeps_.empty() && !creeps_[i].is_zero())) rows.drift = 0;
     }
     if (!isotropic[m.slot_a] || !isotropic[m.slot_b]) rows.inertia = 0;
   }
@@ -133,7 +133,7 @@ void ContactBatch::begin_block(std::size_t number, Slot nobody) {
   std::fill_n(block.manifold, lanes, -1);
   block.first_point = rows.first_point, block.count = rows.count;
   block.first_tangent = rows.first_tangent, block.inertia = rows.inertia, block.drift = rows.drift;
-  if (rows.drift >= 0) drifts[rows.drift] = Vec3x4{};
+  if (rows.drift >= 0) drifts[rows.drift] = Drift{};
   if (rows.inertia >= 0) inertias[rows.inertia] = Inertia{};
   const auto clear = [&](auto& of, std::size_t first) {
     if (!of.empty())
@@ -170,8 +170,14 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   block.friction[lane] = m.friction;
   if (block.drift >= 0) {
     Vec3 drift = is_carried(m) ? drift_of(m) : Vec3(Vec3::Zero());
-    if (!creeps_.empty()) drift -= creep_taken_out / step_ * (creeps_[number] - m.normal * m.normal.dot(creeps_[number]));
-    set_lane(drifts[block.drift], lane, drift);
+    Vec3 spin = Vec3::Zero();
+    if (!creeps_.empty()) {
+      const Creep& creep = creeps_[number];
+      spin = -creep_taken_out / step_ * m.normal.dot(creep.turn) * m.normal;
+      drift -= creep_taken_out / step_ * (creep.slip - m.normal * m.normal.dot(creep.slip));
+      drift += spin.cross(world.position[m.slot_a] - creeps_about(m));
+    }
+    set_lane(drifts[block.drift].v, lane, drift), set_lane(drifts[block.drift].w, lane, spin);
   }
   Vec3 centre_a = world.position[m.slot_a], centre_b = world.position[m.slot_b];
   if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];

@@ -77,6 +77,11 @@ class ContactBatch : public BatchDefaults {
   struct Inertia {
     Vec4d a[6], b[6];  // xx, yy, zz, yz, xz, xy
   };
+  // The motion of body a's centre and its turn about the normal, less the other body's, at which the tangents' velocities aim
+  // (carried.hpp, creep.hpp).
+  struct Drift {
+    Vec3x4 v, w;  // m/s, across the normal; rad/s
+  };
 
   explicit ContactBatch(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
@@ -203,9 +208,9 @@ class ContactBatch : public BatchDefaults {
   // ranks. Of the islands selected.
   void limit_leak(std::span<const SolverBody> bodies, double most_weights, double weight);
 
-  // In steps of one stage: by how much two bodies that stick have crept in this step, beside what they were asked for, for
-  // remember() to keep (creep.hpp). Guests must be as their homes.
-  void note_creep(std::span<const SolverBody> bodies);
+  // By how much two bodies that stick have crept in this step, beside what they were asked for, for remember() to keep
+  // (creep.hpp); of manifolds of so many points at least. Guests must be as their homes.
+  void note_creep(std::span<const SolverBody> bodies, std::uint32_t least_points);
 
   // Marks manifolds whose residual is more than the tolerance (m): remember() keeps but `share` of what the normal forces of
   // their points differ from the manifold's mean by. Guests must be as their homes. Of the islands selected.
@@ -223,11 +228,11 @@ class ContactBatch : public BatchDefaults {
     return contacts_->manifolds[static_cast<std::size_t>(block.manifold[lane])];
   }
 
-  // The relative velocity (m/s, across the normal) that friction at a manifold seeks, which takes back what it has slipped
-  // (creep.hpp); zero where nothing is to be taken back.
-  Vec3 aim_of(std::size_t manifold) const;
+  // The relative velocity (m/s, across the normal) that friction at a point of a manifold seeks, which takes back what it has
+  // slipped (creep.hpp); zero where nothing is to be taken back.
+  Vec3 aim_of(std::size_t manifold, std::size_t point) const;
 
-  const Vec3x4* drift_at(const Block& block) const { return block.drift < 0 ? nullptr : &drifts[block.drift]; }
+  const Drift* drift_at(const Block& block) const { return block.drift < 0 ? nullptr : &drifts[block.drift]; }
 
   RawVector<Block> blocks;
   RawVector<Point> points;
@@ -239,7 +244,7 @@ class ContactBatch : public BatchDefaults {
   RawVector<NormalMomentum> normal_momenta;
   RawVector<TangentMomentum> tangent_momenta;
   RawVector<Inertia> inertias;
-  RawVector<Vec3x4> drifts;  // m/s, across the normal: at which the tangents' velocities aim (carried.hpp, creep.hpp)
+  RawVector<Drift> drifts;
 
  private:
   struct Rows {  // of a block: where they are, and how many lanes it uses
@@ -258,7 +263,8 @@ class ContactBatch : public BatchDefaults {
   template <class F>
   void for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const;
   void recall_creeps(const Multipliers* history);
-  void remember_creep(Multipliers& history, std::size_t manifold, Vec3& sum, int& count) const;
+  void remember_creep(Multipliers& history, std::size_t manifold, Creep& sum, int& count) const;
+  Vec3 creeps_about(const Manifold& m) const;
   void forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const;
   bool sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   struct Lane {
@@ -287,7 +293,7 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
   std::pmr::vector<double> leak_shares_;     // of all points, what limit_leak() leaves of the leak; empty: all of it
   std::pmr::vector<double> uneven_shares_;   // of each manifold, what even_out() leaves; empty: all of it everywhere
-  std::pmr::vector<Vec3> creeps_;            // m, of each manifold, from before the step, then after it; empty: none
+  std::pmr::vector<Creep> creeps_;           // of each manifold, from before the step, then after it; empty: none
   std::pmr::vector<std::uint8_t> constrained_;  // of each manifold: its island has constraints; empty: nobody asks
   std::pmr::vector<HiddenRow> hidden_;          // of the rows that are not selected
   Islands selected_ = Islands::all;

@@ -120,21 +120,21 @@ void take_towards_mean(std::span<ContactBatch::Impulse> impulses, double share) 
 }  // namespace
 
 // Of a pair with several manifolds the mean of those that have a creep. sum, count: of the pair so far.
-void ContactBatch::remember_creep(Multipliers& history, std::size_t manifold, Vec3& sum, int& count) const {
+void ContactBatch::remember_creep(Multipliers& history, std::size_t manifold, Creep& sum, int& count) const {
   const Manifold& m = contacts_->manifolds[manifold];
   const bool same =
       manifold > 0 && contacts_->manifolds[manifold - 1].id_a == m.id_a && contacts_->manifolds[manifold - 1].id_b == m.id_b;
-  if (!same) sum.setZero(), count = 0;
-  if (!creeps_noted_ || creeps_[manifold].isZero(0) || history.manifolds.empty()) return;
+  if (!same) sum = {}, count = 0;
+  if (!creeps_noted_ || creeps_[manifold].is_zero() || history.manifolds.empty()) return;
   const RememberedManifold& last = history.manifolds.back();
   if (last.id_a != m.id_a || last.id_b != m.id_b) return;
-  sum += creeps_[manifold], ++count;
-  history.set_last_creep(sum / count);
+  sum.slip += creeps_[manifold].slip, sum.turn += creeps_[manifold].turn, ++count;
+  history.set_last_creep({sum.slip / count, sum.turn / count});
 }
 
 void ContactBatch::remember(Multipliers& history, double leak) const {
   start_remembering(history, *contacts_);
-  Vec3 creep = Vec3::Zero();
+  Creep creep;
   int manifolds = 0;
   std::array<Impulse, most_points> of_manifold;
   for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -154,7 +154,7 @@ void ContactBatch::remember(Multipliers& history, double leak) const {
     remember_manifold(history, *world_, *contacts_, m, all, step_);
     remember_creep(history, i, creep, manifolds);
   }
-  if (!history.creeps.empty()) history.creeps.resize(history.manifolds.size(), Vec3::Zero());
+  if (!history.creeps.empty()) history.creeps.resize(history.manifolds.size());
 }
 
 }  // namespace unibody

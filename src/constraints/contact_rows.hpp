@@ -18,6 +18,7 @@ using Coupling = ContactBatch::Coupling;
 using NormalMomentum = ContactBatch::NormalMomentum;
 using TangentMomentum = ContactBatch::TangentMomentum;
 using Inertia = ContactBatch::Inertia;
+using Drift = ContactBatch::Drift;
 
 // The velocities of one side's four bodies, with their inverse mass and isotropic inverse inertia.
 struct Side {
@@ -51,8 +52,8 @@ inline Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
 }
 
 // A side in which the tangents see no drift. All kernels that look at tangents start from this.
-[[gnu::always_inline]] inline Side less_drift(Side a, const Vec3x4* drift) {
-  if (drift) a.v = a.v - *drift;
+[[gnu::always_inline]] inline Side less_drift(Side a, const Drift* drift) {
+  if (drift) a.v = a.v - drift->v, a.w = a.w - drift->w;
   return a;
 }
 
@@ -127,7 +128,7 @@ template <FrictionModel model, bool tangential>
 
 template <FrictionModel model, bool tangential, bool isotropic>
 Vec4d relax_block(const Block& block, const Point* points, Normal* normals, const Tangents* tangents,
-                  TangentImpulse* tangent_impulses, const Coupling* couplings, const Inertia* inertia, const Vec3x4* drift,
+                  TangentImpulse* tangent_impulses, const Coupling* couplings, const Inertia* inertia, const Drift* drift,
                   bool backwards, std::span<SolverBody> bodies) {
   Side a = less_drift(gather(block.slot_a, bodies), drift), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
@@ -164,9 +165,12 @@ Vec4d relax_block(const Block& block, const Point* points, Normal* normals, cons
     }
   }
   if (drift) {  // what does not move keeps its velocity to the last bit, however often it is touched on this rank
-    const Vec3x4 found = gather(block.slot_a, bodies).v, after = a.v + *drift;
+    const Side found = gather(block.slot_a, bodies);
     const Mask4 moves = a.mass > broadcast(0);
-    a.v = {select(moves, after.x, found.x), select(moves, after.y, found.y), select(moves, after.z, found.z)};
+    const auto restored = [&](const Vec3x4& x, const Vec3x4& old) {
+      return Vec3x4{select(moves, x.x, old.x), select(moves, x.y, old.y), select(moves, x.z, old.z)};
+    };
+    a.v = restored(a.v + drift->v, found.v), a.w = restored(a.w + drift->w, found.w);
   }
   scatter(block.slot_a, a, bodies);
   scatter(block.slot_b, b, bodies);

@@ -63,7 +63,7 @@ struct LoneManifold {
   }
 
   Block block;
-  const Vec3x4* drift;
+  const Drift* drift;
   Point points[8];
   Normal normals[8];
   Tangents tangents[8];

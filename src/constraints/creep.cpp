@@ -9,18 +9,24 @@ namespace unibody {
 
 using namespace contact_rows;
 
-Vec3 ContactBatch::aim_of(std::size_t manifold) const {
+namespace {
+
+Vec3 in_lane(const Vec3x4& v, std::size_t lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
+
+}  // namespace
+
+Vec3 ContactBatch::aim_of(std::size_t manifold, std::size_t point) const {
   const Block& block = blocks[places_[manifold] / lanes];
   if (block.drift < 0) return Vec3::Zero();
   const std::size_t lane = places_[manifold] % lanes;
-  const Vec3x4& drift = drifts[block.drift];
-  return {drift.x[lane], drift.y[lane], drift.z[lane]};
+  const Drift& drift = drifts[block.drift];
+  return in_lane(drift.v, lane) + in_lane(drift.w, lane).cross(in_lane(points[block.first_point + point].arm_a, lane));
 }
 
 void ContactBatch::recall_creeps(const Multipliers* history) {
   creeps_.clear(), creeps_noted_ = false;
   if (history == nullptr || history->creeps.empty()) return;
-  creeps_.assign(contacts_->manifolds.size(), Vec3::Zero());
+  creeps_.assign(contacts_->manifolds.size(), Creep{});
   const auto& old = history->manifolds;
   std::size_t k = 0;
   for (std::size_t i = 0; i < creeps_.size(); ++i) {
@@ -32,40 +38,59 @@ void ContactBatch::recall_creeps(const Multipliers* history) {
   }
 }
 
-// The creep of a manifold is the mean of its points' slips, by their normal impulses: what turns about the normal is left out.
-void ContactBatch::note_creep(std::span<const SolverBody> bodies) {
+Vec3 ContactBatch::creeps_about(const Manifold& m) const {
+  const auto radius = [&](Slot slot) { return bounding_radius(world_->properties[static_cast<std::size_t>(slot)].shape); };
+  return world_->position[static_cast<std::size_t>(radius(m.slot_b) < radius(m.slot_a) ? m.slot_b : m.slot_a)];
+}
+
+// The slip of a manifold is that of the pair's faces where creeps_about() is above them, which stays the same place of a body:
+// the mean of the points' slips, by their normal impulses, and what the turn about the normal adds from their middle to there.
+void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t least_points) {
   if (tangents.empty()) return;
-  if (creeps_.empty()) creeps_.assign(contacts_->manifolds.size(), Vec3::Zero());
+  if (creeps_.empty()) creeps_.assign(contacts_->manifolds.size(), Creep{});
   creeps_noted_ = true;
+  const auto has_memory = [&](std::int32_t i) {
+    const auto manifold = static_cast<std::size_t>(i);
+    return i >= 0 && (contacts_->manifolds[manifold].count >= least_points || !creeps_[manifold].is_zero());
+  };
   for (const Block& block : blocks) {
-    if (block.first_tangent < 0) continue;
+    if (block.first_tangent < 0 || std::ranges::none_of(block.manifold, has_memory)) continue;
     const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
     const Vec3x4 t = cross(block.n, block.s);
-    Vec4d normal = broadcast(0), along_s = normal, along_t = normal, u_s = normal, u_t = normal;
+    Vec4d normal = broadcast(0), friction = normal, along_s = normal, along_t = normal, u_s = normal, u_t = normal;
+    Vec3x4 middle{normal, normal, normal};
     for (std::uint32_t k = 0; k < block.count; ++k) {
       const PointVelocity u = relative_velocity<true>(block, t, points[block.first_point + k], a, b);
       const Vec4d n = normals[block.first_point + k].lambda;
       const TangentImpulse& impulse = tangent_impulses[block.first_tangent + k];
-      normal += n, along_s += impulse.lambda_s, along_t += impulse.lambda_t, u_s += n * u.s, u_t += n * u.t;
+      normal += n, along_s += impulse.lambda_s, along_t += impulse.lambda_t;
+      friction += sqrt(impulse.lambda_s * impulse.lambda_s + impulse.lambda_t * impulse.lambda_t);
+      u_s += n * u.s, u_t += n * u.t, middle = middle + points[block.first_point + k].arm_a * n;
     }
     for (std::size_t l = 0; l < lanes; ++l) {
-      if (block.manifold[l] < 0) continue;
+      if (!has_memory(block.manifold[l])) continue;
       const auto i = static_cast<std::size_t>(block.manifold[l]);
       const Manifold& m = contacts_->manifolds[i];
-      Vec3& creep = creeps_[i];
+      Creep& creep = creeps_[i];
       const double limit = sticking * block.friction[l] * normal[l];
-      if (!(constrained_.empty() || constrained_[i] != 0) || !(normal[l] > 0) ||
-          along_s[l] * along_s[l] + along_t[l] * along_t[l] >= limit * limit) {
-        creep.setZero();
+      const bool is_held = constrained_.empty() || constrained_[i] != 0;
+      if (!is_held || !(normal[l] > 0) || along_s[l] * along_s[l] + along_t[l] * along_t[l] >= limit * limit) {
+        const double kept = normal[l] > 0 && is_held ? creep_kept : 0;
+        creep.slip *= kept, creep.turn *= kept;
         continue;
       }
-      const Vec3 s(block.s.x[l], block.s.y[l], block.s.z[l]), other(t.x[l], t.y[l], t.z[l]);
-      Vec3 moved = (s * u_s[l] + other * u_t[l]) / normal[l];
+      const Vec3 turned = m.normal * m.normal.dot(in_lane(a.w, l) - in_lane(b.w, l));
+      const Vec3 from_middle =
+          creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)] - in_lane(middle, l) / normal[l];
+      Vec3 moved = (in_lane(block.s, l) * u_s[l] + in_lane(t, l) * u_t[l]) / normal[l] + turned.cross(from_middle);
       if (is_carried(m)) moved -= drift_of(m);
-      creep = creep - m.normal * m.normal.dot(creep) + step_ * moved;
+      creep.slip += step_ * moved - m.normal * m.normal.dot(creep.slip);
+      creep.turn = m.normal * (m.normal.dot(creep.turn) + step_ * m.normal.dot(turned));
       const double most = most_creep * std::min(bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_a)].shape),
                                                 bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_b)].shape));
-      if (creep.norm() > most) creep *= most / creep.norm();
+      if (creep.slip.norm() > most) creep.slip *= most / creep.slip.norm();
+      if (friction[l] >= limit) creep.turn.setZero();
+      if (creep.turn.norm() > most_creep) creep.turn *= most_creep / creep.turn.norm();
     }
   }
 }

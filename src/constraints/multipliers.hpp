@@ -15,6 +15,14 @@ struct RememberedPoint {
   Vec3 tangential;  // N, world frame, on body a
 };
 
+// What two bodies that stick have slipped beside what they were asked for, body a against b: see creep.hpp. World frame.
+struct Creep {
+  Vec3 slip = Vec3::Zero();  // m, across the normal, where the smaller body's centre is
+  Vec3 turn = Vec3::Zero();  // rad, about the normal
+
+  bool is_zero() const { return slip.isZero(0) && turn.isZero(0); }
+};
+
 struct RememberedManifold {
   Id id_a, id_b;                           // id_a < id_b
   std::uint32_t first_point, first_place;  // into Multipliers::points and places; they end where the next manifold's begin
@@ -23,8 +31,8 @@ struct RememberedManifold {
 struct Multipliers {
   std::vector<RememberedManifold> manifolds;  // ascending (id_a, id_b); of all pairs with a home body here
   std::vector<RememberedPoint> points;
-  std::vector<Vec3> creeps;  // m, of each manifold or of none: see creep.hpp; world frame, of body a against b
-  std::vector<Vec3> places;  // m, of each point of a manifold or of none, in the frame of body a (of b where a is static)
+  std::vector<Creep> creeps;  // of each manifold or of none
+  std::vector<Vec3> places;   // m, of each point of a manifold or of none, in the frame of body a (of b where a is static)
 
   std::span<const RememberedPoint> points_of(std::size_t m) const {
     const std::size_t first = manifolds[m].first_point;
@@ -38,9 +46,9 @@ struct Multipliers {
   void begin_manifold(Id id_a, Id id_b) {
     manifolds.push_back({id_a, id_b, static_cast<std::uint32_t>(points.size()), static_cast<std::uint32_t>(places.size())});
   }
-  Vec3 creep_of(std::size_t m) const { return creeps.empty() ? Vec3(Vec3::Zero()) : creeps[m]; }
-  void set_last_creep(const Vec3& creep) {
-    creeps.resize(manifolds.size(), Vec3::Zero());
+  Creep creep_of(std::size_t m) const { return creeps.empty() ? Creep{} : creeps[m]; }
+  void set_last_creep(const Creep& creep) {
+    creeps.resize(manifolds.size());
     creeps.back() = creep;
   }
   void append(const Multipliers& from, std::size_t m) {

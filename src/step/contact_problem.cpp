@@ -51,7 +51,7 @@ ContactProblem contact_problem_of(const RankState& state, const System& system, 
         const Vec3 velocity = Eigen::Map<const Vec3>(body.v) + Eigen::Map<const Vec3>(body.w).cross(arm);
         moved += slot == m.slot_a ? velocity : Vec3(-velocity);
       }
-      moved -= system.contacts().aim_of(static_cast<std::size_t>(&m - contacts.manifolds.data()));
+      moved -= system.contacts().aim_of(static_cast<std::size_t>(&m - contacts.manifolds.data()), p - m.first);
       const double bounce = contacts.bounce.empty() ? 0 : contacts.bounce[p];
       c.offset = {m.normal.dot(moved) + (bounce > 0 ? -bounce : stage.bias(point.gap)), s.dot(moved), t.dot(moved)};
       c.impulse = {solved.impulses[p].n, solved.impulses[p].s, solved.impulses[p].t};

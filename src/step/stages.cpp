@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "constraints/creep.hpp"
 #include "core/checked.hpp"
 #include "solve/friction_postprocess.hpp"
 #include "solve/surface_guard.hpp"
@@ -101,7 +102,8 @@ SolvedStep solved_step(const System& system, SolvedStep before) {
 
 // Pairs held apart by the guard and friction after the solve; what the step leaves to the next one, and what slides.
 void follow_up(RankState& state, System& system, const StepPlan& plan, double leak, StepReport& report) {
-  if (!plan.two_stages || state.traits.has_constraints()) system.contacts().note_creep(system.bodies);
+  const bool pile = plan.two_stages && !state.traits.has_constraints();
+  system.contacts().note_creep(system.bodies, pile ? least_points_in_piles : 1);
   if (state.has_surfaces())
     report.guard =
         SurfaceGuard(state.world, state.surfaces, state.collide_settings, &state.scratch).hold(system.bodies, state.halo);

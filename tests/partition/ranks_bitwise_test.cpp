@@ -45,8 +45,8 @@ const std::string solvers[] = {"{name: accelerated_jacobi, iterations: 12}",
 constexpr int looks[] = {1, 10, 45};
 
 std::vector<std::uint64_t> alone(const std::string& text) {
+  Experiment run(scene_from_text(text));  // on all ranks: shapes are numbered as they are read
   return of_first_rank([&] {
-    Experiment run(scene_from_text(text));
     std::vector<std::uint64_t> hashes;
     int done = 0;
     for (const int look : looks) {

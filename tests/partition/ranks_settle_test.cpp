@@ -48,8 +48,8 @@ bodies:
 // The state after so many steps on one rank, each of which is looked at, and on all.
 template <class Look>
 void expect_the_state_of_one_rank(const std::string& text, int steps, Look&& look) {
+  Experiment run(scene_from_text(text));  // on all ranks: shapes are numbered as they are read
   const auto alone = of_first_rank([&] {
-    Experiment run(scene_from_text(text));
     for (int step = 0; step < steps; ++step) run.step(), look(run.world(), step);
     return std::vector<std::uint64_t>{state_hash(MPI_COMM_SELF, run.world())};
   });

@@ -48,7 +48,7 @@ def seal(path):
         block = data[number:number + (1 << 20)]
         padded = block + bytes(-len(block) % 8)
         total += hash_of([number >> 20, len(block), *struct.unpack(f"<{len(padded) // 8}Q", padded)])
-    text = f"unibody checkpoint 4\nbytes behind this block: {len(data)}\nhash of them: {total & MASK:016x}\n".encode()
+    text = f"unibody checkpoint 5\nbytes behind this block: {len(data)}\nhash of them: {total & MASK:016x}\n".encode()
     with open(path, "r+b") as file:
         file.write(text + bytes(SEAL - len(text)))
 
@@ -193,7 +193,7 @@ class DamagedCheckpoints(ProgramTest):
             file.attrs["format"] = "unibody checkpoint 2"
         run = self.restart(path)
         self.assertEqual((run.code, len(run.message)), (2, 1), run.err)
-        self.assertIn("it does not begin with 'unibody checkpoint 4'", run.message[0])
+        self.assertIn("it does not begin with 'unibody checkpoint 5'", run.message[0])
 
 
 if __name__ == "__main__":

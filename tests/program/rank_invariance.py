@@ -71,7 +71,7 @@ class RankInvariance(ProgramTest):
         header, *rows = comparable(self.folder / "on_1" / "report.csv")
         contacts = header.index("contacts")
         self.assertGreater(int(rows[-1][contacts]), 100, "nothing touches anything: such a run tells nothing")
-        variants = {f"on_{n}": (n, []) for n in ((2, 3, 4, 7) if solver == SOLVERS[0] else (2, 4))}
+        variants = {f"on_{n}": (n, []) for n in ((2, 3, 4, 7) if solver == SOLVERS[0] else (4,))}
         variants["random_11_by_messages"] = (3, ["-partition", "random:11", "-shared_memory", "off"])
         if solver == SOLVERS[0]:
             variants["random_12_fixed"] = (4, ["-partition", "random:12", "-rebalance", "off"])
@@ -114,12 +114,12 @@ class RankInvariance(ProgramTest):
         self.assert_same("on_1", "on_7")
 
     def report_of_equal_runs(self, scene, options):
-        """The rows of report.csv of a scene's runs on 1 to 4 ranks and of a random partition, all the same."""
-        runs = [self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
-        runs.append(self.good(SCENES / f"{scene}.yaml", f"{scene}_5", *options, "-partition", "random:3", ranks=3))
-        for n in (2, 3, 4, 5):
+        """The rows of report.csv of a scene's runs on 1, 2 and 4 ranks and of a random partition on 3, all the same."""
+        runs = {n: self.good(SCENES / f"{scene}.yaml", f"{scene}_{n}", *options, ranks=n) for n in (1, 2, 4)}
+        runs[3] = self.good(SCENES / f"{scene}.yaml", f"{scene}_3", *options, "-partition", "random:3", ranks=3)
+        for n in (2, 3, 4):
             with self.subTest(scene=scene, run=n):
-                self.assertEqual(runs[n - 1].state, runs[0].state)
+                self.assertEqual(runs[n].state, runs[1].state)
                 self.assert_same(f"{scene}_1", f"{scene}_{n}")
         return list(csv.DictReader((self.folder / f"{scene}_1" / "report.csv").read_text().splitlines()))
 
@@ -161,7 +161,7 @@ class RankInvariance(ProgramTest):
         cases = [(self.scene(MIXED, "mixed.yaml"), "time.frames=30"), (SCENES / "hierarchy.yaml", "time.frames=30"),
                  (SCENES / "boxes_on_cloth.yaml", "time.frames=20"), (SCENES / "soft_block_on_floor.yaml", "time.frames=10")]
         for scene, *more in cases:
-            others = (2, 3, 4) if scene.stem == "mixed" else (3,)
+            others = (2, 4) if scene.stem == "mixed" else (3,)
             for solver in SOLVERS[:2]:
                 name = f"{scene.stem}_{solver}"
                 options = ["-solver_level", "velocity"]
@@ -181,11 +181,11 @@ class RankInvariance(ProgramTest):
                                     ("hierarchy", "gauss_seidel", tree)):
             base = f"{scene}_{solver}"
             options = [word for text in (f"solver.name={solver}", "output.every=20", "output.joints=true", *more) for word in ("-set", text)]
-            runs = [self.good(SCENES / f"{scene}.yaml", f"{base}_{n}", *options, ranks=n) for n in (1, 2, 3, 4)]
-            runs.append(self.good(SCENES / f"{scene}.yaml", f"{base}_5", *options, "-partition", "random:3", ranks=3))
-            for n in (2, 3, 4, 5):
+            runs = {n: self.good(SCENES / f"{scene}.yaml", f"{base}_{n}", *options, ranks=n) for n in (1, 2, 4)}
+            runs[3] = self.good(SCENES / f"{scene}.yaml", f"{base}_3", *options, "-partition", "random:3", ranks=3)
+            for n in (2, 3, 4):
                 with self.subTest(scene=scene, solver=solver, run=n):
-                    self.assertEqual(runs[n - 1].state, runs[0].state)
+                    self.assertEqual(runs[n].state, runs[1].state)
                     self.assert_same(f"{base}_1", f"{base}_{n}", ("frames.h5", "checkpoint.h5", "joints.csv", "joints.h5"))
             report = list(csv.DictReader((self.folder / f"{base}_1" / "report.csv").read_text().splitlines()))
             drift = [float(row["joint_drift_max (m)"]) for row in report]
