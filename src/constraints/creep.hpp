@@ -10,13 +10,15 @@
 //
 // In piles of bodies alone, solved in two stages, contacts of faces have this memory, by which towers stand; contacts of a point
 // or an edge, at which bodies roll, have none, since it kept piles of balls from coming to rest.
+//
+// The share that is taken back is a fourth of what made a table of convex pieces rock with accelerated Jacobi.
 #pragma once
 
 #include <cstdint>
 
 namespace unibody {
 
-inline constexpr double creep_taken_out = 0.2;             // share of the creep that a step takes back
+inline constexpr double creep_taken_out = 0.1;             // share of the creep that a step takes back
 inline constexpr double most_creep = 0.01;                 // of the smaller body's bounding radius, and in rad: more is forgotten
 inline constexpr double creep_kept = 0.9;                  // share of the creep that a step leaves to a contact that slides
 inline constexpr double sticking = 0.98;                   // share of friction's limit, up to which a contact sticks

@@ -215,8 +215,8 @@ std::string table() {
 
 }  // namespace
 
-// A solid of convex pieces drops on one foot, rocks and stands on four: Gauss-Seidel is at rest then; the accelerated Jacobi
-// solver comes to rest within 100 steps more, since its contacts with the floor are one manifold.
+// A solid of convex pieces drops on one foot, rocks and stands on four, and comes to rest: what it slipped when it landed is
+// taken back by its memory of creep, with Gauss-Seidel within 100 steps, with accelerated Jacobi more slowly.
 TEST(Shapes, ATableOfConvexPiecesComesToRestOnItsFeet) {
   const TextFile file(table());
   const double top = 0.8 * 0.6 * 0.05, legs = 4 * 0.06 * 0.06 * 0.4, height = (0.425 * top + 0.2 * legs) / (top + legs);
@@ -230,13 +230,13 @@ TEST(Shapes, ATableOfConvexPiecesComesToRestOnItsFeet) {
       run.steps(100);
       double bound = 1e-4;  // m/s
       for (int k = 0; k < 3; ++k) {
-        if (solver == "gauss_seidel") bound = 1e-11;
+        if (solver == "gauss_seidel") bound = k == 0 ? 1e-7 : 1e-11;
         EXPECT_LT(run.velocity(1).norm(), bound) << solver << ' ' << iterations << ' ' << k;
         EXPECT_LT(run.penetration(), 0.1 * bound) << solver << ' ' << iterations << ' ' << k;  // m
         const Vec3 at = run.position(1);
         run.steps(100);
         EXPECT_LT((run.position(1) - at).norm(), 0.2 * bound) << solver << ' ' << iterations << ' ' << k;
-        bound = std::max(1e-4 * bound, 1e-11);
+        bound = std::max(1e-2 * bound, 1e-11);
       }
       EXPECT_NEAR(run.position(1).z(), height, 1e-6) << solver << ' ' << iterations;
       const Mat3 axes = run.state(1).orientation.toRotationMatrix();  // principal: some one is upright

@@ -111,7 +111,7 @@ TEST(Accuracy, AsksForMoreThanTheUsualIterations) {
     const StepReport report = e.simulation->step(request);
     wrong += report.error && report.error->distance > 1e-3 * e.simulation->traits.smallest_size;
   }
-  EXPECT_GT(wrong, 10);
+  EXPECT_GT(wrong, 5);
 }
 
 // A short solve tells of the error what a long one tells, to a factor of 2, where there is some error to tell of. Of a step that
