@@ -50,8 +50,11 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
   if (creeps_.empty()) creeps_.assign(contacts_->manifolds.size(), Creep{});
   creeps_noted_ = true;
   const auto has_memory = [&](std::int32_t i) {
+    if (i < 0) return false;
     const auto manifold = static_cast<std::size_t>(i);
-    return i >= 0 && (contacts_->manifolds[manifold].count >= least_points || !creeps_[manifold].is_zero());
+    const bool in_pile = !constrained_.empty() && constrained_[manifold] == 0;
+    const std::uint32_t least = in_pile ? least_points_in_piles : least_points;
+    return contacts_->manifolds[manifold].count >= least || !creeps_[manifold].is_zero();
   };
   for (const Block& block : blocks) {
     if (block.first_tangent < 0 || std::ranges::none_of(block.manifold, has_memory)) continue;
@@ -73,9 +76,8 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
       const Manifold& m = contacts_->manifolds[i];
       Creep& creep = creeps_[i];
       const double limit = sticking * block.friction[l] * normal[l];
-      const bool is_held = constrained_.empty() || constrained_[i] != 0;
-      if (!is_held || !(normal[l] > 0) || along_s[l] * along_s[l] + along_t[l] * along_t[l] >= limit * limit) {
-        const double kept = normal[l] > 0 && is_held ? creep_kept : 0;
+      if (!(normal[l] > 0) || along_s[l] * along_s[l] + along_t[l] * along_t[l] >= limit * limit) {
+        const double kept = normal[l] > 0 ? creep_kept : 0;
         creep.slip *= kept, creep.turn *= kept;
         continue;
       }

@@ -8,8 +8,9 @@
 // at which the tangents of a contact aim are less by what is to be taken back, as they are by the drift of what is carried along
 // a circle (carried.hpp).
 //
-// In piles of bodies alone, solved in two stages, contacts of faces have this memory, by which towers stand; contacts of a point
-// or an edge, at which bodies roll, have none, since it kept piles of balls from coming to rest.
+// In piles of bodies alone, solved in two stages, whether there are other things in the scene or not, contacts of faces have this
+// memory, by which towers stand; contacts of a point or an edge, at which bodies roll, have none, since it kept piles of balls
+// from coming to rest.
 //
 // The share that is taken back is a fourth of what made a table of convex pieces rock with accelerated Jacobi.
 #pragma once
