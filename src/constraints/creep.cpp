@@ -1,7 +1,9 @@
 #include "constraints/creep.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
+#include "constraints/carried.hpp"
 #include "constraints/contact_rows.hpp"
 #include "world/world.hpp"
 
@@ -85,7 +87,12 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
       const Vec3 from_middle =
           creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)] - in_lane(middle, l) / normal[l];
       Vec3 moved = (in_lane(block.s, l) * u_s[l] + in_lane(t, l) * u_t[l]) / normal[l] + turned.cross(from_middle);
-      if (is_carried(m)) moved -= drift_of(m);
+      if (is_carried(m)) {
+        moved -= drift_of(m);
+        // What has slipped turns along. (With other turns it does by being kept across the normal.)
+        const double turn = step_ * m.normal.dot(common_turn(*world_, m.slot_a, m.slot_b).turn);
+        creep.slip = Eigen::AngleAxisd(turn, m.normal) * creep.slip;
+      }
       creep.slip += step_ * moved - m.normal * m.normal.dot(creep.slip);
       creep.turn = m.normal * (m.normal.dot(creep.turn) + step_ * m.normal.dot(turned));
       const double most = most_creep * std::min(bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_a)].shape),
