@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <ranges>
 
 #include "constraints/carried.hpp"
 #include "constraints/contact_rows.hpp"
@@ -49,14 +50,20 @@ Vec3 ContactBatch::creeps_about(const Manifold& m) const {
 // the mean of the points' slips, by their normal impulses, and what the turn about the normal adds from their middle to there.
 void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t least_points) {
   if (tangents.empty()) return;
-  if (creeps_.empty()) creeps_.assign(contacts_->manifolds.size(), Creep{});
+  const std::size_t manifolds = contacts_->manifolds.size();
+  const auto may_begin = [&](std::size_t i) {
+    const bool in_pile = !constrained_.empty() && constrained_[i] == 0;
+    return contacts_->manifolds[i].count >= (in_pile ? least_points_in_piles : least_points);
+  };
+  if (creeps_.empty()) {
+    if (std::ranges::none_of(std::views::iota(std::size_t{0}, manifolds), may_begin)) return;
+    creeps_.assign(manifolds, Creep{});
+  }
   creeps_noted_ = true;
   const auto has_memory = [&](std::int32_t i) {
     if (i < 0) return false;
     const auto manifold = static_cast<std::size_t>(i);
-    const bool in_pile = !constrained_.empty() && constrained_[manifold] == 0;
-    const std::uint32_t least = in_pile ? least_points_in_piles : least_points;
-    return contacts_->manifolds[manifold].count >= least || !creeps_[manifold].is_zero();
+    return may_begin(manifold) || !creeps_[manifold].is_zero();
   };
   for (const Block& block : blocks) {
     if (block.first_tangent < 0 || std::ranges::none_of(block.manifold, has_memory)) continue;
