@@ -77,8 +77,8 @@ class ContactBatch : public BatchDefaults {
   struct Inertia {
     Vec4d a[6], b[6];  // xx, yy, zz, yz, xz, xy
   };
-  // The motion of body a's centre and its turn about the normal, less the other body's, at which the tangents' velocities aim
-  // (carried.hpp, creep.hpp).
+  // The relative motion that friction seeks (carried.hpp, creep.hpp): how fast body a's centre moves against body b, and how fast
+  // body a turns against it about the normal.
   struct Drift {
     Vec3x4 v, w;  // m/s, across the normal; rad/s
   };

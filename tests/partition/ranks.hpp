@@ -21,7 +21,7 @@ inline int rank_count() {
   return size;
 }
 
-// What f gives on the first rank, where alone it is called: on all.
+// Calls f on the first rank alone, and returns on all ranks what it gave there.
 inline std::vector<std::uint64_t> of_first_rank(const std::function<std::vector<std::uint64_t>()>& f) {
   std::vector<std::uint64_t> values;
   if (rank_here() == 0) values = f();

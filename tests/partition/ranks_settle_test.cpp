@@ -45,7 +45,7 @@ bodies:
 )";
 }
 
-// The state after so many steps on one rank, each of which is looked at, and on all.
+// Steps the scene on one rank, looking at the world after each step, then on all ranks: both end in the same state.
 template <class Look>
 void expect_the_state_of_one_rank(const std::string& text, int steps, Look&& look) {
   Experiment run(scene_from_text(text));  // on all ranks: shapes are numbered as they are read
