@@ -231,6 +231,15 @@ ContactBatch::Opening ContactBatch::opening(std::span<const SolverBody> bodies) 
   return sums;
 }
 
+void ContactBatch::unload(double share) {
+  for (std::size_t i = 0; i < contacts_->manifolds.size(); ++i) {
+    if (!is_selected(i)) continue;
+    const Manifold& m = contacts_->manifolds[i];
+    for (std::uint32_t p = m.first; p < m.first + m.count; ++p)
+      kept_impulses_[p] = {share * kept_impulses_[p].n, share * kept_impulses_[p].s, share * kept_impulses_[p].t};
+  }
+}
+
 void ContactBatch::add_impulses(std::span<Wrench> wrenches) const {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const Block& block = blocks[i];

@@ -15,7 +15,7 @@ namespace {
 // iterations, or plain Jacobi's, towers tremble with any more. (scripts/bench split and towers.) Where they don't reach down a
 // pile, the pile sways as a whole, and the leak would pump it. It is therefore bounded by the weights that each contact bears,
 // which takes all of that gain away (piles of 10 to 100 layers). With the few iterations of a Gauss-Seidel without the time for
-// momentum the bound would cost ten times the penetration: its leak is cut off while the pile swells, which leaves some gain.
+// momentum the bound would cost ten times the penetration: its leak is cut off, and its forces taken back, while the pile swells.
 //
 // The more iterations a stage has, the less it needs the old differences of a face's forces, and the faster they may be forgotten
 // (Split::uneven_share): in e-folds of so many iterations beyond 30. Fewer than 30 hold a column upright only with all of them.
@@ -28,7 +28,7 @@ Split of_accelerated_jacobi(int iterations) {
 }
 Split of_jacobi(int) { return {0.5, 0}; }
 Split of_gauss_seidel(int iterations) {
-  if (iterations >= least_for_momentum) return {0.65, 0.3, 0.002, 2, uneven_share(iterations, 60)};
+  if (iterations >= least_for_momentum) return {0.65, 0.3, 0, 2, uneven_share(iterations, 60)};
   return {0.5, iterations >= 8 ? 0.3 : 0.15, 0.002};
 }
 

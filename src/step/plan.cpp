@@ -104,12 +104,8 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
     plan.velocity_iterations =
         std::clamp(static_cast<int>(split.velocity_share * settings.iterations), 1, settings.iterations - 1);
   if (settings.accuracy) plan_least_iterations(split, plan);
-  // The bound on the leak compares what a contact bears with the weight of the lighter body. A node of a cloth or solid is light,
-  // and its contact may bear a whole column of nodes, so scenes with such nodes do without the bound.
-  const bool by_weights = split.iterations_a_weight > 0 && (!traits.has_constraints() || split.swelling == 0);
-  if (plan.two_stages && plan.stages == Stages::two && by_weights)
-    plan.most_weights = plan.velocity_iterations / split.iterations_a_weight;
-  plan.swelling = by_weights ? 0 : split.swelling;
+  if (plan.two_stages && split.iterations_a_weight > 0) plan.most_weights = plan.velocity_iterations / split.iterations_a_weight;
+  plan.swelling = split.swelling;
 
   const double share = old_share(settings);
   const bool one_stage_of_velocities = at_velocity_level(settings) && !settings.warm_start;

@@ -82,16 +82,20 @@ double solved_residual(const RankState& state) {
   return share * unibody::plan(automatic, state.traits).tolerance;
 }
 
-// The leak, less while the contacts that the position stage pushed on open together: U, their mean opening speed, times S, the
-// part of it that is coherent, against the solver's share of g h. A pile deeper than the velocity stage reaches in a step is a
-// mass on its contacts, and what leaks into them an integral feedback too fast for it: withheld on the way up, it pumps no more.
-double leak_of(const RankState& state, const System& system, const StepPlan& plan) {
+// The leak where the contacts that the position stage pushed on open together. A pile deeper than the velocity stage reaches in a
+// step is a mass on its contacts, and what leaks into them an integral feedback too fast for it: a pile that has sunk would swing
+// up, and further each time. On the way up the leak is withheld: U, the mean opening speed, times S, the part of it that is
+// coherent, against the solver's share of g h. Forces that lift a pile as a whole are more than it weighs, and are taken back the
+// faster it rises: by U S^4, which is small where bodies merely jostle. So what few iterations leave undone gives no energy.
+double leak_of(const RankState& state, System& system, const StepPlan& plan) {
+  constexpr double unloading = 8;  // share of the impulses for each g h of coherent speed
   const double gh = state.traits.gravity * state.step();
-  if (plan.leak == 0 || plan.swelling == 0 || gh == 0 || plan.stages != Stages::two) return plan.leak;
+  if (plan.leak == 0 || plan.swelling == 0 || gh == 0) return plan.leak;
   const std::vector<double> sums = all_sums(state.comm(), system.contacts().opening(system.bodies));
   if (!(sums[0] > 0)) return plan.leak;
-  const double speed = sums[0] / sums[2], coherence = sums[0] / sums[1];
-  return plan.leak * std::max(0.0, 1 - speed * coherence / (plan.swelling * gh));
+  const double speed = sums[0] / sums[2] / gh, coherence = sums[0] / sums[1], squared = coherence * coherence;
+  system.contacts().unload(std::max(0.0, 1 - unloading * speed * squared * squared));
+  return plan.leak * std::max(0.0, 1 - speed * coherence / plan.swelling);
 }
 
 SolvedStep solved_step(const System& system, SolvedStep before) {

@@ -232,6 +232,8 @@ TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   EXPECT_EQ(unibody::plan(solver("gauss_seidel", 20), grains()).swelling, 0.002);
   EXPECT_EQ(unibody::plan(solver("gauss_seidel", 20), grains()).most_weights, 0);
   EXPECT_EQ(unibody::plan(solver("gauss_seidel", 50), grains()).swelling, 0);
+  EXPECT_EQ(unibody::plan(solver("gauss_seidel", 50), cloth(), {.any_contact = true}).swelling, 0);
+  EXPECT_DOUBLE_EQ(unibody::plan(solver("gauss_seidel", 50), cloth(), {.any_contact = true}).most_weights, 12.5);
   EXPECT_DOUBLE_EQ(unibody::plan(solver("gauss_seidel", 50), grains()).most_weights, 16);
   EXPECT_DOUBLE_EQ(unibody::plan(solver("accelerated_jacobi"), grains()).most_weights, 10);
 }
