@@ -16,6 +16,31 @@ namespace {
 
 Vec3 in_lane(const Vec3x4& v, std::size_t lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
 
+// How the bodies of a block's manifolds move along their faces, and what presses and holds them. Sums over a manifold's points.
+struct Rubbing {
+  Side a, b;
+  Vec3x4 t;  // the second direction in the face
+  // Impulses (N s), along the normal and in the face; friction: the sum of the sizes of those in the face.
+  Vec4d normal = broadcast(0), along_s = broadcast(0), along_t = broadcast(0), friction = broadcast(0);
+  // Times the normal impulses: velocities in the face (N m), and arms of the first body (N s m).
+  Vec4d u_s = broadcast(0), u_t = broadcast(0);
+  Vec3x4 middle{broadcast(0), broadcast(0), broadcast(0)};
+};
+
+Rubbing rubbing_of(const ContactBatch& batch, const ContactBatch::Block& block, std::span<const SolverBody> bodies) {
+  Rubbing sum{gather(block.slot_a, bodies), gather(block.slot_b, bodies), cross(block.n, block.s)};
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    const auto& point = batch.points[block.first_point + k];
+    const PointVelocity u = relative_velocity<true>(block, sum.t, point, sum.a, sum.b);
+    const Vec4d n = batch.normals[block.first_point + k].lambda;
+    const auto& impulse = batch.tangent_impulses[block.first_tangent + k];
+    sum.normal += n, sum.along_s += impulse.lambda_s, sum.along_t += impulse.lambda_t;
+    sum.friction += sqrt(impulse.lambda_s * impulse.lambda_s + impulse.lambda_t * impulse.lambda_t);
+    sum.u_s += n * u.s, sum.u_t += n * u.t, sum.middle = sum.middle + point.arm_a * n;
+  }
+  return sum;
+}
+
 }  // namespace
 
 Vec3 ContactBatch::aim_of(std::size_t manifold, std::size_t point) const {
@@ -65,49 +90,41 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
     const auto manifold = static_cast<std::size_t>(i);
     return may_begin(manifold) || !creeps_[manifold].is_zero();
   };
+  const auto note = [&](const Block& block, const Rubbing& rubbing, std::size_t l) {
+    const auto i = static_cast<std::size_t>(block.manifold[l]);
+    const Manifold& m = contacts_->manifolds[i];
+    Creep& creep = creeps_[i];
+    const double normal = rubbing.normal[l], along_s = rubbing.along_s[l], along_t = rubbing.along_t[l];
+    const double limit = sticking * block.friction[l] * normal;
+    if (!(normal > 0) || along_s * along_s + along_t * along_t >= limit * limit) {
+      const double kept = normal > 0 ? creep_kept : 0;
+      creep.slip *= kept, creep.turn *= kept;
+      return;
+    }
+    const Vec3 turned = m.normal * m.normal.dot(in_lane(rubbing.a.w, l) - in_lane(rubbing.b.w, l));
+    const Vec3 from_middle =
+        creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)] - in_lane(rubbing.middle, l) / normal;
+    Vec3 moved =
+        (in_lane(block.s, l) * rubbing.u_s[l] + in_lane(rubbing.t, l) * rubbing.u_t[l]) / normal + turned.cross(from_middle);
+    if (is_carried(m)) {
+      moved -= drift_of(m);
+      // What has slipped turns along. (With other turns it does by being kept across the normal.)
+      const double turn = step_ * m.normal.dot(common_turn(*world_, m.slot_a, m.slot_b).turn);
+      creep.slip = Eigen::AngleAxisd(turn, m.normal) * creep.slip;
+    }
+    creep.slip += step_ * moved - m.normal * m.normal.dot(creep.slip);
+    creep.turn = m.normal * (m.normal.dot(creep.turn) + step_ * m.normal.dot(turned));
+    const double most = most_creep * std::min(bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_a)].shape),
+                                              bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_b)].shape));
+    if (creep.slip.norm() > most) creep.slip *= most / creep.slip.norm();
+    if (rubbing.friction[l] >= limit) creep.turn.setZero();
+    if (creep.turn.norm() > most_creep) creep.turn *= most_creep / creep.turn.norm();
+  };
   for (const Block& block : blocks) {
     if (block.first_tangent < 0 || std::ranges::none_of(block.manifold, has_memory)) continue;
-    const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
-    const Vec3x4 t = cross(block.n, block.s);
-    Vec4d normal = broadcast(0), friction = normal, along_s = normal, along_t = normal, u_s = normal, u_t = normal;
-    Vec3x4 middle{normal, normal, normal};
-    for (std::uint32_t k = 0; k < block.count; ++k) {
-      const PointVelocity u = relative_velocity<true>(block, t, points[block.first_point + k], a, b);
-      const Vec4d n = normals[block.first_point + k].lambda;
-      const TangentImpulse& impulse = tangent_impulses[block.first_tangent + k];
-      normal += n, along_s += impulse.lambda_s, along_t += impulse.lambda_t;
-      friction += sqrt(impulse.lambda_s * impulse.lambda_s + impulse.lambda_t * impulse.lambda_t);
-      u_s += n * u.s, u_t += n * u.t, middle = middle + points[block.first_point + k].arm_a * n;
-    }
-    for (std::size_t l = 0; l < lanes; ++l) {
-      if (!has_memory(block.manifold[l])) continue;
-      const auto i = static_cast<std::size_t>(block.manifold[l]);
-      const Manifold& m = contacts_->manifolds[i];
-      Creep& creep = creeps_[i];
-      const double limit = sticking * block.friction[l] * normal[l];
-      if (!(normal[l] > 0) || along_s[l] * along_s[l] + along_t[l] * along_t[l] >= limit * limit) {
-        const double kept = normal[l] > 0 ? creep_kept : 0;
-        creep.slip *= kept, creep.turn *= kept;
-        continue;
-      }
-      const Vec3 turned = m.normal * m.normal.dot(in_lane(a.w, l) - in_lane(b.w, l));
-      const Vec3 from_middle =
-          creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)] - in_lane(middle, l) / normal[l];
-      Vec3 moved = (in_lane(block.s, l) * u_s[l] + in_lane(t, l) * u_t[l]) / normal[l] + turned.cross(from_middle);
-      if (is_carried(m)) {
-        moved -= drift_of(m);
-        // What has slipped turns along. (With other turns it does by being kept across the normal.)
-        const double turn = step_ * m.normal.dot(common_turn(*world_, m.slot_a, m.slot_b).turn);
-        creep.slip = Eigen::AngleAxisd(turn, m.normal) * creep.slip;
-      }
-      creep.slip += step_ * moved - m.normal * m.normal.dot(creep.slip);
-      creep.turn = m.normal * (m.normal.dot(creep.turn) + step_ * m.normal.dot(turned));
-      const double most = most_creep * std::min(bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_a)].shape),
-                                                bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_b)].shape));
-      if (creep.slip.norm() > most) creep.slip *= most / creep.slip.norm();
-      if (friction[l] >= limit) creep.turn.setZero();
-      if (creep.turn.norm() > most_creep) creep.turn *= most_creep / creep.turn.norm();
-    }
+    const Rubbing rubbing = rubbing_of(*this, block, bodies);
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (has_memory(block.manifold[l])) note(block, rubbing, l);
   }
 }
 
