@@ -194,7 +194,7 @@ class ContactBatch : public BatchDefaults {
   // be as their homes: the sums then have the same bits on any number of ranks.
   using Opening = std::array<ExactSum, 3>;
   Opening opening(std::span<const SolverBody> bodies) const;  // of the islands selected
-  void unload(double share);                                  // of the impulses kept so much is remembered; of the islands selected
+  void unload(double share);  // of the impulses kept so much is remembered; of the islands selected
 
   // Points whose multipliers of both stages together are at friction's limit.
   std::int64_t sliding() const;
