@@ -20,9 +20,11 @@ Vec3 in_lane(const Vec3x4& v, std::size_t lane) { return {v.x[lane], v.y[lane], 
 struct Rubbing {
   Side a, b;
   Vec3x4 t;  // the second direction in the face
-  // Impulses (N s), along the normal and in the face; friction: the sum of the sizes of those in the face.
+  // Impulses (N s) along the normal and along the two directions in the face; friction is the sum over the points of the sizes of
+  // their impulses in the face.
   Vec4d normal = broadcast(0), along_s = broadcast(0), along_t = broadcast(0), friction = broadcast(0);
-  // Times the normal impulses: velocities in the face (N m), and arms of the first body (N s m).
+  // Sums over the points of their normal impulse times their velocity in the face (N m), and times their arm about the first
+  // body (N s m).
   Vec4d u_s = broadcast(0), u_t = broadcast(0);
   Vec3x4 middle{broadcast(0), broadcast(0), broadcast(0)};
 };

@@ -82,11 +82,12 @@ double solved_residual(const RankState& state) {
   return share * unibody::plan(automatic, state.traits).tolerance;
 }
 
-// The leak where the contacts that the position stage pushed on open together. A pile deeper than the velocity stage reaches in a
-// step is a mass on its contacts, and what leaks into them an integral feedback too fast for it: a pile that has sunk would swing
-// up, and further each time. On the way up the leak is withheld: U, the mean opening speed, times S, the part of it that is
-// coherent, against the solver's share of g h. Forces that lift a pile as a whole are more than it weighs, and are taken back the
-// faster it rises: by U S^4, which is small where bodies merely jostle. So what few iterations leave undone gives no energy.
+// The leak of this step, and what is taken back of its impulses, where the contacts that the position stage pushed on open
+// together. A pile that is deeper than the velocity stage reaches in a step answers the leak too slowly: once it has sunk, the
+// impulses that have gathered throw it up, and further each time. Two things hinder that. The leak is withheld while the pile
+// rises: by U S against the solver's share of g h, where U is the contacts' mean opening speed and S, from 0 to 1, the part of it
+// that is coherent. And the impulses themselves, which are more than the pile weighs, are taken back by a share that grows with
+// U S^4; the fourth power keeps it small where bodies merely jostle. So what few iterations leave undone gives no energy.
 double leak_of(const RankState& state, System& system, const StepPlan& plan) {
   constexpr double unloading = 8;  // share of the impulses for each g h of coherent speed
   const double gh = state.traits.gravity * state.step();
