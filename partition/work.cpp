@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "collide/collide.hpp"
+#include "constraints/counted.hpp"
 #include "joints/joint_types.hpp"
 
 namespace unibody {
@@ -30,6 +32,24 @@ double work_of(const StepParts& parts) {
                   [&](auto, const auto& list) { sum += cost_of_type(list) * static_cast<double>(list.size()); });
   for (const std::int64_t number : parts.joints_here) sum += cost_of(parts.joints[static_cast<std::size_t>(number)]);
   return sum;
+}
+
+std::int64_t counted_work_of(const World& world, const Contacts& contacts) {
+  double sum = work::of_a_body * static_cast<double>(world.homes);
+  for (const Manifold& m : contacts.manifolds)
+    if (counts_here(world, m)) sum += cost_of(m);
+  for (const SurfaceContact& c : contacts.surface)
+    if (counts_here(world, c)) sum += work::of_a_surface_contact;
+  return static_cast<std::int64_t>(sum);  // the weights are whole numbers
+}
+
+std::int64_t counted_work_of(const World& world, const ConstraintSet& constraints) {
+  double sum = 0;
+  for_each_type(constraints, [&](auto, const auto& list) {
+    const auto counted = std::ranges::count_if(list, [&](const auto& c) { return counts_here(world, c); });
+    sum += cost_of_type(list) * static_cast<double>(counted);
+  });
+  return static_cast<std::int64_t>(sum);
 }
 
 std::vector<float> work_by_body(const StepParts& parts) {

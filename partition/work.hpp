@@ -1,6 +1,7 @@
 // Work: what a step costs a rank, counted from what it has to evaluate and not timed, so that a run and its report repeat.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,11 @@ double cost_of(const Joint& joint);
 
 // The work of this rank: all that it evaluates. What is cut by a border of ranks counts on both sides.
 double work_of(const StepParts& parts);
+
+// The parts of it that this rank counts (counts_here()): over all ranks they sum up to what one rank alone would have to do.
+// Bodies and contacts; constraints, of which `world` needs no guests.
+std::int64_t counted_work_of(const World& world, const Contacts& contacts);
+std::int64_t counted_work_of(const World& world, const ConstraintSet& constraints);
 
 // The work of each home body: its own cost, and an equal share, with the other moving bodies, of what touches it. Over all
 // ranks these sum up to what one rank alone would have to do.

@@ -131,6 +131,13 @@ void tell_scene(const Simulation& simulation, const Bodies& bodies, std::vector<
   for (std::string& line : told_changes(scene)) lines.push_back(std::move(line));
 }
 
+std::string iterations_text(const SolverSettings& used) {
+  if (used.iterations) return "at most " + counted(*used.iterations, "iteration") + " a step";
+  const std::string most = counted(most_automatic_iterations, "iteration");
+  if (used.accuracy) return "at most " + most + " a step";
+  return "at most " + std::to_string(default_iterations) + " iterations a step (up to " + most + " where they cost little)";
+}
+
 void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
   const Scene& scene = simulation.scene;
   const SolverSettings used = simulation.settings_used();
@@ -141,8 +148,7 @@ void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
   lines.push_back("  run  " + counted(scene.time.frames, "frame") + " of " + number_text(scene.time.frame, 3) + " s, " +
                   counted(scene.time.substeps, "step") + " each, on " + counted(ranks, "rank") + "; " +
                   number_text(bytes / 1e6, 3) + " MB on the largest at the start");
-  lines.push_back("  plan  " + used.name + ", at most " + counted(used.iterations, "iteration") +
-                  " a step, stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
+  lines.push_back("  plan  " + used.name + ", " + iterations_text(used) + ", stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
                   number_text(*used.tolerance, 3) + " m" +
                   (used.accuracy ? " for an accuracy of " + number_text(*used.accuracy, 3) : "") + ", contacts from " +
                   number_text(*used.margin, 3) + " m on");

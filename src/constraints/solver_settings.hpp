@@ -78,7 +78,7 @@ inline constexpr double tight_links = 40;
 inline constexpr double automatic_velocity_share = 0.5;
 
 // What "auto" comes to by the size of the smallest dynamic body (its least extent), so that a scene made smaller does the same.
-inline constexpr double automatic_tolerance = 1e-4;            // of that size in a step of a whole frame; see plan.cpp
+inline constexpr double automatic_tolerance = 5e-5;            // of that size in a step of a whole frame; see plan.cpp
 inline constexpr double automatic_share_of_fall = 0.04;        // of g h^2: the tolerance is no more than this
 inline constexpr double automatic_margin = 0.2;                // of that size,
 inline constexpr double most_automatic_margin = 0.002;         // m, but no more than this
@@ -93,10 +93,9 @@ struct NamedAccuracy {
 inline constexpr std::array<NamedAccuracy, 3> named_accuracies{{{"film", 1e-2}, {"engineering", 1e-3}, {"reference", 1e-5}}};
 inline constexpr double default_accuracy = named_accuracies[0].share;
 
-inline constexpr int default_iterations = 50;
-
-// With an accuracy a step may take as many iterations, where the scene does not say how many.
-inline constexpr int iterations_of_accuracy = 1000;
+// Where the scene does not say how many iterations a step may take: so many. A scene whose frames cost little (plan.cpp) may take
+// more, and one with an accuracy: up to as many. A step that converges stops before.
+inline constexpr int default_iterations = 50, most_automatic_iterations = 1000;
 
 // The error of a step over its natural residual is taken to be no less than this, when the residual is found at which a stage
 // stops: contacts of bodies in motion have 2 to 4, and as long as no sample has told of more, this is what is known.
@@ -104,7 +103,7 @@ inline constexpr double least_error_ratio = 3;
 
 struct SolverSettings {
   std::string name = "accelerated_jacobi";  // one of solver_names()
-  int iterations = default_iterations;      // a step, over both stages; >= 1 (two stages: >= 2)
+  std::optional<int> iterations;            // most of a step, over both stages; >= 1 (two stages: >= 2); open: see above
   // The share of the smallest moving body's size, (0, 1], by which a frame may be off; open: the iterations are all that is
   // asked for. See docs/accuracy.md.
   std::optional<double> accuracy;

@@ -10,7 +10,7 @@ Json json_of(const StepPlan& plan) {
   Json json = Json::object();
   json.set("islands", islands_names[static_cast<std::size_t>(plan.islands)]);
   json.set("stages", stages_names[static_cast<std::size_t>(plan.stages)]);
-  json.set("tolerance (m)", plan.tolerance).set("margin (m)", plan.margin);
+  json.set("iterations", plan.iterations).set("tolerance (m)", plan.tolerance).set("margin (m)", plan.margin);
   if (plan.least_position_iterations > 0) {
     json.set("aim (m)", plan.aim).set("least_velocity_iterations", plan.least_velocity_iterations);
     json.set("least_position_iterations", plan.least_position_iterations);

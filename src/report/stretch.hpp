@@ -7,19 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "constraints/constraint_types.hpp"
+#include "constraints/counted.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
-
-// The rank that counts a constraint: the home of its first body that moves.
-template <class C>
-bool counts_here(const World& world, const Constraint<C>& c) {
-  for (const Id id : c.ids)
-    if (const Slot slot = world.find(id); slot < 0 || !world.is_static(slot)) return slot >= 0 && world.is_home(slot);
-  return false;
-}
 
 // Relative change of length of a material's links, or of its membranes along their principal directions; bending links do not
 // count.

@@ -58,9 +58,8 @@ void read_solver(const Value& value, Scene& scene) {
   if (solver.name == "newton") solver.form = Form::incremental;  // its own steps have neither
   const Value* iterations = value.find("iterations");
   check_accuracy(value, solver);
-  if (solver.accuracy && !iterations) solver.iterations = iterations_of_accuracy;
   const bool one_stage = solver.stages == Stages::position || solver.level == Level::velocity;
-  if (iterations && !one_stage && solver.iterations < 2)
+  if (solver.iterations && !one_stage && *solver.iterations < 2)
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");
 }
 

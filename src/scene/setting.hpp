@@ -35,6 +35,7 @@ Json json_of(const std::string& text);     // a number, true or false, or a text
 Json schema_of(const Range& range);        // of a number
 std::string words_of(const Range& range);  // "> 0", "0 to 1, without 0", "any"
 std::optional<double> read_number_or_auto(const Value& value, const Range& range, const std::string& unit);
+std::optional<std::int64_t> read_integer_or_auto(const Value& value, std::int64_t low, std::int64_t high);
 
 inline Json or_auto(const Json& number) {
   return Json::object().set("anyOf", Json::array().push(number).push(Json::object().set("const", "auto")));
@@ -76,6 +77,20 @@ Setting<Target> integer(const char* key, const char* unit, std::int64_t low, std
           [=](const Value& v, Target& t) { t.*member = static_cast<Integer>(v.integer(low, high)); },
           [=](const Target& t) { return std::to_string(t.*member); },
           [=] { return Json::object().set("type", "integer").set("minimum", low).set("maximum", high); }};
+}
+
+template <class Target, class Integer>
+Setting<Target> integer_or_auto(const char* key, const char* unit, std::int64_t low, std::int64_t high,
+                                std::optional<Integer> Target::*member, const char* about) {
+  Setting<Target> setting = integer<Target>(key, unit, low, high, static_cast<Integer Target::*>(nullptr), about);
+  setting.values = "auto, or " + setting.values;
+  setting.read = [=](const Value& v, Target& t) {
+    const auto found = read_integer_or_auto(v, low, high);
+    t.*member = found ? std::optional(static_cast<Integer>(*found)) : std::nullopt;
+  };
+  setting.write = [=](const Target& t) { return t.*member ? std::to_string(*(t.*member)) : "auto"; };
+  setting.schema = [number = setting.schema] { return or_auto(number()); };
+  return setting;
 }
 
 template <class Target>

@@ -44,6 +44,15 @@ std::optional<double> read_number_or_auto(const Value& value, const Range& range
   }
 }
 
+std::optional<std::int64_t> read_integer_or_auto(const Value& value, std::int64_t low, std::int64_t high) {
+  if (value.kind == Value::Kind::scalar && !value.quoted && value.text == "auto") return std::nullopt;
+  try {
+    return value.integer(low, high);
+  } catch (const std::runtime_error&) {
+    value.fail_expected("auto or an integer >= " + std::to_string(low) + ", <= " + std::to_string(high));
+  }
+}
+
 Json schema_of(const std::vector<std::string>& names) {
   Json list = Json::array();
   for (const std::string& name : names) list.push(name);
@@ -158,7 +167,8 @@ const SettingList<SolverSettings>& solver_settings() {
   using T = SolverSettings;
   static const SettingList<T> list{
       solver_name(),
-      integer("iterations", "", 1, 1'000'000'000, &T::iterations, "iterations of a step, over both stages (two stages: >= 2)"),
+      integer_or_auto("iterations", "", 1, 1'000'000'000, &T::iterations,
+                      "the most of a step, over both stages (two stages: >= 2)"),
       accuracy(),
       number_or_auto("tolerance", "m", not_negative, &T::tolerance, "natural residual at which a stage stops; 0: never"),
       choice("acceleration", acceleration_names, &T::acceleration,

@@ -18,7 +18,7 @@ constexpr int most_idle = 2;  // doublings that do not
 
 StopTest::StopTest(const System& system, const Exchange& exchange, const StopRule& rule)
     : system_(system), exchange_(exchange), rule_(rule), worth_measuring_(target(0)) {
-  if (rule_.allowed > rule_.tolerance && rule_.least > 0) next_look_ = rule_.least;
+  if (rule_.least > 0) next_look_ = rule_.least;
 }
 
 bool StopTest::may_stop(double change, int done) {

@@ -8,6 +8,7 @@
 #include "collide/crowds.hpp"
 #include "core/assume.hpp"
 #include "core/checked.hpp"
+#include "partition/work.hpp"
 #include "step/assemble.hpp"
 #include "step/attach.hpp"
 #include "step/build.hpp"
@@ -48,6 +49,9 @@ void make_constraints(RankState& state) {
   for_each_type(state.constraints, [&]<class C>(auto type, const ConstraintList<C>&) {
     traits.only_links = traits.only_links && (is_link<C> || state.colours[type.value] == 0);
   });
+  traits.lasting_work = counted_work_of(state.world, state.constraints);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &traits.lasting_work, 1, MPI_INT64_T, MPI_SUM, state.comm()));
+  for (const Joint& joint : state.scene.joints) traits.lasting_work += static_cast<std::int64_t>(cost_of(joint));
 }
 
 void refresh_guests(RankState& state) {

@@ -33,8 +33,7 @@ struct Effort {
 };
 
 Effort full_effort(const RankState& state, const StepPlan& plan) {
-  const SolverSettings& solver = state.scene.solver;
-  return {solver.accuracy ? first_round : std::max(first_round, solver.iterations), 8, share_of_tolerance * plan.tolerance};
+  return {std::max(first_round, state.scene.solver.iterations.value_or(first_round)), 8, share_of_tolerance * plan.tolerance};
 }
 
 // A sample is one round of iterations, so many times as long as the step's own, and no shorter than the least. It ends early

@@ -17,11 +17,23 @@ Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, cons
   return traits.has_constraints() && !solver.sweeps_by_colour ? Stages::position : Stages::two;
 }
 
+// ns, of one core by the weights of partition/work.hpp: where the scene leaves it open, a step may take as many iterations as
+// cost no more. Scenes of some ten bodies converge so; those of hundreds, whose default iterations cost more, take no others.
+constexpr double work_of_step = 1e6;
+
+int most_iterations(const SolverSettings& settings, const StepFacts& facts) {
+  if (settings.iterations) return *settings.iterations;
+  if (settings.accuracy) return most_automatic_iterations;
+  if (settings.tolerance == 0 || facts.work <= 0) return default_iterations;  // no step stops before its last, or: not known
+  const double fit = work_of_step / static_cast<double>(facts.work);
+  return static_cast<int>(std::clamp<double>(fit, default_iterations, most_automatic_iterations));
+}
+
 // Links and joints have the position stage alone: half of the iterations are for it, whatever contacts would do with fewer.
-Split split_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
+Split split_of(const SolverSettings& settings, int iterations, const SceneTraits& traits, const Solver& solver) {
   // Sweeps without momentum reach no further down a pile than the few that leave it no time.
   const bool plain = solver.sweeps_by_colour && settings.acceleration == Acceleration::none;
-  Split split = solver.split(plain ? std::min(settings.iterations, least_for_momentum - 1) : settings.iterations);
+  Split split = solver.split(plain ? std::min(iterations, least_for_momentum - 1) : iterations);
   if (traits.has_constraints()) split.velocity_share = std::min(split.velocity_share, 0.5);
   split.velocity_share = settings.velocity_share.value_or(split.velocity_share);
   split.leak = settings.leak.value_or(split.leak);
@@ -92,22 +104,25 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   const Solver& solver = find_solver(settings.name);
   StepPlan plan;
   plan_sizes(settings, traits, facts, plan);
+  plan.iterations = most_iterations(settings, facts);
 
   plan.stages = stages_of(settings, traits, solver);
   const bool apart = facts.free_contacts && traits.has_constraints();
   plan.islands = apart ? Islands::constrained : Islands::all;
   const bool any_contact = apart ? facts.constrained_contacts : facts.any_contact;
   plan.two_stages = plan.stages != Stages::position && (!traits.has_constraints() || any_contact);
-  const Split split = split_of(settings, traits, solver);
+  // By what the solver is meant to have: the more a stage is known to have, the sooner it forgets.
+  const bool spares = !settings.iterations && !settings.accuracy && plan.iterations > default_iterations;
+  const Split split = split_of(settings, spares ? default_iterations : plan.iterations, traits, solver);
   plan.velocity_share = split.velocity_share, plan.leak = split.leak;
   if (plan.two_stages)
     plan.velocity_iterations =
-        std::clamp(static_cast<int>(split.velocity_share * settings.iterations), 1, settings.iterations - 1);
-  if (settings.accuracy) plan_least_iterations(split, plan);
+        std::clamp(static_cast<int>(split.velocity_share * plan.iterations), 1, plan.iterations - 1);
+  if (settings.accuracy || spares) plan_least_iterations(split, plan);
   if (plan.two_stages && split.iterations_a_weight > 0) plan.most_weights = plan.velocity_iterations / split.iterations_a_weight;
   plan.swelling = split.swelling;
 
-  const double share = old_share(settings);
+  const double share = old_share(settings, plan.iterations);
   const bool one_stage_of_velocities = at_velocity_level(settings) && !settings.warm_start;
   const double in_one_stage = one_stage_of_velocities ? automatic_velocity_share : share;
   plan.contacts_share = plan.stages != Stages::position ? 1 : in_one_stage;
@@ -131,8 +146,8 @@ Stage StepPlan::stage(Stage::Kind kind, const SolverSettings& settings, double s
   return stage;
 }
 
-double old_share(const SolverSettings& settings) {
-  const double part = std::min(1.0, static_cast<double>(iterations_of_share) / settings.iterations);
+double old_share(const SolverSettings& settings, int iterations) {
+  const double part = std::min(1.0, static_cast<double>(iterations_of_share) / iterations);
   return settings.warm_start.value_or(automatic_share * part);
 }
 

@@ -2,6 +2,7 @@
 // the scene is and of what the step has found; summary.json tells the plan as used.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 
 #include "constraints/solver_settings.hpp"
@@ -18,6 +19,7 @@ struct SceneTraits {
   bool only_links = false;                                         // all of these are links
   bool has_joints = false;
   bool has_attachments = false;  // to dynamic bodies
+  std::int64_t lasting_work = 0;  // ns an iteration (partition/work.hpp), of joints and constraints between centres
 
   SceneTraits of_free_islands() const;  // of what the bodies would be without those constraints
   bool has_constraints() const { return has_centre_constraints || has_joints; }  // beside contacts
@@ -29,6 +31,7 @@ struct StepFacts {
   bool bounces = false;          // some contact bounces
   bool links_are_tight = false;  // see links_are_tight() below
   double error_ratio = 0;        // of the error of a step to its residual, as far as it is known; see accuracy.hpp
+  std::int64_t work = 0;         // ns an iteration, of all ranks (partition/work.hpp); 0: not known
   // Where the plan asks for islands (asks_for_islands()): some contact is of an island without constraints, or of one with them.
   bool free_contacts = false, constrained_contacts = false;
 };
@@ -36,8 +39,9 @@ struct StepFacts {
 struct StepPlan {
   // By the size of the smallest body and the step: see "auto" in solver_settings.hpp.
   double tolerance = 0, margin = 0, recovery_speed = 0;  // m, m, m/s
-  // m, the residual that a stage is after in its first iterations, as many as a step has that is not asked for an accuracy; at
-  // least: it stops at `tolerance` from there on. 0 of them: the two are one.
+  int iterations = 0;  // the most of a step, over both stages
+  // Where these are more than the scene asks for: m, the residual that a stage is after in its first iterations, as many as the
+  // default has. From there on it stops at `tolerance`, or where more of them hardly help. 0 of them: the two are one.
   double aim = 0;
   int least_velocity_iterations = 0, least_position_iterations = 0;
   double recovery_time = 0, surface_recovery_time = 0;  // s
@@ -75,8 +79,8 @@ struct StepPlan {
 // - one contact makes a step have a velocity stage, where its plan has two stages; a step without contacts leaves that stage out.
 StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts = {});
 
-// The share of the old multipliers that the scene asks for, or that its iterations make best.
-double old_share(const SolverSettings& settings);
+// The share of the old multipliers that the scene asks for, or that so many iterations of a step make best.
+double old_share(const SolverSettings& settings, int iterations);
 
 // Whether it matters to the plan if links are tight: finding out takes a pass over all of them.
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits);

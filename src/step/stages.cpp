@@ -155,7 +155,7 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
       if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::together);
     });
   }
-  done.iterations += run(Stage::Kind::position, state.scene.solver.iterations - done.iterations).iterations;
+  done.iterations += run(Stage::Kind::position, plan.iterations - done.iterations).iterations;
   if (!plan.two_stages) return done.leak = 1, done;  // in islands with one stage, all is remembered
   if (!leaks) return done;
   const double weight = state.traits.gravity * state.step();

@@ -1,0 +1,17 @@
+// Which rank counts a constraint that several ranks know of.
+#pragma once
+
+#include "constraints/constraint_types.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+// The home of its first body that moves. `world` needs no guests.
+template <class C>
+bool counts_here(const World& world, const Constraint<C>& c) {
+  for (const Id id : c.ids)
+    if (const Slot slot = world.find(id); slot < 0 || !world.is_static(slot)) return slot >= 0 && world.is_home(slot);
+  return false;
+}
+
+}  // namespace unibody
