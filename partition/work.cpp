@@ -1,6 +1,7 @@
 #include "partition/work.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "collide/collide.hpp"
 #include "constraints/counted.hpp"
@@ -34,12 +35,17 @@ double work_of(const StepParts& parts) {
   return sum;
 }
 
-std::int64_t counted_work_of(const World& world, const Contacts& contacts) {
-  double sum = work::of_a_body * static_cast<double>(world.homes);
+std::int64_t counted_work_of(const World& world, const Contacts& contacts, std::span<const std::int32_t> marks) {
+  const auto is_marked = [&](Slot s) { return !marks.empty() && s >= 0 && marks[static_cast<std::size_t>(s)] != 0; };
+  const auto counts = [&](const auto& contact, std::span<const Slot> slots) {
+    return counts_here(world, contact) && std::ranges::none_of(slots, is_marked);
+  };
+  const auto marked = marks.empty() ? 0 : std::count(marks.begin(), marks.begin() + static_cast<std::ptrdiff_t>(world.homes), 1);
+  double sum = work::of_a_body * static_cast<double>(world.homes - static_cast<std::size_t>(marked));
   for (const Manifold& m : contacts.manifolds)
-    if (counts_here(world, m)) sum += cost_of(m);
+    if (counts(m, std::array{m.slot_a, m.slot_b})) sum += cost_of(m);
   for (const SurfaceContact& c : contacts.surface)
-    if (counts_here(world, c)) sum += work::of_a_surface_contact;
+    if (counts(c, c.slots)) sum += work::of_a_surface_contact;
   return static_cast<std::int64_t>(sum);  // the weights are whole numbers
 }
 

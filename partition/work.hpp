@@ -41,8 +41,9 @@ double cost_of(const Joint& joint);
 double work_of(const StepParts& parts);
 
 // The parts of it that this rank counts (counts_here()): over all ranks they sum up to what one rank alone would have to do.
-// Bodies and contacts; constraints, of which `world` needs no guests.
-std::int64_t counted_work_of(const World& world, const Contacts& contacts);
+// Bodies and contacts, but for bodies that are marked, by slot, and their contacts; and constraints, of which `world` needs no
+// guests.
+std::int64_t counted_work_of(const World& world, const Contacts& contacts, std::span<const std::int32_t> marks = {});
 std::int64_t counted_work_of(const World& world, const ConstraintSet& constraints);
 
 // The work of each home body: its own cost, and an equal share, with the other moving bodies, of what touches it. Over all

@@ -182,15 +182,6 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
   if (state.solver.sweeps_by_colour && by_wrenches) system.wrenches.assign(state.world.size() + 1, Wrench{});
 }
 
-namespace {
-
-// ns an iteration, of what this rank counts of the step's bodies and contacts; 0 where no plan asks for it.
-std::int64_t counted_work(const RankState& state) {
-  return state.scene.solver.iterations ? 0 : counted_work_of(state.world, state.contacts);
-}
-
-}  // namespace
-
 StepFacts facts_of(const RankState& state, System& system) {
   const Contacts& contacts = state.contacts;
   const bool may_bounce = !state.collide_settings.restitution.empty();
@@ -200,17 +191,21 @@ StepFacts facts_of(const RankState& state, System& system) {
   const bool any_bounce = may_bounce && (std::ranges::any_of(contacts.bounce, [](double speed) { return speed > 0; }) ||
                                          std::ranges::any_of(contacts.surface, bounces));
   const bool any_contact = !contacts.manifolds.empty() || (state.has_surfaces() && !contacts.surface.empty());
-  std::array<std::int64_t, 6> facts{any_contact, any_bounce, tight, 0, !contacts.surface.empty(), counted_work(state)};
+  const bool counts = !state.scene.solver.iterations;  // else no plan asks for the work
+  std::array<std::int64_t, 7> facts{any_contact, any_bounce, tight, 0, !contacts.surface.empty()};
+  if (counts) facts[5] = facts[6] = counted_work_of(state.world, contacts);
   if (asks_for_islands(state.scene.solver, state.traits)) {
-    const auto [free, constrained] = system.contacts().set_islands(constrained_islands(state, system));
+    const std::vector<std::int32_t> marks = constrained_islands(state, system);
+    const auto [free, constrained] = system.contacts().set_islands(marks);
     facts[3] = free, facts[4] = facts[4] != 0 || constrained;
+    if (counts) facts[6] = counted_work_of(state.world, contacts, marks);
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(facts.size()), MPI_INT64_T, MPI_SUM, state.comm()));
   if (facts[3] == 0) system.contacts().forget_islands();
   StepFacts found{facts[0] != 0, facts[1] != 0, facts[2] != 0};
   found.error_ratio = state.history.error_ratio.ratio;
   found.free_contacts = facts[3] != 0, found.constrained_contacts = facts[4] != 0;
-  found.work = facts[5] + state.traits.lasting_work;
+  found.work = facts[5] + state.traits.lasting_work, found.free_work = facts[6];
   return found;
 }
 

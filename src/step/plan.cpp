@@ -19,13 +19,13 @@ Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, cons
 
 // ns, of one core by the weights of partition/work.hpp: where the scene leaves it open, a step may take as many iterations as
 // cost no more. Scenes of some ten bodies converge so; those of hundreds, whose default iterations cost more, take no others.
-constexpr double work_of_step = 1e6;
+constexpr double work_of_step = 5e5;
 
-int most_iterations(const SolverSettings& settings, const StepFacts& facts) {
+int most_iterations(const SolverSettings& settings, std::int64_t work) {
   if (settings.iterations) return *settings.iterations;
   if (settings.accuracy) return most_automatic_iterations;
-  if (settings.tolerance == 0 || facts.work <= 0) return default_iterations;  // no step stops before its last, or: not known
-  const double fit = work_of_step / static_cast<double>(facts.work);
+  if (settings.tolerance == 0 || work <= 0) return default_iterations;  // no step stops before its last, or: not known
+  const double fit = work_of_step / static_cast<double>(work);
   return static_cast<int>(std::clamp<double>(fit, default_iterations, most_automatic_iterations));
 }
 
@@ -104,11 +104,10 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   const Solver& solver = find_solver(settings.name);
   StepPlan plan;
   plan_sizes(settings, traits, facts, plan);
-  plan.iterations = most_iterations(settings, facts);
-
   plan.stages = stages_of(settings, traits, solver);
   const bool apart = facts.free_contacts && traits.has_constraints();
   plan.islands = apart ? Islands::constrained : Islands::all;
+  plan.iterations = most_iterations(settings, apart ? facts.work - facts.free_work : facts.work);
   const bool any_contact = apart ? facts.constrained_contacts : facts.any_contact;
   plan.two_stages = plan.stages != Stages::position && (!traits.has_constraints() || any_contact);
   // By what the solver is meant to have: the more a stage is known to have, the sooner it forgets.
@@ -168,7 +167,9 @@ SceneTraits SceneTraits::of_free_islands() const {
 }
 
 StepPlan plan_of_free_islands(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts) {
-  StepPlan free = plan(settings, traits.of_free_islands(), facts);
+  StepFacts of_free = facts;
+  of_free.work = facts.free_work;
+  StepPlan free = plan(settings, traits.of_free_islands(), of_free);
   free.islands = Islands::free;
   return free;
 }

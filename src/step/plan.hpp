@@ -31,7 +31,8 @@ struct StepFacts {
   bool bounces = false;          // some contact bounces
   bool links_are_tight = false;  // see links_are_tight() below
   double error_ratio = 0;        // of the error of a step to its residual, as far as it is known; see accuracy.hpp
-  std::int64_t work = 0;         // ns an iteration, of all ranks (partition/work.hpp); 0: not known
+  // ns an iteration, of all ranks (partition/work.hpp), and what of it is of islands without constraints; 0: not known
+  std::int64_t work = 0, free_work = 0;
   // Where the plan asks for islands (asks_for_islands()): some contact is of an island without constraints, or of one with them.
   bool free_contacts = false, constrained_contacts = false;
 };
@@ -72,6 +73,8 @@ struct StepPlan {
 //   error to residual by which an accuracy becomes a tolerance;
 // - one contact that bounces makes the momentum of accelerated_jacobi Nesterov's for all.
 // Islands without constraints beside contacts are solved apart from the others, where there are both, each kind by its own plan.
+// - what all free islands cost together, and what all constrained ones do, sets how many iterations each kind may take where the
+//   scene leaves them open.
 // What is decided for all islands with constraints from a property of one:
 // - one constraint makes the Jacobi solvers take them in one position stage, from a share of the old multipliers, and gives the
 //   velocity stage of Gauss-Seidel half of the iterations at most;

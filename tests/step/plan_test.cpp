@@ -38,9 +38,38 @@ SolverSettings at_velocity_level() {
 
 }  // namespace
 
+// Half a millisecond of counted work, in ns, holds so many iterations.
+TEST(StepPlan, AnOpenCountOfIterationsGoesByWhatTheyCost) {
+  StepFacts facts;
+  const auto open = [&](std::int64_t work, SolverSettings settings = {}) {
+    facts.work = work;
+    return unibody::plan(settings, grains(), facts);
+  };
+  EXPECT_EQ(open(0).iterations, 50);  // it is not known
+  EXPECT_EQ(open(100).iterations, 1000);
+  EXPECT_EQ(open(2000).iterations, 250);
+  EXPECT_EQ(open(10'001).iterations, 50);
+  EXPECT_EQ(open(2000, solver("accelerated_jacobi", 60)).iterations, 60);
+  SolverSettings settings;
+  settings.tolerance = 0;  // no step would stop before
+  EXPECT_EQ(open(2000, settings).iterations, 50);
+  settings = {}, settings.accuracy = 0.01;
+  EXPECT_EQ(open(10'001, settings).iterations, 1000);
+
+  facts.any_contact = true;
+  const StepPlan more = open(2000), usual = unibody::plan(solver("accelerated_jacobi"), grains(), facts);
+  EXPECT_EQ(more.velocity_iterations, 200);
+  EXPECT_EQ(more.least_velocity_iterations, 40);
+  EXPECT_EQ(more.least_position_iterations, 10);
+  EXPECT_EQ(more.aim, more.tolerance);
+  EXPECT_EQ(more.uneven_share, usual.uneven_share);
+  EXPECT_EQ(more.leak, usual.leak);
+  EXPECT_EQ(usual.least_velocity_iterations, 0);
+}
+
 TEST(StepPlan, SizesGoByTheSmallestBody) {
   const StepPlan plan = unibody::plan({}, grains());
-  EXPECT_DOUBLE_EQ(plan.tolerance, 1e-4 * 0.06 / 16);  // a quarter of a frame
+  EXPECT_DOUBLE_EQ(plan.tolerance, 5e-5 * 0.06 / 16);  // a quarter of a frame
   EXPECT_DOUBLE_EQ(plan.margin, 0.002);                // a fifth of the size is more
   EXPECT_DOUBLE_EQ(plan.recovery_speed, 0.25);
   EXPECT_DOUBLE_EQ(plan.recovery_time, 0.02);  // a frame, not a step
@@ -69,12 +98,12 @@ TEST(StepPlan, TheToleranceFallsWithTheStep) {
     traits.frame = frame, traits.step = frame / parts;
     return unibody::plan({}, traits).tolerance;
   };
-  EXPECT_DOUBLE_EQ(tolerance(0.016, 1), 6e-6);
-  for (const int parts : {4, 16}) EXPECT_DOUBLE_EQ(parts * tolerance(0.016, parts) / 0.016, 6e-6 / 0.016 / parts);
+  EXPECT_DOUBLE_EQ(tolerance(0.016, 1), 3e-6);
+  for (const int parts : {4, 16}) EXPECT_DOUBLE_EQ(parts * tolerance(0.016, parts) / 0.016, 3e-6 / 0.016 / parts);
   EXPECT_DOUBLE_EQ(tolerance(0.001, 1), 0.04 * 10 * 1e-6);
   SceneTraits weightless = grains();
   weightless.frame = weightless.step = 0.001, weightless.gravity = 0;
-  EXPECT_DOUBLE_EQ(unibody::plan({}, weightless).tolerance, 6e-6);
+  EXPECT_DOUBLE_EQ(unibody::plan({}, weightless).tolerance, 3e-6);
 }
 
 // With an accuracy a step stops at a residual: the part of the accuracy that falls to this step, divided by the ratio of error to
@@ -85,7 +114,7 @@ TEST(StepPlan, AnAccuracyIsAToleranceByTheRatioOfErrorToResidual) {
   const double part = 1e-2 * 0.06 / 4;  // of the frame's, a quarter of it
   const StepPlan unknown = unibody::plan(settings, grains());
   EXPECT_DOUBLE_EQ(unknown.tolerance, part / 3);
-  EXPECT_DOUBLE_EQ(unknown.aim, 1e-4 * 0.06 / 16);
+  EXPECT_DOUBLE_EQ(unknown.aim, 5e-5 * 0.06 / 16);
   StepFacts facts;
   facts.error_ratio = 12;
   EXPECT_DOUBLE_EQ(unibody::plan(settings, grains(), facts).tolerance, part / 12);
