@@ -148,7 +148,8 @@ void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
   lines.push_back("  run  " + counted(scene.time.frames, "frame") + " of " + number_text(scene.time.frame, 3) + " s, " +
                   counted(scene.time.substeps, "step") + " each, on " + counted(ranks, "rank") + "; " +
                   number_text(bytes / 1e6, 3) + " MB on the largest at the start");
-  lines.push_back("  plan  " + used.name + ", " + iterations_text(used) + ", stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
+  lines.push_back("  plan  " + used.name + ", " + iterations_text(used) +
+                  ", stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
                   number_text(*used.tolerance, 3) + " m" +
                   (used.accuracy ? " for an accuracy of " + number_text(*used.accuracy, 3) : "") + ", contacts from " +
                   number_text(*used.margin, 3) + " m on");

@@ -115,8 +115,7 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   const Split split = split_of(settings, spares ? default_iterations : plan.iterations, traits, solver);
   plan.velocity_share = split.velocity_share, plan.leak = split.leak;
   if (plan.two_stages)
-    plan.velocity_iterations =
-        std::clamp(static_cast<int>(split.velocity_share * plan.iterations), 1, plan.iterations - 1);
+    plan.velocity_iterations = std::clamp(static_cast<int>(split.velocity_share * plan.iterations), 1, plan.iterations - 1);
   if (settings.accuracy || spares) plan_least_iterations(split, plan);
   if (plan.two_stages && split.iterations_a_weight > 0) plan.most_weights = plan.velocity_iterations / split.iterations_a_weight;
   plan.swelling = split.swelling;

@@ -18,7 +18,7 @@ struct SceneTraits {
   bool has_centre_constraints = false;                             // links, membranes, tetrahedra ... between bodies' centres
   bool only_links = false;                                         // all of these are links
   bool has_joints = false;
-  bool has_attachments = false;  // to dynamic bodies
+  bool has_attachments = false;   // to dynamic bodies
   std::int64_t lasting_work = 0;  // ns an iteration (partition/work.hpp), of joints and constraints between centres
 
   SceneTraits of_free_islands() const;  // of what the bodies would be without those constraints
@@ -40,7 +40,7 @@ struct StepFacts {
 struct StepPlan {
   // By the size of the smallest body and the step: see "auto" in solver_settings.hpp.
   double tolerance = 0, margin = 0, recovery_speed = 0;  // m, m, m/s
-  int iterations = 0;  // the most of a step, over both stages
+  int iterations = 0;                                    // the most of a step, over both stages
   // Where these are more than the scene asks for: m, the residual that a stage is after in its first iterations, as many as the
   // default has. From there on it stops at `tolerance`, or where more of them hardly help. 0 of them: the two are one.
   double aim = 0;

@@ -91,8 +91,9 @@ TEST_P(Creep, AStackOnASlopeStays) {
 // smallest edge.
 TEST_P(Creep, StacksStay) {
   const std::string settings = header(GetParam().solver, GetParam().substeps, 0.016);
-  for (const std::string& text : {"gravity: [0, 0, -9.81]\n" + tower(5, 0, "0.1"), "gravity: [0.981, 0, -9.81]\n" + tower(5, 0, "0.1"),
-                                  "gravity: [2.943, 0, -9.81]\n" + tower(3, 0, "0.1"), "gravity: [1.962, 0, -9.81]\n" + tower(5, 0)}) {
+  for (const std::string& text :
+       {"gravity: [0, 0, -9.81]\n" + tower(5, 0, "0.1"), "gravity: [0.981, 0, -9.81]\n" + tower(5, 0, "0.1"),
+        "gravity: [2.943, 0, -9.81]\n" + tower(3, 0, "0.1"), "gravity: [1.962, 0, -9.81]\n" + tower(5, 0)}) {
     Experiment run(scene_from_text(settings + text));
     run.seconds(2);
     const std::vector<Vec3> before = run.world().position;

@@ -135,6 +135,8 @@ const std::vector<BadInput> bad_values{
     {"mass_sharing", "solver: {mass_sharing: none}\n",
      "FILE:1: key 'solver.mass_sharing': found none, expected directions or count"},
     {"stages", "solver: {stages: 2}\n", "FILE:1: key 'solver.stages': found 2, expected auto, two, together or position"},
+    {"iterations_in_words", "solver: {iterations: many}\n",
+     "FILE:1: key 'solver.iterations': found many, expected auto or an integer >= 1, <= 1000000000"},
     {"too_few_iterations_for_two_stages", "solver:\n  iterations: 1\n",
      "FILE:2: key 'solver.iterations': found 1, expected an integer >= 2 (two stages; stages: position needs 1)"},
     {"no_material", "materials: {}\n",

@@ -55,6 +55,16 @@ TEST(RanksIslands, AMarkGoesFromRankToRank) {
     EXPECT_EQ(marks[i], run.world().position[i].y() > 1 ? 0 : 1) << "body " << run.world().id[i];
 }
 
+// 41 balls of 20 ns, 40 pairs of them and 41 with the ground of 25 ns, and three rows of a joint of 400 ns fill half a millisecond
+// in 123 iterations; the two other balls have as many as there may be.
+TEST(RanksIslands, EachKindHasIterationsByWhatItCosts) {
+  Experiment run(scene_from_text(row(40, "accelerated_jacobi")), MPI_COMM_WORLD);
+  const StepReport report = run.simulation->step();
+  ASSERT_EQ(report.plans.size(), 2U);
+  EXPECT_EQ(report.plans[0].iterations, 500'000 / (41 * 20 + 81 * 25 + 3 * 400));
+  EXPECT_EQ(report.plans[1].iterations, 1000);
+}
+
 // Balls that fall on two that a joint holds together, and slide off them; and two that fall on each other elsewhere.
 TEST(RanksIslands, SolvedApartTheyEndWithTheSameBits) {
   const std::string falling =
