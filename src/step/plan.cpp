@@ -57,12 +57,16 @@ Acceleration acceleration_of(const SolverSettings& settings, const SceneTraits& 
   return bears_more ? Acceleration::optimized : Acceleration::nesterov;
 }
 
+// Of the smallest body's size, in a step of a whole frame: what the first iterations of a step with an accuracy are after. It is
+// more than the automatic tolerance, since what rests is held to the accuracy by those that follow.
+constexpr double aim_of_accuracy = 1e-4;
+
 // A force moves a body in a step by the square of the step's length. The tolerance falls as that square where a frame has more
 // steps: a stage then leaves the same share of the motion undone, and a body at rest creeps less per second the finer the steps
 // are. A short frame has few steps, so the tolerance is also bounded by a share of what a body falls in the step.
-double automatic_tolerance_of(const SceneTraits& traits) {
+double automatic_tolerance_of(const SceneTraits& traits, double share) {
   const double part = traits.step / traits.frame, fall = traits.gravity * traits.step * traits.step;
-  const double by_size = automatic_tolerance * traits.smallest_size * part * part;
+  const double by_size = share * traits.smallest_size * part * part;
   return fall > 0 ? std::min(by_size, automatic_share_of_fall * fall) : by_size;
 }
 
@@ -75,13 +79,14 @@ double tolerance_of(const SolverSettings& settings, const SceneTraits& traits, c
   if (settings.tolerance) return *settings.tolerance;
   if (!std::isfinite(traits.smallest_size)) return 0;
   return settings.accuracy ? tolerance_of_accuracy(*settings.accuracy, traits, facts.error_ratio)
-                           : automatic_tolerance_of(traits);
+                           : automatic_tolerance_of(traits, automatic_tolerance);
 }
 
 void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts, StepPlan& plan) {
   const double size = traits.smallest_size;
   plan.tolerance = plan.aim = tolerance_of(settings, traits, facts);
-  if (settings.accuracy && plan.tolerance > 0) plan.aim = std::min(plan.tolerance, automatic_tolerance_of(traits));
+  if (settings.accuracy && plan.tolerance > 0)
+    plan.aim = std::min(plan.tolerance, automatic_tolerance_of(traits, aim_of_accuracy));
   plan.margin = settings.margin.value_or(std::min(most_automatic_margin, automatic_margin * size));
   const double toss = traits.gravity > 0 ? std::sqrt(2 * traits.gravity * (automatic_toss * size)) : HUGE_VAL;
   plan.recovery_speed = settings.recovery_speed.value_or(std::min(most_automatic_recovery_speed, toss));

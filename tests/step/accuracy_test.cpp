@@ -103,7 +103,9 @@ TEST(Accuracy, IsHeldAsTheConvergedStepTells) {
 
 // The usual iterations alone would not do.
 TEST(Accuracy, AsksForMoreThanTheUsualIterations) {
-  Experiment e(pile());
+  Scene scene = pile();
+  scene.solver.iterations = default_iterations;
+  Experiment e(scene);
   int wrong = 0;
   for (int k = 1; k <= 100; ++k) {
     StepRequest request;

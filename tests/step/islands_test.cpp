@@ -55,8 +55,8 @@ TEST(RanksIslands, AMarkGoesFromRankToRank) {
     EXPECT_EQ(marks[i], run.world().position[i].y() > 1 ? 0 : 1) << "body " << run.world().id[i];
 }
 
-// 41 balls of 20 ns, 40 pairs of them and 41 with the ground of 25 ns, and three rows of a joint of 400 ns fill half a millisecond
-// in 123 iterations; the two other balls have as many as there may be.
+// 41 balls of 20 ns, 40 pairs of them and 41 with the ground of 25 ns, and three rows of a joint of 400 ns fill half a
+// millisecond in 123 iterations; the two other balls have as many as there may be.
 TEST(RanksIslands, EachKindHasIterationsByWhatItCosts) {
   Experiment run(scene_from_text(row(40, "accelerated_jacobi")), MPI_COMM_WORLD);
   const StepReport report = run.simulation->step();

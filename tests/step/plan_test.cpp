@@ -114,7 +114,7 @@ TEST(StepPlan, AnAccuracyIsAToleranceByTheRatioOfErrorToResidual) {
   const double part = 1e-2 * 0.06 / 4;  // of the frame's, a quarter of it
   const StepPlan unknown = unibody::plan(settings, grains());
   EXPECT_DOUBLE_EQ(unknown.tolerance, part / 3);
-  EXPECT_DOUBLE_EQ(unknown.aim, 2e-5 * 0.06 / 16);
+  EXPECT_DOUBLE_EQ(unknown.aim, 1e-4 * 0.06 / 16);
   StepFacts facts;
   facts.error_ratio = 12;
   EXPECT_DOUBLE_EQ(unibody::plan(settings, grains(), facts).tolerance, part / 12);
