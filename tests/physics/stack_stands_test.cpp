@@ -16,7 +16,7 @@ constexpr int boxes = 5;
 std::string stack(const char* solver, int substeps) {
   std::string points;
   for (int k = 0; k < boxes; ++k) points += std::string(k > 0 ? ", " : "") + "[0, 0, " + std::to_string(side * (k + 0.5)) + "]";
-  return "time: {frame: 0.016, substeps: " + std::to_string(substeps) + "}\nsolver: {name: " + solver +
+  return "time: {frame: 0.016, substeps: " + std::to_string(substeps) + "}\nsolver: {iterations: 50, name: " + solver +
          "}\nmaterials: {wood: {friction: 0.6}}\nbodies:\n"
          "  - {shape: {plane: {normal: [0, 0, 1]}}, material: wood}\n"
          "  - {shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, material: wood, points: [" +
