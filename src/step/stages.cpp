@@ -76,7 +76,7 @@ namespace {
 // m. A manifold counts as solved where its own residual is no more than this share of the automatic tolerance, whatever the
 // scene's: one that is at the tolerance may stand in a column that as a whole is far from solved.
 double solved_residual(const RankState& state) {
-  constexpr double share = 0.15;
+  constexpr double share = 0.06;
   SolverSettings automatic = state.scene.solver;
   automatic.tolerance.reset(), automatic.accuracy.reset();
   return share * unibody::plan(automatic, state.traits).tolerance;

@@ -36,10 +36,8 @@ TEST_P(BalancedPairs, AHangingBallIsNotThrownUp) {
   for (const double ratio : {1.0, 10.0, 30.0, 100.0, 1000.0}) {
     const std::string settings = "name: " + std::string(solver) + ", iterations: " + std::to_string(iterations);
     Experiment run(scene_from_text(ball_on_thread(0.01 * ratio, substeps, settings)));
-    // Each of ten links and the pin may be left short by a ten-thousandth of what is smallest, in a step of a whole frame, and by
-    // the square of the step's part of it in others.
-    const double left = 1e-4 * run.simulation->traits.smallest_size / (substeps * substeps);
-    const double start = run.energy(), lift = 11 * left;
+    // Each of ten links and the pin may be left short by the tolerance.
+    const double start = run.energy(), lift = 11 * run.simulation->settings_used().tolerance.value();
     double most = start, highest = -1.05, aside = 0;
     for (int k = 0; k < 200 * substeps; ++k) {
       run.step();

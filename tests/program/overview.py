@@ -39,7 +39,7 @@ class Overview(ProgramTest):
                          "  what moves  3.1 kg, from 0.04 m (thinnest) to 0.6 m (longest), between [-0.1, -0.2, 0] and [4.02, 0.2, 1.02] m",
                          f"  run  20 frames of 0.01 s, 2 steps each, on {ranks} rank{'s' if ranks > 1 else ''}; "):
                 self.assertIn(line, out)
-            self.assertIn("  plan  accelerated_jacobi, at most 50 iterations a step, stages: position, tolerance ", out)
+            self.assertIn("  plan  accelerated_jacobi, at most 50 iterations a step (up to 1000 iterations where they cost little), stages: position, tolerance ", out)
         self.assertEqual(self.warnings(SCENE), [])
 
     def test_overlaps_at_the_start(self):
