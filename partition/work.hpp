@@ -41,8 +41,8 @@ double cost_of(const Joint& joint);
 double work_of(const StepParts& parts);
 
 // The parts of it that this rank counts (counts_here()): over all ranks they sum up to what one rank alone would have to do.
-// Bodies and contacts, but for bodies that are marked, by slot, and their contacts; and constraints, of which `world` needs no
-// guests.
+// The first is of bodies and contacts; where `marks` are given, by slot, it leaves out the marked bodies and what touches them.
+// The second is of constraints, and its `world` needs no guests.
 std::int64_t counted_work_of(const World& world, const Contacts& contacts, std::span<const std::int32_t> marks = {});
 std::int64_t counted_work_of(const World& world, const ConstraintSet& constraints);
 

@@ -107,9 +107,9 @@ TEST_P(Creep, StacksStay) {
   }
 }
 
-// Towers of ten boxes, that lean or stand on a slope, far from where they would fall: their steps do not converge with 50
-// iterations, and what creeps must not add up to a fall, whatever else is in the scene. What is left is less than a tenth of a
-// box's edge.
+// Towers of ten boxes lean or stand on a slope, far from where they would fall. Their steps do not converge with 50 iterations,
+// and what creeps must not add up to a fall, whatever else is in the scene. A tower moves by less than a tenth of a box's longer
+// edge.
 TEST_P(Creep, TowersStand) {
   const std::string settings = header(GetParam().solver, GetParam().substeps, 0.016, ", iterations: 50");
   const std::string far_cloth =
