@@ -115,10 +115,11 @@ class Report(unittest.TestCase):
             words = [PROGRAM, str(SOURCE / "scenes" / "boxes_500.yaml"), "-output", str(folder)]
             run = execute(words + [w for value in ["time.frames=1", "output.every=0", *values] for w in ("-set", value)], 60)
             self.assertEqual(run.code, 0, run.err)
-            return json.loads((folder / "summary.json").read_text())["settings"]["solver"]
+            summary = json.loads((folder / "summary.json").read_text())
+            return summary["settings"]["solver"], summary["plans"][0]["iterations"]
 
         found, default = solver_of("defaults", []), work_precision.DEFAULT
-        self.assertEqual((found["name"], found["iterations"]), (default.solver, default.iterations))
+        self.assertEqual((found[0]["name"], found[0]["iterations"], found[1]), (default.solver, "auto", default.iterations))
         self.assertEqual(solver_of("taken_back", COMMON + DEFAULTS), found)
         self.assertNotEqual(solver_of("common", COMMON), found)
         self.assertEqual(solver_of("shipped", COMMON + work_precision.SHIPPED.values()), found)
