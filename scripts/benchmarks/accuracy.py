@@ -32,10 +32,14 @@ def run(scene, asked, arguments):
     """The report's rows of a run that is timed, and those of the same run with its errors estimated."""
     frames, every, further = CASES[scene]
     settings = ['output.every=0', 'output.checkpoint_every=-1', f'time.frames={arguments.frames or frames}']
-    settings += further if asked else [s for s in further if 'iterations' not in s]
-    settings += [f'solver.accuracy={asked}'] if asked else []
+    path = os.path.join(ROOT, 'scenes', scene + '.yaml')
+    if asked:
+        settings += [*further, f'solver.accuracy={asked}']
+    else:  # with the iterations that the scene names, or 50
+        with open(path, encoding='utf-8') as file:
+            settings += [s for s in further if 'iterations' not in s] + ([] if 'iterations:' in file.read() else ['solver.iterations=50'])
     output = folder('accuracy')
-    words = [os.path.join(BUILD, 'unibody'), os.path.join(ROOT, 'scenes', scene + '.yaml'), '-output', output, '-overwrite']
+    words = [os.path.join(BUILD, 'unibody'), path, '-output', output, '-overwrite']
     for value in settings:
         words += ['-set', value]
     command(words, 1, arguments.core)
