@@ -40,9 +40,9 @@ double cost_of(const Joint& joint);
 // The work of this rank: all that it evaluates. What is cut by a border of ranks counts on both sides.
 double work_of(const StepParts& parts);
 
-// The parts of it that this rank counts (counts_here()): over all ranks they sum up to what one rank alone would have to do.
-// The first is of bodies and contacts; where `marks` are given, by slot, it leaves out the marked bodies and what touches them.
-// The second is of constraints, and its `world` needs no guests.
+// The work that this rank counts. What a border cuts is counted on one side of it (counts_here()), so that the sum over all ranks
+// is the work of one rank alone. The first function counts bodies and contacts; where `marks` are given, by slot, it leaves out
+// the marked bodies and what touches them. The second one counts constraints, and its `world` needs no guests.
 std::int64_t counted_work_of(const World& world, const Contacts& contacts, std::span<const std::int32_t> marks = {});
 std::int64_t counted_work_of(const World& world, const ConstraintSet& constraints);
 

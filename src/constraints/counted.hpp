@@ -1,4 +1,4 @@
-// Which rank counts a constraint that several ranks know of.
+// Several ranks may know of a constraint; one of them counts it.
 #pragma once
 
 #include "constraints/constraint_types.hpp"
@@ -6,7 +6,7 @@
 
 namespace unibody {
 
-// The home of its first body that moves. `world` needs no guests.
+// Whether this rank is the one that counts a constraint: its first body that moves is home here. `world` needs no guests.
 template <class C>
 bool counts_here(const World& world, const Constraint<C>& c) {
   for (const Id id : c.ids)

@@ -37,6 +37,9 @@ std::string words_of(const Range& range);  // "> 0", "0 to 1, without 0", "any"
 std::optional<double> read_number_or_auto(const Value& value, const Range& range, const std::string& unit);
 std::optional<std::int64_t> read_integer_or_auto(const Value& value, std::int64_t low, std::int64_t high);
 
+Json schema_of(std::int64_t low, std::int64_t high);        // of an integer
+std::string words_of(std::int64_t low, std::int64_t high);  // "integer >= 1, <= 10"
+
 inline Json or_auto(const Json& number) {
   return Json::object().set("anyOf", Json::array().push(number).push(Json::object().set("const", "auto")));
 }
@@ -68,29 +71,28 @@ Setting<Target> number_or_auto(const char* key, const char* unit, const Range& r
 template <class Target, class Integer>
 Setting<Target> integer(const char* key, const char* unit, std::int64_t low, std::int64_t high, Integer Target::*member,
                         const char* about) {
-  const std::string words =
-      "integer >= " + std::to_string(low) + (high < std::int64_t{1} << 53 ? ", <= " + std::to_string(high) : "");
   return {key,
           unit,
-          words,
+          words_of(low, high),
           about,
           [=](const Value& v, Target& t) { t.*member = static_cast<Integer>(v.integer(low, high)); },
           [=](const Target& t) { return std::to_string(t.*member); },
-          [=] { return Json::object().set("type", "integer").set("minimum", low).set("maximum", high); }};
+          [=] { return schema_of(low, high); }};
 }
 
 template <class Target, class Integer>
 Setting<Target> integer_or_auto(const char* key, const char* unit, std::int64_t low, std::int64_t high,
                                 std::optional<Integer> Target::*member, const char* about) {
-  Setting<Target> setting = integer<Target>(key, unit, low, high, static_cast<Integer Target::*>(nullptr), about);
-  setting.values = "auto, or " + setting.values;
-  setting.read = [=](const Value& v, Target& t) {
-    const auto found = read_integer_or_auto(v, low, high);
-    t.*member = found ? std::optional(static_cast<Integer>(*found)) : std::nullopt;
-  };
-  setting.write = [=](const Target& t) { return t.*member ? std::to_string(*(t.*member)) : "auto"; };
-  setting.schema = [number = setting.schema] { return or_auto(number()); };
-  return setting;
+  return {key,
+          unit,
+          "auto, or " + words_of(low, high),
+          about,
+          [=](const Value& v, Target& t) {
+            const auto found = read_integer_or_auto(v, low, high);
+            t.*member = found ? std::optional(static_cast<Integer>(*found)) : std::nullopt;
+          },
+          [=](const Target& t) { return t.*member ? std::to_string(*(t.*member)) : "auto"; },
+          [=] { return or_auto(schema_of(low, high)); }};
 }
 
 template <class Target>

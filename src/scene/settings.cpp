@@ -53,6 +53,14 @@ std::optional<std::int64_t> read_integer_or_auto(const Value& value, std::int64_
   }
 }
 
+Json schema_of(std::int64_t low, std::int64_t high) {
+  return Json::object().set("type", "integer").set("minimum", low).set("maximum", high);
+}
+
+std::string words_of(std::int64_t low, std::int64_t high) {
+  return "integer >= " + std::to_string(low) + (high < std::int64_t{1} << 53 ? ", <= " + std::to_string(high) : "");
+}
+
 Json schema_of(const std::vector<std::string>& names) {
   Json list = Json::array();
   for (const std::string& name : names) list.push(name);

@@ -41,8 +41,9 @@ struct StepPlan {
   // By the size of the smallest body and the step: see "auto" in solver_settings.hpp.
   double tolerance = 0, margin = 0, recovery_speed = 0;  // m, m, m/s
   int iterations = 0;                                    // the most of a step, over both stages
-  // Where these are more than the scene asks for: m, the residual that a stage is after in its first iterations, as many as the
-  // default has. From there on it stops at `tolerance`, or where more of them hardly help. 0 of them: the two are one.
+  // m. Where the program may take more than the default iterations, a stage first goes for the residual `aim`, in as many
+  // iterations as it has of the default ones (least_...). After them it stops at `tolerance`, or where more of them hardly help.
+  // Where `least_...` are 0, `aim` is `tolerance`.
   double aim = 0;
   int least_velocity_iterations = 0, least_position_iterations = 0;
   double recovery_time = 0, surface_recovery_time = 0;  // s
@@ -73,8 +74,8 @@ struct StepPlan {
 //   error to residual by which an accuracy becomes a tolerance;
 // - one contact that bounces makes the momentum of accelerated_jacobi Nesterov's for all.
 // Islands without constraints beside contacts are solved apart from the others, where there are both, each kind by its own plan.
-// - what all free islands cost together, and what all constrained ones do, sets how many iterations each kind may take where the
-//   scene leaves them open.
+// Where the scene leaves the iterations open, the islands of a kind share one number of them, which falls with the work of all
+// islands of that kind together.
 // What is decided for all islands with constraints from a property of one:
 // - one constraint makes the Jacobi solvers take them in one position stage, from a share of the old multipliers, and gives the
 //   velocity stage of Gauss-Seidel half of the iterations at most;

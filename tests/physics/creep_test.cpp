@@ -87,7 +87,7 @@ TEST_P(Creep, AStackOnASlopeStays) {
     run.seconds(2);
     const Vec3 before = run.position(3);
     run.seconds(10);
-    EXPECT_LT((run.position(3) - before).norm(), bound(3, GetParam().substeps));
+    EXPECT_LT((run.position(3) - before).norm(), settings == one_stage ? 1e-3 * 0.1 : bound(3, GetParam().substeps));
   }
 }
 

@@ -48,8 +48,8 @@ struct PileCase {
 
 class PileEnergy : public testing::TestWithParam<PileCase> {};
 
-// The energy never passes that of the start. A step may leave each contact open by 1e-4 of a diameter, as steps that do not
-// converge leave more: so far apart the layers of a pile may come to stand, and the upper ones as many times that higher.
+// The energy never passes that of the start. The test allows for one thing: every contact may end open by 1e-4 of a diameter. The
+// layers of a pile then stand so far apart, and each layer is higher by that length times the number of layers below it.
 TEST_P(PileEnergy, NeverPassesThatOfTheStart) {
   const PileCase c = GetParam();
   Experiment run(scene_from_text(pile(c.layers, c.solver, c.more(c.layers))));

@@ -47,7 +47,8 @@ INSTANTIATE_TEST_SUITE_P(Solvers, Slip,
                                          SlipCase{"accelerated_jacobi", 16}, SlipCase{"gauss_seidel", 1},
                                          SlipCase{"gauss_seidel", 4}, SlipCase{"gauss_seidel", 16}));
 
-// A stack that leans by 1.8 degrees, whose steps 50 iterations do not solve: what is left undone falls with the step.
+// Fifty iterations do not solve the steps of a stack that leans by 1.8 degrees. What they leave undone falls with the length of
+// the step.
 TEST(Slip, OfALeaningStackFallsWithTheStep) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
     EXPECT_LT(slip_of(5, "[0.3, 0, -9.8]", std::string(solver) + ", iterations: 50", 16), 1e-3 * side) << solver;
