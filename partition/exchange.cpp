@@ -12,9 +12,9 @@ namespace {
 constexpr int tag_exchange = 111;
 
 // What travels of a value, and how it is read and written.
-struct Twist {
+struct SentTwist {
   double v[3], w[3];
-  static Twist of(const SolverBody& b) { return {{b.v[0], b.v[1], b.v[2]}, {b.w[0], b.w[1], b.w[2]}}; }
+  static SentTwist of(const SolverBody& b) { return {{b.v[0], b.v[1], b.v[2]}, {b.w[0], b.w[1], b.w[2]}}; }
   void to(SolverBody& b) const { std::copy_n(v, 3, b.v), std::copy_n(w, 3, b.w); }
 };
 struct Velocity {  // of bodies that do not turn
@@ -163,7 +163,7 @@ void Exchange::run(std::span<const Traffic> traffic, std::span<T> values) const 
 }
 
 void Exchange::run(std::span<const Traffic> traffic, std::span<SolverBody> bodies) const {
-  rotates_ ? run<SolverBody, Twist>(traffic, bodies) : run<SolverBody, Velocity>(traffic, bodies);
+  rotates_ ? run<SolverBody, SentTwist>(traffic, bodies) : run<SolverBody, Velocity>(traffic, bodies);
 }
 
 void Exchange::refresh(std::span<SolverBody> bodies) const { run(all_, bodies); }

@@ -20,7 +20,7 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_cells = 131, tag_links = 132;
+constexpr int tag_graph_cells = 131, tag_graph_links = 132;
 
 // A patch is a cell in a layer of its own: x its number, y its group.
 constexpr std::int32_t patch_layer = std::numeric_limits<std::int32_t>::min();
@@ -231,13 +231,14 @@ std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions
   std::vector<std::vector<Cell>> to(static_cast<std::size_t>(size));
   to[0] = merge(std::move(mine));
   std::vector<Cell> all;
-  for (const auto& list : exchange_all(comm, to, tag_cells)) all.insert(all.end(), list.begin(), list.end());
+  for (const auto& list : exchange_all(comm, to, tag_graph_cells)) all.insert(all.end(), list.begin(), list.end());
 
   std::vector<std::vector<CellLink>> links_to(static_cast<std::size_t>(size));
   for (const PatchLink& link : links) links_to[0].push_back({cell_of(link.a), cell_of(link.b), link.weight});
   for (const PlaceLink& link : joints) links_to[0].push_back({cell_at(link.a, edge), cell_at(link.b, edge), link.weight});
   std::vector<CellLink> all_links;
-  for (const auto& list : exchange_all(comm, links_to, tag_links)) all_links.insert(all_links.end(), list.begin(), list.end());
+  for (const auto& list : exchange_all(comm, links_to, tag_graph_links))
+    all_links.insert(all_links.end(), list.begin(), list.end());
 
   if (rank == 0 && !all.empty()) {
     all = merge(std::move(all));

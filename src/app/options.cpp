@@ -91,6 +91,8 @@ Options parse_options(int argc, char** argv) {
       if (!options.restart.empty()) throw InputError("option " + word + ": a checkpoint is given already");
       options.restart = value(), options.other_settings = word == "-start_from";
       options.restart_where_possible = word == "-restart" && options.restart == "auto";
+    } else if (word == "-continue_from") {
+      options.continue_from = value();
     } else if (word == "-check") {
       options.check = true;
     } else if (word == "-wall_limit") {
@@ -138,6 +140,8 @@ Options parse_options(int argc, char** argv) {
   }
   const bool tells = options.help || options.version || options.schema || options.settings;
   if (options.scene.empty() && !tells) throw InputError("no scene is given: unibody SCENE [options], -help explains");
+  if (!options.continue_from.empty() && !options.restart.empty() && !options.restart_where_possible)
+    throw InputError("option -continue_from: a checkpoint is given already");
   if (options.dump_step >= 0 && options.dump_fclib.empty())
     throw InputError("option -dump_step: expected -dump_fclib FILE with it");
   return options;
@@ -189,6 +193,9 @@ Simulates the scene file SCENE and writes its results into a folder.
                          with cloths, threads or solids in the incremental form, which converge to what their way leads to, the
                          former alone. The run itself stays the same, bit for bit; a sample takes as long as some 60 to 1000
                          steps, and its time is none of the steps'
+  -continue_from FILE    start the scene, at time 0, with the bodies of another scene's checkpoint: body k of an entry from body k of
+                         the entry of the same name. Those keep place, orientation and velocities; all else is as SCENE says. What
+                         differs is told. With -restart auto: where DIR has no checkpoint yet
   -check                 read the scene, find its contacts, tell what the run would do and what in it is probably a mistake, and end:
                          nothing is written
   -wall_limit TIME       stop with a checkpoint before so much time has passed since the start: 3h55m, 90m, 45s or seconds. The signals

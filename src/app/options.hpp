@@ -18,6 +18,7 @@ struct Options {
   bool overwrite = false;
   bool help = false, version = false, schema = false, settings = false;  // told instead of a run
   std::string restart;                                                   // checkpoint to go on from; empty: start anew
+  std::string continue_from;                      // another scene's checkpoint, whose bodies go on; empty: start anew
   bool restart_where_possible = false;            // -restart auto: from the output folder's checkpoint, where there is one
   bool appends = false;                           // to the results in the output folder, whose checkpoint the run goes on from
   bool other_settings = false;                    // than those of the checkpoint's run may be set: -start_from

@@ -99,10 +99,10 @@ Overlaps find_overlaps(const Simulation& simulation) {
   const MPI_Comm comm = simulation.comm();
   check_mpi(MPI_Allreduce(&here.count, &all.count, 1, MPI_INT64_T, MPI_SUM, comm));
   check_mpi(MPI_Allreduce(&here.depth, &all.depth, 1, MPI_DOUBLE, MPI_MAX, comm));
-  constexpr Id none = std::numeric_limits<Id>::max();
+  constexpr Id no_body = std::numeric_limits<Id>::max();
   bool is_first = here.depth == all.depth && here.depth > 0;
   for (std::size_t k = 0; k < 2; ++k) {
-    all.deepest[k] = is_first ? here.deepest[k] : none;
+    all.deepest[k] = is_first ? here.deepest[k] : no_body;
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, &all.deepest[k], 1, MPI_INT64_T, MPI_MIN, comm));
     is_first = is_first && all.deepest[k] == here.deepest[k];
   }

@@ -142,13 +142,12 @@ std::string mark_of(const Scene& scene, bool with_settings) {
   return fingerprint(physics_of(scene)) + (with_settings ? fingerprint(settings_of(scene)) : "");
 }
 
-std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, Simulation& simulation) {
+std::int64_t restore(MPI_Comm comm, Scene& scene, const Options& options, Simulation& simulation) {
   const Checkpoint checkpoint(comm, options.restart, mark_of(scene, !options.other_settings));
   if (checkpoint.body_count() != scene.body_count())
     throw InputError("'" + options.restart + "' is damaged: found " + std::to_string(checkpoint.body_count()) +
                      " bodies, expected the scene's " + std::to_string(scene.body_count()));
-  if (!scene.bodies_come_and_go() && !checkpoint.has_all_bodies())
-    throw InputError("'" + options.restart + "' is damaged: found a table of some of the scene's bodies, expected all of them");
+  if (!checkpoint.has_all_bodies()) scene.lacks_bodies = true;  // of a run that itself went on from another
   int rank = 0, size = 1;
   check_mpi(MPI_Comm_rank(comm, &rank));
   check_mpi(MPI_Comm_size(comm, &size));

@@ -16,6 +16,6 @@ std::string mark_of(const Scene& scene, bool with_settings = true);
 
 // The world at the checkpoint that the options name: each rank reads its share of the moving bodies, and all statics. Returns the
 // checkpoint's frame. Throws InputError where the scene is another. Collective.
-std::int64_t restore(MPI_Comm comm, const Scene& scene, const Options& options, Simulation& simulation);
+std::int64_t restore(MPI_Comm comm, Scene& scene, const Options& options, Simulation& simulation);
 
 }  // namespace unibody

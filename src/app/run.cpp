@@ -172,6 +172,8 @@ class Run {
 
 void Run::start_world() {
   summary_.first_frame = running_.start();
+  for (const std::string& line : running_.told())
+    if (rank_ == 0) std::printf("%s\n", line.c_str());
   if (summary_.first_frame > scene_.time.frames)
     throw InputError("'" + options_.restart + "' is of frame " + std::to_string(summary_.first_frame) +
                      ": key 'time.frames': found " + std::to_string(scene_.time.frames) + ", expected no fewer");
@@ -312,6 +314,7 @@ void Run::finish() {
   summary_.state_hash = state_hash(comm_, simulation_.world);
   summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
   summary_.restarted_from = options_.restart;
+  if (options_.restart.empty()) summary_.continued_from = options_.continue_from;
   summary_.last_frame = last_frame_, summary_.past = simulation_.history.past;
   summary_.wall_total = MPI_Wtime() - start_;
   times_.finish();

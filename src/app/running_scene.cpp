@@ -1,6 +1,7 @@
 #include "app/running_scene.hpp"
 
 #include "app/bad_body.hpp"
+#include "app/continued.hpp"
 #include "app/restart.hpp"
 #include "changes/changes.hpp"
 #include "checkpoint/checkpoint.hpp"
@@ -35,8 +36,11 @@ std::int64_t RunningScene::start() {
   std::int64_t frame = 0;
   if (!scene_.events.empty()) fix_scene();  // as it is before they change it
   if (options_.restart.empty()) {
-    simulation.world = build_world(comm_, scene_);
     start_past(scene_, simulation.history);
+    if (options_.continue_from.empty())
+      simulation.world = build_world(comm_, scene_);
+    else
+      told_ = continue_from(comm_, options_.continue_from, scene_, simulation);
   } else {
     frame = restore(comm_, scene_, options_, simulation);
     repeat_past(scene_, simulation.history);
@@ -86,8 +90,9 @@ void RunningScene::fix_scene() {
 
 void RunningScene::write_checkpoint(const std::string& path, std::int64_t frame) {
   fix_scene();
+  const SceneOutline outline = outline_of(scene_);
   unibody::write_checkpoint(comm_, path, mark_, frame, static_cast<double>(frame) * scene_.time.frame, scene_.body_count(),
-                            simulation.elements(), simulation.history);
+                            simulation.elements(), simulation.history, &outline);
 }
 
 }  // namespace unibody

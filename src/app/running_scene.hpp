@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "app/options.hpp"
 #include "core/phases.hpp"
@@ -28,6 +29,9 @@ class RunningScene {
   // Makes the bodies, or reads them from the checkpoint that the options name, and gives each to a rank. Returns the frame at
   // which the scene stands then: 0, or the checkpoint's. Throws InputError where the checkpoint is damaged or of another scene.
   std::int64_t start();
+
+  // What start() found to tell, where the scene goes on from another's checkpoint.
+  const std::vector<std::string>& told() const { return told_; }
 
   // What happens between the frame before and this one (from 1): events, inlets and outlets. To be called before its first step.
   void start_frame(std::int64_t frame);
@@ -57,6 +61,7 @@ class RunningScene {
   const Options& options_;
   std::string mark_;  // of the scene, for checkpoints; empty: not needed yet
   Balance balance_;
+  std::vector<std::string> told_;
 };
 
 }  // namespace unibody

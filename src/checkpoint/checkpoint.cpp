@@ -97,7 +97,7 @@ bool write_points(MPI_Comm comm, hid_t file, const std::vector<PointRow>& rows, 
 std::string fingerprint(const std::string& scene_text) { return hex(Hash().add(std::string_view(scene_text)).value()); }
 
 void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint, std::int64_t frame, double time,
-                      Id count, const Elements& elements, const History& history) {
+                      Id count, const Elements& elements, const History& history, const SceneOutline* outline) {
   const World& world = elements.world;
   const HistoryRows rows = history_rows(comm, count, elements, history);
   const JointRowBlock joints = joint_row_block(comm, elements.joints, history.joints());
@@ -127,6 +127,7 @@ void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string&
     good = write_points(comm, file, points, total, sums[1] > 0) && good;
     good = write_history_rows(comm, file, rows) && good;
     good = write_joint_rows(file, joints) && good;
+    if (outline != nullptr) good = write_outline(comm, file, *outline) && good;
     good = H5Fflush(file, H5F_SCOPE_GLOBAL) >= 0 && good;
     good = file.close() >= 0 && good;
     if (!good) throw std::runtime_error("is the disk full?");
@@ -268,7 +269,7 @@ void check_point(const PointRow& row, const PointRow* before, Id bodies) {
 }
 
 // The body's numbers, which are those of an enumeration, of a place in a list, or real: anything else is no body.
-Body checked_body(Id id, const BodyRow& row) {
+Body checked_body(Id id, const BodyRow& row, bool of_same_scene) {
   const auto fail = [&](const char* what) {
     throw std::runtime_error("body " + std::to_string(id) + " has " + what + " out of range");
   };
@@ -281,7 +282,8 @@ Body checked_body(Id id, const BodyRow& row) {
   if (!is_whole(*group, -1, 0x1p31 - 1)) fail("a group");
   Body body = from_row(id, row);
   const Shape& of = body.properties.shape;
-  if (static_cast<std::size_t>(of.kind) >= shape_names.size() || of.data >= shape_library().count(of.kind)) fail("a shape");
+  if (static_cast<std::size_t>(of.kind) >= shape_names.size() || (of_same_scene && of.data >= shape_library().count(of.kind)))
+    fail("a shape");
   if (!(of.size.minCoeff() >= 0)) fail("a size");
   if (!(std::abs(body.state.orientation.norm() - 1) < 1e-6)) fail("an orientation");
   if (!body.properties.is_static() && !(body.properties.mass > 0 && body.properties.inertia.minCoeff() >= 0)) fail("a mass");
@@ -331,7 +333,11 @@ Checkpoint::Checkpoint(MPI_Comm comm, const std::string& path, const std::string
   });
 }
 
-std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
+SceneOutline Checkpoint::outline() const {
+  return reading(path_, [&] { return read_outline(file_, count_); });
+}
+
+std::vector<Body> Checkpoint::read_bodies(Id first, Id last, bool of_same_scene) const {
   return reading(path_, [&] {
     if (first < 0 || last > count_ || first > last) throw std::runtime_error("it has no such bodies");
     const auto row_of = [&](Id id) -> Id { return has_ids_ ? std::ranges::lower_bound(ids_, id) - ids_.begin() : id; };
@@ -342,7 +348,7 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last) const {
     std::vector<Body> bodies(rows.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const Id row = begin + static_cast<Id>(k);
-      bodies[k] = checked_body(has_ids_ ? ids_[static_cast<std::size_t>(row)] : row, rows[k]);
+      bodies[k] = checked_body(has_ids_ ? ids_[static_cast<std::size_t>(row)] : row, rows[k], of_same_scene);
     }
     return bodies;
   });

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "checkpoint/checkpoint_outline.hpp"
 #include "core/hdf5.hpp"
 #include "step/history.hpp"
 #include "world/world.hpp"
@@ -17,9 +18,10 @@ namespace unibody {
 std::string fingerprint(const std::string& scene_text);
 
 // Writes path + ".part", forces it to the disk, and renames it to `path`: the same bytes on any number of ranks. `count` is the
-// number of all bodies. Collective; throws RunError on every rank if the disk fails, and the old file is then untouched.
+// number of all bodies. outline: of the scene; without one no other scene can go on from the file. Collective; throws RunError on
+// every rank if the disk fails, and the old file is then untouched.
 void write_checkpoint(MPI_Comm comm, const std::string& path, const std::string& fingerprint, std::int64_t frame, double time,
-                      Id count, const Elements& elements, const History& history);
+                      Id count, const Elements& elements, const History& history, const SceneOutline* outline = nullptr);
 
 // Reads a checkpoint, on any number of ranks. All members throw InputError when the file is damaged.
 class Checkpoint {
@@ -37,7 +39,11 @@ class Checkpoint {
 
   // Those of bodies [first, last) that are there, each number of them within its range: a kind of shape that there is, a shape
   // that the library has, an orientation of length 1, a mass > 0 ... Not collective: each rank reads what it needs.
-  std::vector<Body> read_bodies(Id first, Id last) const;
+  // of_same_scene: false where the library has not the shapes of the scene that the file is of.
+  std::vector<Body> read_bodies(Id first, Id last, bool of_same_scene = true) const;
+
+  // Not collective.
+  SceneOutline outline() const;
 
   // The multipliers of all pairs with a home body of `world` (only its home and static ids are looked at), in order of key. Each
   // rank reads a share of the file and sends it on: none holds them all. Collective.

@@ -61,7 +61,11 @@ std::vector<Id> ids_named(const Scene& scene, const std::string& name) {
   return ids;
 }
 
-LiveSimulation::LiveSimulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint) : scene_(scene), first_(scene) {
+LiveSimulation::LiveSimulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint, const std::string& continue_from)
+    : scene_(scene), first_(scene) {
+  if (!checkpoint.empty() && !continue_from.empty())
+    throw InputError("found both a checkpoint and continue_from, expected one of them");
+  options_.continue_from = continue_from;
   check_ranks_of_solver(comm, scene);
   for (const Event& event : scene.events)
     if (event.when && event.action != Event::Action::end)

@@ -29,8 +29,9 @@ std::vector<Id> ids_named(const Scene& scene, const std::string& name);
 // are named by their ids. Members throw InputError where an argument is wrong, before anything has changed.
 class LiveSimulation {
  public:
-  // checkpoint: the file to go on from; empty: from the scene's start. Throws InputError as a run of the program does.
-  LiveSimulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint = "");
+  // checkpoint: the file to go on from; empty: from the scene's start. continue_from: another scene's checkpoint, whose bodies go
+  // on (app/continued.hpp); empty: none. Throws InputError as a run of the program does.
+  LiveSimulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint = "", const std::string& continue_from = "");
   ~LiveSimulation();
   LiveSimulation(const LiveSimulation&) = delete;
   LiveSimulation& operator=(const LiveSimulation&) = delete;

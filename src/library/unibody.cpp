@@ -83,16 +83,17 @@ std::string Scene::body_name(std::int64_t id) const {
 }
 
 struct Simulation::Data {
-  Data(MPI_Comm comm, const unibody::Scene& scene, const std::string& checkpoint) : live(comm, scene, checkpoint) {}
+  Data(MPI_Comm comm, const unibody::Scene& scene, const std::string& checkpoint, const std::string& continue_from)
+      : live(comm, scene, checkpoint, continue_from) {}
   LiveSimulation live;
 };
 
-Simulation::Simulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint)
+Simulation::Simulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint, const std::string& continue_from)
     : data_(translated([&] {
         Scene::Data& read = *scene.data_;
         if (!read.knows_mesh_sides) decide_mesh_sides(comm, read.scene, read.scene.notes);
         read.knows_mesh_sides = true;
-        return std::make_unique<Data>(comm, read.scene, checkpoint);
+        return std::make_unique<Data>(comm, read.scene, checkpoint, continue_from);
       })) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;

@@ -149,7 +149,9 @@ enum class Field {
 class UNIBODY_API Simulation {
  public:
   // checkpoint: the file to go on from, of this library, the program or the Python module; empty: from the scene's start.
-  Simulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint = "");
+  // continue_from: another scene's checkpoint, whose bodies start as they are there, by name and number, as with the program's
+  // option -continue_from.
+  Simulation(MPI_Comm comm, const Scene& scene, const std::string& checkpoint = "", const std::string& continue_from = "");
   ~Simulation();
   Simulation(Simulation&&) noexcept;             // leaves an object that can only be destroyed or assigned to
   Simulation& operator=(Simulation&&) noexcept;  // ends the simulation that was here

@@ -49,7 +49,8 @@ struct CloseAndForget {
 };
 using Holder = std::unique_ptr<LiveSimulation, CloseAndForget>;
 
-Holder make_simulation(PythonScene& scene, const py::object& comm, const std::string& checkpoint) {
+Holder make_simulation(PythonScene& scene, const py::object& comm, const std::string& checkpoint,
+                       const std::string& continue_from) {
   start_mpi(py::cpp_function([] {
     for (LiveSimulation* simulation : open_simulations()) simulation->close();
   }));
@@ -57,7 +58,7 @@ Holder make_simulation(PythonScene& scene, const py::object& comm, const std::st
   const py::gil_scoped_release free;
   if (!scene.knows_mesh_sides) decide_mesh_sides(over, scene.scene, scene.scene.notes);
   scene.knows_mesh_sides = true;
-  Holder simulation(new LiveSimulation(over, scene.scene, checkpoint));
+  Holder simulation(new LiveSimulation(over, scene.scene, checkpoint, continue_from));
   open_simulations().insert(simulation.get());
   return simulation;
 }
@@ -277,11 +278,13 @@ void add_state(py::class_<LiveSimulation, Holder>& simulation) {
 void add_simulation(py::module_& m) {
   py::class_<LiveSimulation, Holder> simulation(m, "Simulation", R"(A scene in motion.
 
-Simulation(scene, comm=None, checkpoint='') starts a scene, or goes on from a checkpoint of it. comm is a communicator of mpi4py;
-None means all processes that mpirun started. The same script runs in each of these: members that are called collective must be
+Simulation(scene, comm=None, checkpoint='', continue_from='') starts a scene, or goes on from a checkpoint of it, or starts it with
+the bodies of another scene's checkpoint, by name and number. comm is a communicator of mpi4py; None means all processes that mpirun started. The same script runs in each of these: members that are called collective must be
 called by all of them, in the same order and with the same arguments. Results are the same bits on any number of processes, and
 those of the program. Raises InputError.)");
-  simulation.def(py::init(&make_simulation), py::arg("scene"), py::arg("comm") = py::none(), py::arg("checkpoint") = "")
+  simulation
+      .def(py::init(&make_simulation), py::arg("scene"), py::arg("comm") = py::none(), py::arg("checkpoint") = "",
+           py::arg("continue_from") = "")
       .def("step", take_steps, py::arg("n") = 1,
            "Takes n steps of time.frame / time.substeps each. Collective. Raises RunError where a step leads to a state that "
            "cannot "

@@ -150,6 +150,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   j.set("plans", plans).set("versions", versions_json()).set("ranks", ranks);
   j.set("first_frame", summary.first_frame).set("last_frame", summary.last_frame);
   if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);
+  if (!summary.continued_from.empty()) j.set("continued_from", summary.continued_from);
   j.set("convergence", json_of(summary.convergence, scene));
   if (const ErrorSamples& e = summary.errors; e.count > 0)
     j.set("error_estimates", Json::object()

@@ -35,6 +35,7 @@ struct Summary {
   SolverSettings solver;        // as used: with what "auto" came to
   std::vector<StepPlan> plans;  // of the last step: one, or one of each kind of islands
   std::string restarted_from;   // path of the checkpoint; empty: none
+  std::string continued_from;   // the same, of another scene's
   std::int64_t first_frame = 0, last_frame = 0;
   double wall_total = 0;  // s, of the whole run
   std::vector<PhaseTimes> phases;

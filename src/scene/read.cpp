@@ -181,7 +181,7 @@ Body Scene::body(Id id) const {
 
 bool Scene::bodies_come_and_go() const {
   const auto removes = [](const Event& event) { return event.action == Event::Action::remove; };
-  return !outlets.empty() || std::ranges::any_of(events, removes) ||
+  return lacks_bodies || !outlets.empty() || std::ranges::any_of(events, removes) ||
          std::ranges::any_of(groups, [](const BodyGroup& g) { return g.start == Start::absent; });
 }
 

@@ -155,6 +155,7 @@ struct Scene {
   std::vector<Probe> probes;
   std::vector<Event> events;
   std::vector<Outlet> outlets;
+  bool lacks_bodies = false;       // some are not there, since the checkpoint that the run goes on from lacks them
   std::vector<std::string> notes;  // what a person should know of what was read
 
   Vec3 gravity_at(double t) const { return gravity_in_time ? gravity_in_time->at(t) : gravity; }

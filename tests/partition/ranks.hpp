@@ -3,8 +3,10 @@
 
 #include <mpi.h>
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
+#include <thread>
 #include <vector>
 
 namespace unibody {
@@ -21,10 +23,19 @@ inline int rank_count() {
   return size;
 }
 
+// Waits for all ranks asleep: there may be fewer cores than ranks, and one that asks again and again takes the time of others.
+inline void sleep_until_all_are_here() {
+  MPI_Request all = MPI_REQUEST_NULL;
+  MPI_Ibarrier(MPI_COMM_WORLD, &all);
+  for (int here = 0; MPI_Test(&all, &here, MPI_STATUS_IGNORE) == MPI_SUCCESS && here == 0;)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
 // Calls f on the first rank alone, and returns on all ranks what it gave there.
 inline std::vector<std::uint64_t> of_first_rank(const std::function<std::vector<std::uint64_t>()>& f) {
   std::vector<std::uint64_t> values;
   if (rank_here() == 0) values = f();
+  sleep_until_all_are_here();
   auto count = static_cast<int>(values.size());
   MPI_Bcast(&count, 1, MPI_INT, 0, MPI_COMM_WORLD);
   values.resize(static_cast<std::size_t>(count));

@@ -27,6 +27,9 @@ ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROO
                    OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none",
                    OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_ess_singleton_isolated="1", OMPI_MCA_orte_execute_quiet="1", OMP_NUM_THREADS="1")
 
+# After a run that ends with another code than 0, mpirun waits for a second before it ends what may still run.
+ENDS_AT_ONCE = dict(ENVIRONMENT, OMPI_MCA_odls_base_sigkill_timeout="0")
+
 # What a run's wall time and rank count decide; all other columns of report.csv are the physics'.
 OF_THIS_MACHINE = re.compile(r"^(wall_|bytes_per_body|imbalance)")
 
@@ -56,9 +59,9 @@ def command(arguments, ranks):
     return [*([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []), PROGRAM, *map(str, arguments)]
 
 
-def start(words, folder=None):
+def start(words, folder=None, environment=ENVIRONMENT):
     """The words as a process in a group of its own, so that all of it can be ended."""
-    return subprocess.Popen(words, env=ENVIRONMENT, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    return subprocess.Popen(words, env=environment, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                             errors="replace", start_new_session=True)
 
 
@@ -80,7 +83,7 @@ def processor_seconds():
 
 def execute(words, timeout=120, folder=None):
     begin = processor_seconds()
-    process = start(words, folder)
+    process = start(words, folder, ENDS_AT_ONCE)
     try:
         out, err = process.communicate(timeout=timeout)
     except subprocess.TimeoutExpired:

@@ -182,7 +182,7 @@ def test_scenes_changed_at_random(is_valid):
     """Each is read or refused with a sentence, and what the reader takes the schema takes too."""
     random = Random(1)
     taken = refused = 0
-    for _ in range(3000):
+    for _ in range(1500):
         scene = copy.deepcopy(random.choice(EXAMPLES))
         path = random.choice([path for path in paths_of(scene) if path])
         if random.random() < 0.8:
@@ -197,7 +197,7 @@ def test_scenes_changed_at_random(is_valid):
         else:
             assert is_valid(scene), (path, at(scene, path[:-1]))
             taken += 1
-    assert min(taken, refused) > 200
+    assert min(taken, refused) > 100
 
 
 def test_keys_that_a_generator_or_a_type_does_not_have(is_valid):

@@ -207,6 +207,21 @@ def test_a_checkpoint_of_another_scene_changes_nothing(tmp_path, ball):
         simulation.step()
 
 
+def test_another_scene_goes_on_with_the_bodies_of_a_checkpoint(tmp_path, ball):
+    file = str(tmp_path / "checkpoint.h5")
+    ball["bodies"][0].update(velocity=[1, -2, 0.5], angular_velocity=[0, 0, 3])
+    with unibody.Simulation(unibody.Scene(ball)) as simulation:
+        simulation.step(4)
+        simulation.checkpoint(file)
+        positions, velocities = simulation.positions[0], simulation.velocities[0]
+    scene = unibody.Scene(ball, set={"bodies[0].mass": 3})
+    with unibody.Simulation(scene, continue_from=file) as simulation:
+        assert simulation.time == 0
+        assert (simulation.positions[0] == positions).all() and (simulation.velocities[0] == velocities).all()
+    with pytest.raises(unibody.InputError, match="expected one of them"):
+        unibody.Simulation(scene, checkpoint=file, continue_from=file)
+
+
 def test_within_a_frame_there_is_no_checkpoint(tmp_path, ball):
     with unibody.Simulation(unibody.Scene(ball, set={"time.substeps": 4})) as simulation:
         simulation.step(6)
