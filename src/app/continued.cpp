@@ -81,15 +81,13 @@ void check_what_holds_together(const Scene& scene, const std::vector<const Entry
   }
 }
 
-void check_outline(const std::string& path, const Scene& scene, const SceneOutline& outline,
-                   const std::vector<const Entry*>& matches) {
-  if (scene.planar && !outline.planar)
-    throw InputError(scene.path + ": key 'planar': found true, expected false as in the run that wrote '" + path + "'");
-  if (std::ranges::any_of(matches, [](const Entry* e) { return e != nullptr; })) return;
+// Throws InputError where the checkpoint has nothing that the scene could go on with: it is not the one that is meant.
+void expect_some(const std::string& path, const Scene& scene, const SceneOutline& outline, const std::vector<Counts>& all) {
+  if (std::ranges::any_of(all, [](const Counts& of) { return of[going_on] > 0 || of[gone] > 0; })) return;
   std::string names;
   for (const Entry& entry : outline.entries)
     if (!entry.name.empty()) names += (names.empty() ? "" : ", ") + entry.name;
-  throw InputError(scene.path + ": found no entry of a name that '" + path + "' has, expected one of " +
+  throw InputError(scene.path + ": found no moving bodies of a name that '" + path + "' has, expected one of " +
                    (names.empty() ? "none, since no entry of its scene has a name" : names));
 }
 
@@ -142,11 +140,12 @@ std::string told_of(const BodyGroup& group, const Entry* entry, const Counts& co
   const std::string bodies = group.count == 1 ? " body" : " bodies";
   if (entry == nullptr) return "  " + name + " is new: " + number(group.count, bodies) + " as the scene says";
   std::string text = "  " + name + ": " + number(counts[going_on], " of ") + number(group.count, bodies) + " go on";
+  if (counts[going_on] == 0 && counts[gone] == 0) text = "  " + name + " stands as the scene says";
   if (counts[gone] > 0) text += ", " + number(counts[gone], " are absent there and here");
   if (group.count > entry->count) text += ", " + number(group.count - entry->count, " are new");
   if (group.count < entry->count) text += ", " + number(entry->count - group.count, " of the checkpoint's are left out");
-  constexpr std::array<const char*, count_kinds> others{"", "", " have another shape", " have another mass",
-                                                        " have another material"};
+  constexpr std::array<const char*, count_kinds> others{"", "", " with another shape", " with another mass",
+                                                        " with another material"};
   for (std::size_t c = other_shape; c < counts.size(); ++c)
     if (counts[c] > 0) text += ", " + number(counts[c], others[c]);
   if (group.inlet) text += "; its inlet lets in no more";
@@ -218,7 +217,8 @@ std::vector<std::string> continue_from(MPI_Comm comm, const std::string& path, S
   agree<InputError>(comm, "", [&] {
     outline = checkpoint.outline();
     matches = matches_of(scene, outline);
-    check_outline(path, scene, outline, matches);
+    if (scene.planar && !outline.planar)
+      throw InputError(scene.path + ": key 'planar': found true, expected false as in the run that wrote '" + path + "'");
     check_what_holds_together(scene, matches);
     for (std::size_t g = 0; g < scene.groups.size(); ++g) {
       const BodyGroup& group = scene.groups[g];
@@ -232,6 +232,7 @@ std::vector<std::string> continue_from(MPI_Comm comm, const std::string& path, S
   });
   if (!all.empty())
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size() * count_kinds), MPI_INT64_T, MPI_SUM, comm));
+  expect_some(path, scene, outline, all);
   simulation.world = make_world(homes, statics, scene.has_rotations());
   close_inlets(scene, matches, all, simulation.history.past);
 

@@ -61,16 +61,20 @@ struct Fuzzer {
 
 // The scene of all kinds at once, and smaller ones of a few lines, which most changes hit where it matters.
 const std::vector<std::string> small_scenes{
-    "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n  - shape: {box: {size: [0.1, 0.2, 0.3]}}\n    density: 1000\n"
+    "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n  - name: boxes\n    shape: {box: {size: [0.1, 0.2, 0.3]}}\n    "
+    "density: 1000\n"
     "    lattice: {count: 20, columns: [2, 2], spacing: [0.3, 0.3, 0.4], height: 0.2, jitter: 0.02}\n    velocity: [1, 0, -2]\n",
     "materials: {a: {friction: 0.4, restitution: 0.5, rolling_friction: 0.001}}\nsolver: {name: gauss_seidel}\nbodies:\n"
-    "  - {container: {size: [1, 1]}}\n  - pile: {count: 20, columns: [3, 3], mix: [{shape: {sphere: {radius: 0.1}}, scale: [0.5, "
+    "  - {container: {size: [1, 1]}}\n  - name: pile\n    pile: {count: 20, columns: [3, 3], mix: [{shape: {sphere: {radius: "
+    "0.1}}, scale: [0.5, "
     "1]},\n"
     "      {shape: {hull: {points: [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]}}}]}\n    density: 2000\n",
-    "cloths:\n  - grid: {size: [1, 1], nodes: [6, 6]}\n    mass: 1\n    thickness: 0.02\n    links: {stiffness: 1000}\n"
+    "cloths:\n  - name: cloth\n    grid: {size: [1, 1], nodes: [6, 6]}\n    mass: 1\n    thickness: 0.02\n    links: {stiffness: "
+    "1000}\n"
     "    bending: {model: dihedral, stiffness: 0.01}\n    pins: [{node: [0, 0]}, {near: [0.5, 0.5, 0]}]\nthreads:\n"
-    "  - {points: [[0, 0, 0.2], [1, 0, 0.2]], segments: 8, radius: 0.01, mass: 0.1}\n",
-    "solids:\n  - block: {size: [0.4, 0.2, 0.2], cells: [4, 2, 2]}\n    density: 1000\n    youngs_modulus: 1.0e5\n"
+    "  - {name: thread, points: [[0, 0, 0.2], [1, 0, 0.2]], segments: 8, radius: 0.01, mass: 0.1}\n",
+    "solids:\n  - name: solid\n    block: {size: [0.4, 0.2, 0.2], cells: [4, 2, 2]}\n    density: 1000\n    youngs_modulus: "
+    "1.0e5\n"
     "    poissons_ratio: 0.3\n    thickness: 0.01\n    least_volume: 0.1\n    pins: [{node: [0, 0, 0]}]\n"
     "    loads: [{within: {min: [0.1, -1, -1], max: [1, 1, 1]}, force: [0, 0, -1]}]\n",
     "bodies:\n  - {name: a, shape: {box: {size: [0.2, 0.1, 0.1]}}, mass: 1, position: [0.2, 0, 0]}\n"
@@ -158,6 +162,7 @@ std::vector<std::string> Fuzzer::damaged_case(std::int64_t number) const {
                                          "-overwrite",
                                          "-restart",
                                          "-start_from",
+                                         "-continue_from",
                                          "-solver_level",
                                          "-partition",
                                          "-rebalance",
@@ -194,7 +199,7 @@ std::vector<std::string> Fuzzer::damaged_case(std::int64_t number) const {
       } catch (const std::runtime_error&) {
       }
     words[0] = seeds.names[which];
-    words.insert(words.end(), {"-restart", path});
+    words.insert(words.end(), {random() % 2 != 0 ? "-restart" : "-continue_from", path});
     set("time.frames=6");
     check_mpi(MPI_Barrier(MPI_COMM_WORLD));
     return words;

@@ -160,8 +160,8 @@ class AnotherScene(ProgramTest):
         other = PRESS.replace("mass: 0.5", "mass: 0.6").replace("material: steel", "material: wood")
         other = other.replace("sphere: {radius: 0.05}", "sphere: {radius: 0.04}").replace("count: 60", "count: 50")
         run = self.good(self.scene(other), "other", "-continue_from", checkpoint)
-        self.assertIn("balls: 50 of 50 bodies go on, 10 of the checkpoint's are left out, 50 have another shape, "
-                      "50 have another mass, 50 have another material", run.out)
+        self.assertIn("balls: 50 of 50 bodies go on, 10 of the checkpoint's are left out, 50 with another shape, "
+                      "50 with another mass, 50 with another material", run.out)
         run = self.good(self.scene(PRESS.replace("count: 60", "count: 70")), "more", "-continue_from", checkpoint)
         self.assertIn("balls: 60 of 70 bodies go on, 10 are new", run.out)
 
@@ -199,7 +199,7 @@ class AnotherScene(ProgramTest):
         self.refused(press, "there is no checkpoint", checkpoint=self.folder / "no.h5")
         self.refused(press, "is damaged or no checkpoint", checkpoint=self.folder / "bed/frames.h5")
         self.refused(self.scene(PRESS.replace("name: balls", "name: beads").replace("name: ground", "name: floor")
-                                .replace("name: walls", "name: box")), "found no entry of a name", "ground, walls, balls, lid")
+                                .replace("name: walls", "name: box")), "found no moving bodies of a name", "ground, walls, balls, lid")
         self.refused(self.scene("planar: true\nbodies:\n  - {name: balls, shape: {disc: {radius: 0.05}}, mass: 1}\n"),
                      "key 'planar': found true, expected false")
         run = unibody(press, "-continue_from", "a.h5", "-restart", "b.h5", folder=self.folder)
