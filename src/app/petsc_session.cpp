@@ -1,8 +1,11 @@
 #include "app/petsc_session.hpp"
 
 #include <petscvec.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstdio>
 
 #include "core/agreement.hpp"
@@ -45,6 +48,15 @@ class GhostTrial {
   Vec vec_ = nullptr;
 };
 
+// Whoever reads what the run says may leave: it goes on, as under mpirun. PETSc would end it, and at its own end takes what
+// cannot be written for an error.
+void ignore_closed_pipes() { std::signal(SIGPIPE, SIG_IGN); }
+void drop_what_nobody_reads() {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  const bool nobody = poll(&out, 1, 0) > 0 && (out.revents & POLLERR) != 0;
+  if (nobody && std::freopen("/dev/null", "w", stdout) == nullptr) std::fputs("unibody: nobody reads what it says\n", stderr);
+}
+
 }  // namespace
 
 PetscSession::PetscSession(MPI_Comm comm, const std::vector<std::string>& options) : comm_(comm) {
@@ -60,11 +72,14 @@ PetscSession::PetscSession(MPI_Comm comm, const std::vector<std::string>& option
   const PetscErrorCode code =
       starts_ ? PetscInitialize(&argc, &argv, nullptr, nullptr) : PetscOptionsInsert(nullptr, &argc, &argv, nullptr);
   if (code != 0) throw InputError("PETSc does not take its options: see above");
+  if (starts_) ignore_closed_pipes();
   try_options();
 }
 
 PetscSession::~PetscSession() {
-  if (starts_) check_petsc(PetscFinalize());
+  if (!starts_) return;
+  drop_what_nobody_reads();
+  check_petsc(PetscFinalize());
 }
 
 void PetscSession::try_options() const {

@@ -2,6 +2,7 @@
 """The pages: links lead to what is there, the README is short, and what it shows works as it says."""
 import csv
 import re
+import shlex
 import subprocess
 import sys
 import unittest
@@ -99,6 +100,21 @@ class HopperTutorial(ProgramTest):
         steady = [row[2] for row in rows[5:9]]  # 1.25 to 2.25 s
         for rate in steady:
             self.assertAlmostEqual(rate, sum(steady) / 4, delta=0.1 * sum(steady) / 4, msg="the rate depends on the filling")
+        self.check_other_grains(text, scene, script)
+
+    def check_other_grains(self, text, scene, script):
+        table = re.findall(r"^\| (0\.\d) \| ([\d.]+) \|$", text, re.MULTILINE)
+        self.assertEqual(len(table), 2)
+        commands = [shlex.split(line)[2:] for line in text.splitlines() if line.startswith("scripts/run hopper.yaml") and "-set" in line]
+        self.assertEqual([words[words.index("-output") + 1] for words in commands], ["results/fill", "results/rough", "results/slippery"])
+        for words in commands:
+            run = unibody(scene, *words, ranks=1, folder=self.folder)
+            self.assertEqual(run.code, 0, run.err)
+        for name, (friction, told) in zip(("rough", "slippery"), table):
+            report = self.folder / f"results/{name}/report.csv"
+            lines = subprocess.run([sys.executable, script, report], capture_output=True, text=True, check=True).stdout.splitlines()
+            rates = [float(line.split()[2]) for line in lines[2:5]]
+            self.assertAlmostEqual(sum(rates) / 3, float(told), delta=0.051, msg=friction)
 
 
 class GripperTutorial(ProgramTest):

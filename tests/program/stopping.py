@@ -61,6 +61,17 @@ class Stopping(ProgramTest):
         self.assertEqual(rest.state, self.straight(scene))
         self.assertEqual(unibody(scene, "-output", self.folder / "all", "-wall_limit", "1h2m3.5s").code, 0)
 
+    def test_nobody_reads_on(self):
+        scene = self.scene(SCENE)
+        run = start(command([scene, "-output", self.folder / "alone", "-set", "time.frames=60"], 1))
+        run.stdout.readline()
+        run.stdout.close()
+        self.assertEqual(run.wait(timeout=60), 0)
+        self.assertEqual(run.stderr.read(), "")
+        run.stderr.close()
+        state = json.loads((self.folder / "alone/summary.json").read_text())["state_hash"]
+        self.assertEqual(state, self.good(scene, "read", "-set", "time.frames=60").state)
+
     def test_checkpoints_by_wall_time(self):
         scene = self.scene(SCENE)
         run = start(command([scene, "-output", self.folder / "part", "-set", "output.checkpoint_minutes=0.0005"], 2))
