@@ -202,7 +202,8 @@ SolverSettings Simulation::settings_used() const {
   SolverSettings used = scene.solver;
   used.tolerance = plan.tolerance, used.stages = plan.stages, used.margin = plan.margin;
   const bool one_stage = plan.stages == Stages::position;
-  used.warm_start = one_stage ? plan.contacts_share : old_share(scene.solver, plan.iterations);
+  if (scene.solver.iterations)  // otherwise each kind of island has its own: the plans of the steps tell them
+    used.warm_start = one_stage ? plan.contacts_share : old_share(scene.solver, plan.iterations);
   used.recovery_speed = plan.recovery_speed;
   used.velocity_share = one_stage ? 0 : plan.velocity_share, used.leak = one_stage ? 0 : plan.leak;
   if (scene.solver.level == Level::position) used.recovery_time = plan.recovery_time;

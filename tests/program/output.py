@@ -190,12 +190,12 @@ class Results(ProgramTest):
         for name in ("unibody", "petsc", "metis"):
             self.assertRegex(versions[name], r"^\d+\.\d+\.\d+$")
         self.assertRegex(versions["mpi"], r"\d+\.\d+")
-        # What the scene leaves to the program is told as it was used: a tolerance of 5e-5 of the smallest box, one frame, ...
+        # What the scene leaves to the program is told as it was used for all islands: a tolerance of 5e-5 of the smallest box, ...
         self.assertEqual(summary["settings"], {
             "time": {"frame (s)": STEP, "frames": FRAMES, "substeps": 1},
             "solver": {"name": "accelerated_jacobi", "iterations": "auto", "accuracy": "auto", "tolerance (m)": 5e-5 * 0.11, "acceleration": "auto",
                        "mass_sharing": "directions", "level": "position", "stabilisation": 0.4, "stages": "two",
-                       "warm_start": 1 / 3, "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
+                       "warm_start": "auto", "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
                        "order": "coloured", "joints": "iterative", "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25,
                        "margin (m)": 0.002},
             "output": {"every (frames)": EVERY, "crossings": True, "joints": False, "contacts (frames)": 0, "checkpoint_every (frames)": 10, "checkpoint_minutes (min)": 0,
