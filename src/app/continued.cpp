@@ -185,14 +185,12 @@ std::vector<std::string> told_of_all(const std::string& start, const Scene& scen
 }
 
 // The inlets of entries that go on have done their work.
-void close_inlets(const Scene& scene, const std::vector<const Entry*>& matches, const std::vector<Counts>& all, Past& past) {
+void close_inlets(const Scene& scene, const std::vector<const Entry*>& matches, Past& past) {
   std::size_t number = 0;
   for (std::size_t g = 0; g < scene.groups.size(); ++g) {
     if (!scene.groups[g].inlet) continue;
     InletPast& inlet = past.inlets[number++];
-    if (matches[g] == nullptr) continue;
-    inlet.drawn = scene.groups[g].count;
-    inlet.placed = all[g][going_on];
+    if (matches[g] != nullptr) inlet.drawn = scene.groups[g].count;
   }
 }
 
@@ -234,7 +232,7 @@ std::vector<std::string> continue_from(MPI_Comm comm, const std::string& path, S
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size() * count_kinds), MPI_INT64_T, MPI_SUM, comm));
   expect_some(path, scene, outline, all);
   simulation.world = make_world(homes, statics, scene.has_rotations());
-  close_inlets(scene, matches, all, simulation.history.past);
+  close_inlets(scene, matches, simulation.history.past);
 
   for (const Counts& of : all) scene.lacks_bodies = scene.lacks_bodies || of[gone] > 0;
   return told_of_all("starts from frame " + std::to_string(checkpoint.frame()) + " of " + path + ", at time 0: ", scene, outline,

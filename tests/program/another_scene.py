@@ -152,6 +152,7 @@ class AnotherScene(ProgramTest):
         run = self.good(scene, "on", "-continue_from", checkpoint, "-set", "time.frames=60")
         self.assertIn(f"balls: {present} of 40 bodies go on", run.out)
         self.assertIn("its inlet lets in no more", run.out)
+        self.assertIn("inlet balls: 0 bodies (0 kg) came in", run.out)
         with h5py.File(self.folder / "on/checkpoint.h5") as file:
             self.assertEqual(40 - (file.attrs["bodies"] - len(file["bodies"])), present)
 
