@@ -36,7 +36,7 @@ std::vector<const Entry*> matches_of(const Scene& scene, const SceneOutline& out
   return matches;
 }
 
-// Whether a body comes from the checkpoint; neither does what cannot move.
+// Where a body's state at the start comes from. A fixed body has no state of its own that could go on.
 enum class Origin : std::uint8_t { fixed, checkpoint, scene };
 
 class Origins {
@@ -197,7 +197,7 @@ void close_inlets(const Scene& scene, const std::vector<const Entry*>& matches, 
 }  // namespace
 
 SceneOutline outline_of(const Scene& scene) {
-  SceneOutline outline{scene.planar, scene.materials, {}};
+  SceneOutline outline{scene.planar, scene.lacks_bodies, scene.materials, {}};
   for (const BodyGroup& group : scene.groups) outline.entries.push_back({group.first, group.count, group.name});
   return outline;
 }

@@ -147,7 +147,11 @@ std::int64_t restore(MPI_Comm comm, Scene& scene, const Options& options, Simula
   if (checkpoint.body_count() != scene.body_count())
     throw InputError("'" + options.restart + "' is damaged: found " + std::to_string(checkpoint.body_count()) +
                      " bodies, expected the scene's " + std::to_string(scene.body_count()));
-  if (!checkpoint.has_all_bodies()) scene.lacks_bodies = true;  // of a run that itself went on from another
+  if (!scene.bodies_come_and_go() && !checkpoint.has_all_bodies()) {
+    agree<InputError>(comm, "", [&] { scene.lacks_bodies = checkpoint.outline().lacks_bodies; });
+    if (!scene.lacks_bodies)
+      throw InputError("'" + options.restart + "' is damaged: found a table of some of the scene's bodies, expected all of them");
+  }
   int rank = 0, size = 1;
   check_mpi(MPI_Comm_rank(comm, &rank));
   check_mpi(MPI_Comm_size(comm, &size));

@@ -39,7 +39,8 @@ class Checkpoint {
 
   // Those of bodies [first, last) that are there, each number of them within its range: a kind of shape that there is, a shape
   // that the library has, an orientation of length 1, a mass > 0 ... Not collective: each rank reads what it needs.
-  // of_same_scene: false where the library has not the shapes of the scene that the file is of.
+  // With of_same_scene false the file may be of another scene than the one that has been read. The shape library then holds the
+  // other scene's hulls and meshes, and the numbers of shapes are not compared with it.
   std::vector<Body> read_bodies(Id first, Id last, bool of_same_scene = true) const;
 
   // Not collective.

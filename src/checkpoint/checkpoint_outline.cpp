@@ -13,7 +13,7 @@ constexpr const char* outline_table = "scene";  // a text, byte by byte: attribu
 
 std::string text_of(const SceneOutline& outline) {
   std::ostringstream text;
-  text << "planar " << outline.planar << '\n';
+  text << "planar " << outline.planar << "\nlacks " << outline.lacks_bodies << '\n';
   for (const std::string& material : outline.materials) text << "material " << material << '\n';
   for (const auto& entry : outline.entries) text << "entry " << entry.first << ' ' << entry.count << ' ' << entry.name << '\n';
   return text.str();
@@ -43,6 +43,8 @@ SceneOutline read_outline(hid_t file, Id bodies) {
     words >> kind;
     if (kind == "planar") {
       words >> outline.planar;
+    } else if (kind == "lacks") {
+      words >> outline.lacks_bodies;
     } else if (kind == "material") {
       std::getline(words >> std::ws, outline.materials.emplace_back());
     } else {

@@ -1,4 +1,5 @@
-// What a checkpoint tells of its scene: whose its bodies are. A run of another scene finds its own among them by it.
+// What a checkpoint tells of the scene that wrote it: which entry made which bodies. A run of another scene finds by it the
+// bodies that it goes on with.
 #pragma once
 
 #include <mpi.h>
@@ -18,11 +19,12 @@ struct SceneOutline {
     std::string name;  // may be empty
   };
   bool planar = false;
+  bool lacks_bodies = false;           // since the checkpoint that the scene's run went on from lacked them
   std::vector<std::string> materials;  // by number
   std::vector<Entry> entries;          // ascending ids
 };
 
-// Writes the outline into an open checkpoint. Returns whether the disk took it. Collective.
+// Writes the outline into a checkpoint that is open for writing. Returns false where the disk fails. Collective.
 [[nodiscard]] bool write_outline(MPI_Comm comm, hid_t file, const SceneOutline& outline);
 
 // Throws std::runtime_error where the file has none, as those of earlier versions, or one that is none of `bodies` bodies. Not

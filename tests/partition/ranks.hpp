@@ -23,7 +23,8 @@ inline int rank_count() {
   return size;
 }
 
-// Waits for all ranks asleep: there may be fewer cores than ranks, and one that asks again and again takes the time of others.
+// Waits until all ranks have come here, and sleeps meanwhile. There may be fewer cores than ranks, and a rank that waits in MPI
+// keeps a core busy, which the rank that it waits for could use.
 inline void sleep_until_all_are_here() {
   MPI_Request all = MPI_REQUEST_NULL;
   MPI_Ibarrier(MPI_COMM_WORLD, &all);

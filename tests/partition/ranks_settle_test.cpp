@@ -2,6 +2,10 @@
 // ranks. The first rank runs each scene alone as well.
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "partition/ranks.hpp"
 #include "report/state_hash.hpp"
 #include "small_worlds.hpp"
@@ -71,12 +75,14 @@ TEST(RanksSettle, NoCentreGoesThroughAPlaneAtImpact) {
   }
 }
 
+// Each column takes seconds: one rank runs all three, and each larger number of ranks runs one of them.
 TEST(RanksSettle, NoCentreIsEverBehindWhatDoesNotMove) {
-  if (rank_count() % 2 == 0) GTEST_SKIP() << "it takes long: 1 and 3 ranks will do";
   const std::string plane = "shape: {plane: {normal: [0, 0, 1]}}", container = "container: {size: [0.32, 0.58]}";
-  for (const auto& [solver, ground] : {std::pair<std::string, std::string>{"accelerated_jacobi", plane},
-                                       {"accelerated_jacobi", container},
-                                       {"jacobi", container}}) {
+  const std::vector<std::pair<std::string, std::string>> columns{
+      {"accelerated_jacobi", plane}, {"accelerated_jacobi", container}, {"jacobi", container}};
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (rank_count() > 1 && k != static_cast<std::size_t>(rank_count() - 2) % columns.size()) continue;
+    const auto& [solver, ground] = columns[k];
     SCOPED_TRACE(solver + ", " + ground);
     const bool walls = ground == container;
     expect_the_state_of_one_rank(column(solver, ground), 40, [walls](const World& world, int step) {
