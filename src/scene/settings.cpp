@@ -195,6 +195,8 @@ const SettingList<SolverSettings>& solver_settings() {
                      "share of the position stage's multipliers that the next step's velocity stage is given"),
       choice("friction", friction_model_names, &T::friction, "model of friction"),
       choice("joints", joint_solve_names, &T::joints, "direct: the rows of a tree of joints are solved together"),
+      choice("coarse", coarse_names, &T::coarse,
+             "on: links, membranes and solids are solved on two levels before each position stage"),
       choice("gap", gap_names, &T::gap, "gaps of contacts: linear in the step, or found anew in every iteration"),
       choice("order", order_names, &T::order, "of gauss_seidel; sequential: on one rank only"),
       number("scaling", "", {0, 1, true}, &T::scaling, "factor on the constraint count of the Jacobi solvers"),

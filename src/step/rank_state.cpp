@@ -17,6 +17,7 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
       surfaces(scene.surfaces),
       drag(scene),
       form(scene.solver.form),
+      coarse(scene),
       halo(over),
       exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
   traits.frame = scene.time.frame, traits.step = whole_step;
@@ -67,7 +68,7 @@ std::size_t RankState::bytes() const {
          bytes_of(multipliers.manifolds) + bytes_of(multipliers.points) + bytes_of(multipliers.places) +
          bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(attached) +
          bytes_of_pairs + drag.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) +
-         bytes_of(history.joints()) + bytes_of(joint_slots) + bytes_of(lasting_counts);
+         bytes_of(history.joints()) + bytes_of(joint_slots) + bytes_of(lasting_counts) + coarse.bytes();
 }
 
 }  // namespace unibody

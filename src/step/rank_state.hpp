@@ -15,6 +15,7 @@
 #include "scene/scene.hpp"
 #include "solve/drag.hpp"
 #include "solve/solver.hpp"
+#include "step/coarse_level.hpp"
 #include "step/contact_impulse.hpp"
 #include "step/history.hpp"
 #include "step/plan.hpp"
@@ -63,6 +64,8 @@ struct RankState {
   Form form = Form::incremental;                // in which this step solves constraints between centres
   ConstraintColours colours{};                  // of each type, over all ranks
   std::vector<std::int32_t> lasting_counts;     // for the Jacobi solvers, of each slot: constraints of the batches that last
+
+  CoarseLevel coarse;
 
   Halo halo;
   Exchange exchange;

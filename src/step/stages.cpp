@@ -132,13 +132,15 @@ struct StagesDone {
   int iterations = 0;
   double leak = 0;                // of the position stage's multipliers, into what the next step starts from
   double left_by_velocities = 0;  // m, the residual that the velocity stage left
+  double left_by_coarse = 0;      // m, the same of the coarse level, whose momenta no sweep sees
   WorstConstraint worst;          // of the velocity stage on this rank, where it left more than is to be named
 };
 
 const WorstConstraint& worse_of(const WorstConstraint& a, const WorstConstraint& b) { return b.precedes(a) ? b : a; }
 
-// The stages of a plan, in its islands.
-StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, double name_above) {
+// The stages of a plan, in its islands. `predicted`: the bodies before the warm start, where the scene has a coarse level.
+StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, double name_above,
+                      const std::vector<SolverBody>& predicted) {
   const auto run = [&](Stage::Kind kind, int iterations) {
     const StopRule rule(plan.aim, plan.tolerance, plan.least_of(kind));
     return run_stage(state, system, plan, facts, kind, state.solver.solve, iterations, rule);
@@ -155,6 +157,8 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
       if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::together);
     });
   }
+  if (state.coarse.exists() && plan.islands != Islands::free)
+    done.left_by_coarse = solve_coarse_level(state, system, plan, predicted);
   done.iterations += run(Stage::Kind::position, plan.iterations - done.iterations).iterations;
   if (!plan.two_stages) return done.leak = 1, done;  // in islands with one stage, all is remembered
   if (!leaks) return done;
@@ -173,22 +177,24 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
     solved.predicted.assign(system.bodies.begin(), system.bodies.end());
     solved.velocity_before = state.world.velocity;
   }
+  std::vector<SolverBody> predicted;
+  if (state.coarse.exists()) predicted.assign(system.bodies.begin(), system.bodies.end());
   warm_start(state, system, plan);
 
-  const StagesDone done = run_stages(state, system, plan, facts, request.name_above);
+  const StagesDone done = run_stages(state, system, plan, facts, request.name_above, predicted);
   StagesDone free;
   StepReport report;
   report.plans = {plan};
   if (plan.islands == Islands::constrained) {
     const StepPlan of_free = plan_of_free_islands(state.scene.solver, state.traits, facts);
     report.plans.push_back(of_free);
-    free = run_stages(state, system, of_free, facts, request.name_above);
+    free = run_stages(state, system, of_free, facts, request.name_above, predicted);
     system.contacts().set_free_leak(free.leak);
     take_all_islands(system);
     if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
   }
   report.iterations = std::max(done.iterations, free.iterations);
-  measure_solution(state, system, plan, report, std::max(done.left_by_velocities, free.left_by_velocities));
+  measure_solution(state, system, plan, report, std::max({done.left_by_velocities, free.left_by_velocities, done.left_by_coarse}));
   if (request.may_be_outrun && find_struck(state, system)) {
     report.outrun = true;
     return report;

@@ -6,7 +6,7 @@ import unittest
 from unibody_runs import SOURCE
 
 # From the ground up. A folder may include those before it alone.
-LAYERS = ["core", "world", "meshes", "collide", "constraints", "joints", "scene", "partition", "solve", "step", "changes", "checkpoint", "report",
+LAYERS = ["core", "world", "meshes", "collide", "constraints", "joints", "scene", "partition", "coarse", "solve", "step", "changes", "checkpoint", "report",
           "app", "tools", "library", "python"]
 
 

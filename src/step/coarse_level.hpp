@@ -1,0 +1,38 @@
+// The coarse level of a step: Newton's method (coarse/primal_dual.hpp) on cloths, threads and solids, before the sweeps of the
+// position stage, which go on from its velocities and multipliers.
+//
+// It knows of no contacts, joints or attachments. A cloth, thread or solid that has one in a step takes no part in that step, and
+// is solved by sweeps alone, as without a coarse level.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "coarse/aggregates.hpp"
+#include "scene/scene.hpp"
+
+namespace unibody {
+
+class PrimalDual;
+struct RankState;
+struct SolverBody;
+struct StepPlan;
+struct System;
+
+struct CoarseLevel {
+  // Of all cloths, threads and solids of a scene that asks for a coarse level; of none otherwise.
+  explicit CoarseLevel(const Scene& scene);
+
+  Aggregates aggregates;
+  std::shared_ptr<PrimalDual> solver;  // lasts until slots move
+  std::int64_t built_version = -1;     // of the halo, when the solver was laid out
+
+  bool exists() const { return aggregates.count() > 0; }
+  std::size_t bytes() const;
+};
+
+// Sets velocities and multipliers of what takes part. `predicted`: the bodies before any warm start. Returns by how much the
+// solution is off, m (PrimalDualReport::residual). Collective.
+double solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted);
+
+}  // namespace unibody
