@@ -7,7 +7,8 @@ namespace unibody {
 void BlockMatrix::set_pattern(std::vector<std::pair<Slot, Slot>> pairs, std::span<const Id> ids) {
   // Slots of homes, guests and statics each ascend by id, but not one after the other: columns are ordered by id.
   const auto id = [&](Slot s) { return ids[static_cast<std::size_t>(s)]; };
-  std::ranges::sort(pairs, [&](const auto& a, const auto& b) { return a.first != b.first ? a.first < b.first : id(a.second) < id(b.second); });
+  std::ranges::sort(
+      pairs, [&](const auto& a, const auto& b) { return a.first != b.first ? a.first < b.first : id(a.second) < id(b.second); });
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   slot_of_row_.clear(), first_.clear(), diagonal_.clear(), column_.clear();
   row_of_slot_.assign(ids.size(), -1);

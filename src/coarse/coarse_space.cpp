@@ -53,7 +53,8 @@ void CoarseSpace::set(MPI_Comm comm, const BlockMatrix& matrix, std::vector<std:
   for (std::size_t r = 0; r < matrix.rows(); ++r)
     for (std::size_t k = matrix.begin_of(r); k < matrix.end_of(r); ++k) {
       const std::int32_t a = of(matrix.slot_of(r)), b = of(matrix.column_of(k));
-      if (a >= b && b >= 0 && (here.size() < 2 || here[here.size() - 2] != a || here.back() != b)) here.insert(here.end(), {a, b});
+      if (a >= b && b >= 0 && (here.size() < 2 || here[here.size() - 2] != a || here.back() != b))
+        here.insert(here.end(), {a, b});
     }
   int ranks = 1;
   check_mpi(MPI_Comm_size(comm, &ranks));

@@ -28,7 +28,8 @@ class CoarseSpace {
   // Sums P^T H P at these places (m) and factorises it. `moves` of each slot: others take no part. Collective.
   void factorise(const BlockMatrix& matrix, std::span<const Vec3> places, std::span<const std::uint8_t> moves);
 
-  // z += P (P^T H P)^-1 P^T r, of all slots that move; r by slot, of homes. `largest`: of the entries of all r to come. Collective.
+  // z += P (P^T H P)^-1 P^T r, of all slots that move; r by slot, of homes. `largest`: of the entries of all r to come.
+  // Collective.
   void correct(std::span<const Vec3> r, double largest, std::span<Vec3> z) const;
 
   std::int32_t count() const { return count_; }
@@ -46,15 +47,15 @@ class CoarseSpace {
   MPI_Comm comm_ = MPI_COMM_SELF;
   std::int32_t count_ = 0;
   std::size_t homes_ = 0;
-  std::vector<std::int32_t> aggregate_;                         // of each slot
-  std::vector<Slot> first_member_;                              // of each aggregate whose first body is home here; else -1
-  std::vector<std::pair<std::int32_t, std::int32_t>> pairs_;    // row >= column, ascending; the same on all ranks
-  std::vector<std::size_t> first_pair_;                         // of each row
-  std::vector<double> sums_;                                    // 36 of each pair, by columns
-  std::vector<Vec3> centre_;                                    // m, of each aggregate
-  std::vector<Vec3> arm_;                                       // of each slot, from the centre, over scale_
+  std::vector<std::int32_t> aggregate_;                       // of each slot
+  std::vector<Slot> first_member_;                            // of each aggregate whose first body is home here; else -1
+  std::vector<std::pair<std::int32_t, std::int32_t>> pairs_;  // row >= column, ascending; the same on all ranks
+  std::vector<std::size_t> first_pair_;                       // of each row
+  std::vector<double> sums_;                                  // 36 of each pair, by columns
+  std::vector<Vec3> centre_;                                  // m, of each aggregate
+  std::vector<Vec3> arm_;                                     // of each slot, from the centre, over scale_
   std::vector<std::uint8_t> moves_;
-  double scale_ = 1;                                            // m
+  double scale_ = 1;  // m
   using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
   std::shared_ptr<Factor> factor_;
   bool is_analysed_ = false;

@@ -83,8 +83,8 @@ class Solve {
   }
 
   const LinearSystem& s_;
-  std::vector<Vec3> z_, d_, p_, q_, t_;      // by slot
-  double largest_ = 0;                       // of the first residual's entries, over all ranks
+  std::vector<Vec3> z_, d_, p_, q_, t_;  // by slot
+  double largest_ = 0;                   // of the first residual's entries, over all ranks
 };
 
 }  // namespace

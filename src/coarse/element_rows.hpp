@@ -66,7 +66,7 @@ struct ElementRows {
     if constexpr (has_constant_curvature) curvature = positive_curvature<Small>(c, lambda, step);
     std::array<std::array<Vec3, C::stencil>, C::rows> D;
     for (auto& of_row : D) of_row.fill(Vec3::Zero());  // GCC does not see that all are set
-    std::array<double, C::rows> stiffness{};  // of the direction of each row; kg
+    std::array<double, C::rows> stiffness{};           // of the direction of each row; kg
     for (std::size_t k = 0; k < C::rows; ++k) {
       for (std::size_t e = 0; e < C::stencil; ++e) D[k][e] = gradient(lane, k, e);
       if (softness[k] > 0 && !(is_unilateral<C> && lambda[k] == 0)) stiffness[k] = step * (step + c.damping) / softness[k];
@@ -83,8 +83,7 @@ struct ElementRows {
       for (std::size_t f = 0; f < C::stencil; ++f) {
         if (!wants(e, f)) continue;
         double diagonal = e == f ? across : -across;
-        if constexpr (has_constant_curvature)
-          diagonal += curvature(static_cast<Eigen::Index>(e), static_cast<Eigen::Index>(f));
+        if constexpr (has_constant_curvature) diagonal += curvature(static_cast<Eigen::Index>(e), static_cast<Eigen::Index>(f));
         BlockMatrix::Block block{Vec4d{diagonal, 0, 0, 0}, Vec4d{0, diagonal, 0, 0}, Vec4d{0, 0, diagonal, 0}};
         for (std::size_t k = 0; k < C::rows; ++k) {
           const Vec3 left = stiffness[k] * D[k][e];

@@ -101,8 +101,7 @@ void PrimalDual::start(const Step& step) {
     auto& elements = std::get<type.value>(elements_);
     elements.acts.assign(list.size(), 0);
     for (std::size_t i = 0; i < list.size(); ++i)
-      elements.acts[i] =
-          std::ranges::any_of(elements.slots[i], [&](Slot s) { return moves_[static_cast<std::size_t>(s)] != 0; });
+      elements.acts[i] = std::ranges::any_of(elements.slots[i], [&](Slot s) { return moves_[static_cast<std::size_t>(s)] != 0; });
     soften<C>(list, elements);
   });
 }
@@ -213,23 +212,43 @@ double PrimalDual::still_to_move() {
   return largest_of_all(most, comm_);
 }
 
+// Of the objective along a change of the velocities, at those of the last evaluation. Collective.
+double PrimalDual::slope_along(std::span<const Vec3> change) const {
+  ExactSum slope;
+  for (std::size_t r = 0; r < matrix_.rows(); ++r) {
+    const auto s = static_cast<std::size_t>(matrix_.slot_of(r));
+    slope += gradient_[s].dot(change[s]);
+  }
+  return all_sums(comm_, std::span(&slope, 1))[0];
+}
+
+// Whether velocities after a change are taken: where the objective has fallen, or its slope by half. It is no objective to the
+// last digit where damped directions turn, and none at all below its round-off.
+bool PrimalDual::is_step(std::span<const Vec3> change, double objective, double slope, std::span<const Vec3> velocity) {
+  if (evaluate(Pass::objective, velocity) <= objective) return true;
+  evaluate(Pass::gradient, velocity);
+  return std::abs(slope_along(change)) <= 0.5 * std::abs(slope);
+}
+
 // One iteration. Returns false where the objective did not fall, and nothing was changed.
 bool PrimalDual::take_newton_step(const Step& step, const PrimalDualSettings& settings, double objective,
                                   PrimalDualReport& report) {
   invert_diagonal();
   if (settings.has_coarse_level) coarse_.factorise(matrix_, world_.position, moves_);
-  const LinearSystem system{matrix_, inverse_, settings.has_coarse_level ? &coarse_ : nullptr,
-                            static_cast<double>(largest_stencil_), comm_, step.refresh};
+  const LinearSystem system{
+      matrix_, inverse_,    settings.has_coarse_level ? &coarse_ : nullptr, static_cast<double>(largest_stencil_),
+      comm_,   step.refresh};
   std::vector<Vec3> change(world_.size()), trial(world_.size());
   for (std::size_t i = 0; i < trial.size(); ++i) trial[i] = -gradient_[i];
   report.linear_iterations +=
       conjugate_gradients(system, trial, change, settings.linear_share, settings.linear_iterations).iterations;
   ++report.newton_iterations;
+  const double slope = slope_along(change);
   constexpr int most_halvings = 8;
   double share = 1;
   for (int halvings = 0; halvings <= most_halvings; ++halvings, share *= 0.5) {
     for (std::size_t i = 0; i < trial.size(); ++i) trial[i] = velocity_[i] + share * change[i];
-    if (!(evaluate(Pass::objective, trial) <= objective)) continue;
+    if (!is_step(change, objective, slope, trial)) continue;
     velocity_ = trial;
     report.residual = largest_of_all(accept_multipliers(), comm_);
     return true;

@@ -49,10 +49,10 @@ class PrimalDual {
   PrimalDual(const World& world, const ConstraintSet& constraints, const Aggregates& aggregates, MPI_Comm comm);
 
   struct Step {
-    std::span<const SolverBody> predicted;            // v~ and inverse masses, by slot
-    std::span<const std::uint8_t> takes_part;         // of each slot: other bodies keep v~, constraints among them their multipliers
-    double length;                                    // s
-    std::function<void(std::span<Vec3>)> refresh;     // of guests from their homes; collective
+    std::span<const SolverBody> predicted;         // v~ and inverse masses, by slot
+    std::span<const std::uint8_t> takes_part;      // of each slot: other bodies keep v~, constraints among them their multipliers
+    double length;                                 // s
+    std::function<void(std::span<Vec3>)> refresh;  // of guests from their homes; collective
   };
   // From the velocities at the start of the step and multipliers() to those of the solution. Collective.
   PrimalDualReport solve(const Step& step, const PrimalDualSettings& settings);
@@ -73,9 +73,9 @@ class PrimalDual {
     std::vector<std::uint8_t> acts;                                         // in this step: some body of it takes part
     std::vector<std::array<double, C::rows>> softness, lambda, trial;       // m/N, N s
   };
-  // What is made of the constraints at some velocities: the objective, with multipliers on trial; its gradient and the matrix too;
-  // or what the momenta are off by with the multipliers as they are.
-  enum class Pass { objective, system, momentum };
+  // What is made of the constraints at some velocities: the objective, with multipliers on trial; its gradient too; the matrix
+  // too; or what the momenta are off by with the multipliers as they are.
+  enum class Pass { objective, gradient, system, momentum };
 
   void find_blocks();
   void start(const Step& step);
@@ -87,6 +87,8 @@ class PrimalDual {
   void evaluate_type(Pass pass, const ConstraintList<C>& list, ElementList<C>& elements, const StepEnd& end, ExactSum& objective);
   void hold_others(Pass pass);
   bool take_newton_step(const Step& step, const PrimalDualSettings& settings, double objective, PrimalDualReport& report);
+  bool is_step(std::span<const Vec3> change, double objective, double slope, std::span<const Vec3> velocity);
+  double slope_along(std::span<const Vec3> change) const;
   double accept_multipliers();
   void invert_diagonal();
   double still_to_move();

@@ -42,11 +42,6 @@ inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequen
 enum class Form { incremental, total };
 inline constexpr std::array<std::string_view, 2> form_names{"incremental", "total"};
 
-// Whether the position stage starts with Newton's method on two levels (coarse/primal_dual.hpp), of all constraints between
-// centres.
-enum class Coarse { off, on };
-inline constexpr std::array<std::string_view, 2> coarse_names{"off", "on"};
-
 // The share of an edge by which its ends may move against each other within a step of the total form. A block of 1e5 Pa that
 // spins by .64 rad a step converges with every solver, and by .96 with Gauss-Seidel alone; a cube thrown against what holds it
 // converges at .41 and with none at .90.
@@ -133,7 +128,7 @@ struct SolverSettings {
   std::optional<double> warm_start;
   Form form = Form::incremental;
   JointSolve joints = JointSolve::iterative;
-  Coarse coarse = Coarse::off;
+  bool coarse = false;  // the position stage starts with Newton's method on a coarse level (step/coarse_level.hpp)
   // Share of the position stage's multipliers fed to the velocity stage of the next step, where that of this one has not
   // converged; [0, 1], open: by solver and iterations.
   std::optional<double> leak;

@@ -42,6 +42,7 @@ void check_level(const Value& value, const SolverSettings& solver) {
   refuse("leak", solver.leak.has_value(), "auto at level: velocity, which has one stage");
   refuse("gap", solver.gap == Gap::reevaluated, "frozen at level: velocity, whose constraints are linear in a step");
   refuse("form", solver.form == Form::total, "incremental at level: velocity, whose constraints are linear in a step");
+  refuse("coarse", solver.coarse, "false at level: velocity, whose constraints are linear in a step");
 }
 
 void check_accuracy(const Value& value, const SolverSettings& solver) {
@@ -51,6 +52,13 @@ void check_accuracy(const Value& value, const SolverSettings& solver) {
   if (solver.name == "newton") accuracy->fail_expected("auto for newton, whose steps are solved as far as they go");
 }
 
+void check_coarse(const Value& value, const SolverSettings& solver) {
+  if (!solver.coarse) return;
+  const Value& coarse = *value.find("coarse");
+  if (solver.name == "newton") coarse.fail_expected("false for newton, whose steps are solved as far as they go");
+  if (solver.form == Form::total) coarse.fail_expected("false for form: total");
+}
+
 void read_solver(const Value& value, Scene& scene) {
   SolverSettings& solver = scene.solver;
   read_settings(value, solver_settings(), solver);
@@ -58,6 +66,7 @@ void read_solver(const Value& value, Scene& scene) {
   if (solver.name == "newton") solver.form = Form::incremental;  // its own steps have neither
   const Value* iterations = value.find("iterations");
   check_accuracy(value, solver);
+  check_coarse(value, solver);
   const bool one_stage = solver.stages == Stages::position || solver.level == Level::velocity;
   if (solver.iterations && !one_stage && *solver.iterations < 2)
     iterations->fail_expected("an integer >= 2 (two stages; stages: position needs 1)");

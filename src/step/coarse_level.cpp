@@ -45,7 +45,7 @@ int newton_iterations_of(const StepPlan& plan) {
 }  // namespace
 
 CoarseLevel::CoarseLevel(const Scene& scene) {
-  if (scene.solver.coarse == Coarse::off) return;
+  if (!scene.solver.coarse) return;
   for (const ConstraintGroup& group : scene.constraint_groups) {
     std::vector<Vec3> points;
     for (Id k = 0; k < group.count; ++k) points.push_back(scene.body(group.first + k).state.position);
@@ -68,9 +68,8 @@ double solve_coarse_level(RankState& state, System& system, const StepPlan& plan
   for (std::size_t i = 0; i < state.world.first_static(); ++i)
     if (const std::ptrdiff_t g = group_of(state.scene.constraint_groups, state.world.id[i]); g >= 0)
       takes_part[i] = touched[static_cast<std::size_t>(g)] == 0;
-  for_each_constraint_batch(system.batches, [&]<class C>(auto, const ConstraintBatch<C>& batch) {
-    batch.get_multipliers(solver.multipliers<C>());
-  });
+  for_each_constraint_batch(
+      system.batches, [&]<class C>(auto, const ConstraintBatch<C>& batch) { batch.get_multipliers(solver.multipliers<C>()); });
   PrimalDualSettings settings;
   settings.newton_iterations = newton_iterations_of(plan), settings.tolerance = plan.tolerance;
   const auto refresh = [&](std::span<Vec3> values) { state.exchange.refresh(values); };
@@ -78,9 +77,8 @@ double solve_coarse_level(RankState& state, System& system, const StepPlan& plan
   for (std::size_t i = 0; i < state.world.first_static(); ++i)
     if (takes_part[i] != 0)
       for (int k = 0; k < 3; ++k) system.bodies[i].v[k] = solver.velocities()[i][k];
-  for_each_constraint_batch(system.batches, [&]<class C>(auto, ConstraintBatch<C>& batch) {
-    batch.set_multipliers(solver.multipliers<C>());
-  });
+  for_each_constraint_batch(system.batches,
+                            [&]<class C>(auto, ConstraintBatch<C>& batch) { batch.set_multipliers(solver.multipliers<C>()); });
   return report.residual;
 }
 

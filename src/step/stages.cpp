@@ -194,7 +194,8 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
     if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
   }
   report.iterations = std::max(done.iterations, free.iterations);
-  measure_solution(state, system, plan, report, std::max({done.left_by_velocities, free.left_by_velocities, done.left_by_coarse}));
+  measure_solution(state, system, plan, report,
+                   std::max({done.left_by_velocities, free.left_by_velocities, done.left_by_coarse}));
   if (request.may_be_outrun && find_struck(state, system)) {
     report.outrun = true;
     return report;

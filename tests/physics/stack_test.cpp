@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "collide/bodies.hpp"
 #include "small_worlds.hpp"
 
 namespace unibody::small_worlds::stack_test {

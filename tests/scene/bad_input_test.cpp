@@ -87,7 +87,8 @@ const std::vector<BadInput> bad_values{
     {"nearly_a_setting", "solver: {itertions: 10}\n",
      "FILE:1: key 'solver.itertions': found an unknown key (did you mean iterations?), expected name, iterations, accuracy, "
      "tolerance, "
-     "acceleration, mass_sharing, level, stabilisation, stages, form, warm_start, velocity_share, leak, friction, joints, gap, "
+     "acceleration, mass_sharing, level, stabilisation, stages, form, warm_start, velocity_share, leak, friction, joints, "
+     "coarse, gap, "
      "order, scaling, recovery_time, recovery_speed or margin"},
     {"no_accuracy", "solver: {accuracy: 0}\n",
      "FILE:1: key 'solver.accuracy': found 0, expected auto, film (1e-2), engineering (1e-3), reference (1e-5), or number in (0, "
@@ -120,6 +121,13 @@ const std::vector<BadInput> bad_values{
      "FILE:1: key 'solver.velocity_share': found 0.5, expected auto at level: velocity, which has one stage"},
     {"leak_at_velocity_level", "solver: {level: velocity, leak: 0}\n",
      "FILE:1: key 'solver.leak': found 0, expected auto at level: velocity, which has one stage"},
+    {"coarse_at_velocity_level", "solver: {level: velocity, coarse: true}\n",
+     "FILE:1: key 'solver.coarse': found true, expected false at level: velocity, whose constraints are linear in a step"},
+    {"coarse_of_newton", "solver: {name: newton, coarse: true}\n",
+     "FILE:1: key 'solver.coarse': found true, expected false for newton, whose steps are solved as far as they go"},
+    {"coarse_in_the_total_form", "solver: {form: total, coarse: true}\n",
+     "FILE:1: key 'solver.coarse': found true, expected false for form: total"},
+    {"unknown_coarse", "solver: {coarse: maybe}\n", "FILE:1: key 'solver.coarse': found maybe, expected true or false"},
     {"gap_at_velocity_level", "solver: {level: velocity, gap: reevaluated}\n",
      "FILE:1: key 'solver.gap': found reevaluated, expected frozen at level: velocity, whose constraints are linear in a step"},
     {"form_at_velocity_level", "solver: {level: velocity, form: total}\n",

@@ -51,7 +51,7 @@ TEST(ReadScene, TimeOutputAndTopLevelKeys) {
 TEST(ReadScene, EverySolverKey) {
   const Scene scene = scene_from(
       "solver: {name: gauss_seidel, iterations: 12, tolerance: 1e-6, stages: position, warm_start: 0.25,\n"
-      "  velocity_share: 0.75, leak: 0.3, friction: saxce, gap: reevaluated, order: sequential, scaling: 0.8,\n"
+      "  velocity_share: 0.75, leak: 0.3, friction: saxce, gap: reevaluated, order: sequential, scaling: 0.8, coarse: true,\n"
       "  acceleration: optimized, mass_sharing: count,\n"
       "  recovery_time: 0.032, recovery_speed: 0, margin: 0.004}\n" +
       ball);
@@ -68,6 +68,7 @@ TEST(ReadScene, EverySolverKey) {
   EXPECT_EQ(s.order, Order::sequential);
   EXPECT_EQ(s.acceleration, Acceleration::optimized);
   EXPECT_EQ(s.mass_sharing, MassSharing::count);
+  EXPECT_TRUE(s.coarse);
   EXPECT_EQ(s.scaling, 0.8);
   EXPECT_EQ(s.recovery_time, 0.032);
   EXPECT_EQ(s.recovery_speed, 0);
