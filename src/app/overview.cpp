@@ -138,6 +138,12 @@ std::string iterations_text(const SolverSettings& used) {
   return "at most " + std::to_string(default_iterations) + " iterations a step (up to " + most + " where they cost little)";
 }
 
+std::string coarse_level_text(const Simulation& simulation) {
+  if (!simulation.scene.solver.coarse) return "";
+  return simulation.coarse.exists() ? ", a coarse level of what touches nothing"
+                                    : ", no coarse level, since there are no cloths, threads or solids";
+}
+
 void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
   const Scene& scene = simulation.scene;
   const SolverSettings used = simulation.settings_used();
@@ -152,7 +158,7 @@ void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
                   ", stages: " + std::string(stages_names[static_cast<std::size_t>(used.stages)]) + ", tolerance " +
                   number_text(*used.tolerance, 3) + " m" +
                   (used.accuracy ? " for an accuracy of " + number_text(*used.accuracy, 3) : "") + ", contacts from " +
-                  number_text(*used.margin, 3) + " m on");
+                  number_text(*used.margin, 3) + " m on" + coarse_level_text(simulation));
 }
 
 void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector<std::string>& warnings) {

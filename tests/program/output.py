@@ -196,7 +196,7 @@ class Results(ProgramTest):
             "solver": {"name": "accelerated_jacobi", "iterations": "auto", "accuracy": "auto", "tolerance (m)": 5e-5 * 0.11, "acceleration": "auto",
                        "mass_sharing": "directions", "level": "position", "stabilisation": 0.4, "stages": "two",
                        "warm_start": "auto", "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
-                       "order": "coloured", "joints": "iterative", "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25,
+                       "order": "coloured", "joints": "iterative", "coarse": False, "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25,
                        "margin (m)": 0.002},
             "output": {"every (frames)": EVERY, "crossings": True, "joints": False, "contacts (frames)": 0, "checkpoint_every (frames)": 10, "checkpoint_minutes (min)": 0,
                        "precision": "double"}})

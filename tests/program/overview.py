@@ -42,6 +42,14 @@ class Overview(ProgramTest):
             self.assertIn("  plan  accelerated_jacobi, at most 50 iterations a step (up to 1000 iterations where they cost little), stages: position, tolerance ", out)
         self.assertEqual(self.warnings(SCENE), [])
 
+    def test_a_coarse_level_where_there_is_something_for_it(self):
+        cloth = "cloths: [{grid: {size: [1, 1], nodes: [9, 9]}, mass: 1, thickness: 0.01, links: {}}]"
+        ball = "bodies: [{shape: {sphere: {radius: 1}}, mass: 1}]"
+        coarse = ("-set", "solver.coarse=true")
+        self.assertIn(", a coarse level of what touches nothing", self.check(cloth, *coarse).out)
+        self.assertIn(", no coarse level, since there are no cloths, threads or solids", self.check(ball, *coarse).out)
+        self.assertNotIn("coarse", self.check(cloth).out)
+
     def test_overlaps_at_the_start(self):
         text = """
             bodies:

@@ -135,6 +135,14 @@ class RankInvariance(ProgramTest):
             held = sum(int(row["held_pairs (1)"]) for row in report)
             self.assertGreater(held, 0)
 
+    # Newton's method on two levels: a sheet that hangs from two corners; boxes that come to lie on another.
+    def test_the_coarse_level(self):
+        for scene, frames, stretch in (("cloth_hanging", 16, 0.005), ("boxes_on_cloth", 24, 1)):
+            options = [word for text in (f"time.frames={frames}", "output.every=8", "solver.coarse=true") for word in ("-set", text)]
+            report = self.report_of_equal_runs(scene, options)
+            column = next(name for name in report[0] if name.startswith("stretch_max"))
+            self.assertLess(max(float(row[column]) for row in report), stretch)
+
     # The same two, a few frames from their first contacts on, by colours.
     def test_cloths_with_gauss_seidel(self):
         heavy = ("cloths[0].mass=3", "bodies[1].mass=0.5", "bodies[1].velocity=[0, 0, -5]")

@@ -167,6 +167,10 @@ class Restart(ProgramTest):
         self.assertGreater(sum(held[:25]), 0)
         self.assertGreater(sum(held[25:]), 0)
 
+    def test_a_hanging_cloth_with_a_coarse_level(self):
+        self.check_runs(SCENES / "cloth_hanging.yaml", "-set", "time.frames=20", "-set", "output.every=10", "-set", "solver.coarse=true",
+                        ranks=(1, 3), half=10, written=["000010", "000020"])
+
     def test_another_cloth_is_refused(self):
         self.check_refused(CLOTH, ("cloths[0].links.stiffness=3001", "cloths[0].bending.damping=0.1", "cloths[0].pins[1].release=0.8",
                                    "cloths[0].self_collision=true", "cloths[0].thickness=0.06", "cloths[0].position=[0, 0, 0.36]"))
