@@ -47,6 +47,8 @@ struct ElementRows {
     return {g.x[lane], g.y[lane], g.z[lane]};
   }
 
+  double length(std::size_t lane, std::size_t row) const { return rows_.value[row][lane]; }  // c, m
+
   // c + rho D^T v, m
   double value(std::size_t lane, std::size_t row, const Constraint<C>& c, const Slots& slots, const StepEnd& end) const {
     double value = rows_.value[row][lane];

@@ -93,7 +93,7 @@ void PrimalDual::start(const Step& step) {
   for (std::size_t i = 0; i < n; ++i) {
     const SolverBody& body = step.predicted[i];
     velocity_[i] = predicted_[i] = Vec3(body.v);
-    if (i >= world_.first_static() || !(body.inverse_mass > 0) || step.takes_part[i] == 0) continue;
+    if (i >= world_.first_static() || !(body.inverse_mass > 0) || step.part[i] < 0) continue;
     // Constraints hold at the end of the last step: its velocities break them less than those that gravity has changed.
     moves_[i] = 1, mass_[i] = 1 / body.inverse_mass, velocity_[i] = world_.velocity[i];
   }
@@ -203,13 +203,52 @@ void PrimalDual::invert_diagonal() {
   }
 }
 
-// m: how far what the momenta are off by would still move a body, by itself. Collective.
-double PrimalDual::still_to_move() {
+// Takes from the gain of each part what bodies that are moved by the scene have done on it, and adds what its rows with
+// compliance, c^2 / (2 E), have more than at the start of the step.
+void PrimalDual::add_work_of_rows(const Step& step, std::span<ExactSum> gain) const {
+  const std::vector<Vec3> none(world_.size(), Vec3::Zero());
+  const StepEnd start{world_.position, none, step_}, end{world_.position, velocity_, step_};
+  for_each_type(constraints_, [&]<class C>(auto type, const ConstraintList<C>& list) {
+    const auto& elements = std::get<type.value>(elements_);
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (elements.acts[i] == 0 || elements.counted[i] == 0) continue;
+      const auto& slots = elements.slots[i];
+      const auto in_part = [&](Slot s) { return moves_[static_cast<std::size_t>(s)] != 0; };
+      ExactSum& of_part =
+          gain[static_cast<std::size_t>(step.part[static_cast<std::size_t>(*std::ranges::find_if(slots, in_part))])];
+      const bool is_soft = list[i].compliance != decltype(list[i].compliance){};
+      if (!is_soft && std::ranges::all_of(slots, in_part)) continue;
+      const ElementRows<C> before = rows_at<C>(list, elements, i, 1, start), after = rows_at<C>(list, elements, i, 1, end);
+      for (std::size_t k = 0; k < C::rows; ++k) {
+        for (std::size_t e = 0; e < C::stencil; ++e)
+          if (!in_part(slots[e]))
+            of_part += elements.lambda[i][k] * after.gradient(0, k, e).dot(velocity_[static_cast<std::size_t>(slots[e])]);
+        if (const double E = list[i].compliance[k]; E > 0)
+          of_part += (after.length(0, k) - before.length(0, k)) * (after.length(0, k) + before.length(0, k)) / (2 * E);
+      }
+    }
+  });
+}
+
+// What the momenta of each part are off by, and its energy. Collective.
+void PrimalDual::balance(const Step& step, PrimalDualReport& report) {
   evaluate(Pass::momentum, velocity_);
-  double most = 0;
-  for (std::size_t r = 0; r < matrix_.rows(); ++r)
-    most = std::max(most, step_ * (inverse_[r] * gradient_[static_cast<std::size_t>(matrix_.slot_of(r))]).norm());
-  return largest_of_all(most, comm_);
+  std::vector<double> momentum(step.parts, 0);
+  std::vector<ExactSum> gain(2 * step.parts);  // of each part, then the changes
+  for (std::size_t r = 0; r < matrix_.rows(); ++r) {
+    const auto s = static_cast<std::size_t>(matrix_.slot_of(r));
+    if (moves_[s] == 0) continue;
+    const auto part = static_cast<std::size_t>(step.part[s]);
+    momentum[part] = std::max(momentum[part], step_ * (inverse_[r] * gradient_[s]).norm());
+    const Vec3 &v = velocity_[s], &before = world_.velocity[s], &predicted = predicted_[s];
+    gain[part] += mass_[s] * (0.5 * (v - before).dot(v + before) - (predicted - before).dot(v));
+    gain[step.parts + part] += 0.5 * mass_[s] * (v - predicted).squaredNorm();
+  }
+  add_work_of_rows(step, gain);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, momentum.data(), static_cast<int>(step.parts), MPI_DOUBLE, MPI_MAX, comm_));
+  const std::vector<double> gains = all_sums(comm_, gain);
+  report.parts.resize(step.parts);
+  for (std::size_t k = 0; k < step.parts; ++k) report.parts[k] = {momentum[k], gains[k], gains[step.parts + k]};
 }
 
 // Of the objective along a change of the velocities, at those of the last evaluation. Collective.
@@ -257,15 +296,30 @@ bool PrimalDual::take_newton_step(const Step& step, const PrimalDualSettings& se
 }
 
 PrimalDualReport PrimalDual::solve(const Step& step, const PrimalDualSettings& settings) {
+  constexpr int longer = 4;
   start(step);
   PrimalDualReport report;
-  for (int k = 0; k < settings.newton_iterations; ++k) {
+  for (int k = 0; k < longer * settings.newton_iterations; ++k) {
     const double objective = evaluate(Pass::system, velocity_);
     if (!take_newton_step(step, settings, objective, report)) break;
-    if (report.residual <= settings.tolerance && still_to_move() <= settings.tolerance) break;
+    const bool last = k + 1 >= settings.newton_iterations;
+    if (!last && report.residual > settings.tolerance) continue;
+    balance(step, report);
+    if (report.residual <= settings.tolerance && report.momentum() <= settings.tolerance) return report;
+    if (last && !report.gains_energy()) return report;
   }
-  report.residual = std::max(report.residual, still_to_move());
+  balance(step, report);
   return report;
+}
+
+double PrimalDualReport::momentum() const {
+  double most = 0;
+  for (const PartReport& part : parts) most = std::max(most, part.momentum);
+  return most;
+}
+
+bool PrimalDualReport::gains_energy() const {
+  return std::ranges::any_of(parts, [](const PartReport& part) { return part.gains_energy(); });
 }
 
 std::size_t PrimalDual::bytes() const {

@@ -1,5 +1,5 @@
 // A step of implicit Euler of the constraints between bodies' centres, by Newton's method on the bodies' velocities, with
-// multipliers carried along.
+// multipliers beside them.
 //
 // With v~ the velocities before the constraints, x = x_l + h v, compliance E and damping rho, a step solves
 //   M (v - v~) = D lambda,    c(x) + E lambda / h + rho D^T v = 0         (lambda: impulses, N s)
@@ -30,17 +30,30 @@
 namespace unibody {
 
 struct PrimalDualSettings {
-  int newton_iterations = 2;   // at most
+  int newton_iterations = 2;   // at most; four times as many where a part still gains energy
   int linear_iterations = 30;  // of conjugate gradients, in each of them, at most
   double linear_share = 0.03;  // of the preconditioned residual, at which they stop
-  double tolerance = 0;        // m, of PrimalDualReport::residual: where Newton's method stops
+  double tolerance = 0;        // m, of the rows and the momenta: where Newton's method stops
   bool has_coarse_level = true;
+};
+
+// A body that is solved as a whole, such as a cloth.
+struct PartReport {
+  double momentum = 0;  // m, how far a node by itself would still move by what the momenta are off by
+  double gain = 0;      // J, of kinetic and elastic energy in the step, beside the work of gravity and of what moves pins
+  double change = 0;    // J, |v - v~|^2_M / 2
+
+  // Which implicit Euler never does. What is at rest does so within a small share of what the step takes out.
+  bool gains_energy() const { return !(gain <= 1e-4 * change); }
 };
 
 struct PrimalDualReport {
   int newton_iterations = 0, linear_iterations = 0;
-  // m, over all ranks: the most that a row is off by, or that a body by itself would still move in the step.
-  double residual = 0;
+  double residual = 0;  // m, the most that a row is off by, over all ranks
+  std::vector<PartReport> parts;
+
+  double momentum() const;  // m, of all parts
+  bool gains_energy() const;
 };
 
 class PrimalDual {
@@ -49,8 +62,9 @@ class PrimalDual {
   PrimalDual(const World& world, const ConstraintSet& constraints, const Aggregates& aggregates, MPI_Comm comm);
 
   struct Step {
-    std::span<const SolverBody> predicted;         // v~ and inverse masses, by slot
-    std::span<const std::uint8_t> takes_part;      // of each slot: other bodies keep v~, constraints among them their multipliers
+    std::span<const SolverBody> predicted;  // v~ and inverse masses, by slot
+    std::span<const std::int32_t> part;     // number of each slot's; -1: keeps v~, constraints among such their multipliers
+    std::size_t parts;
     double length;                                 // s
     std::function<void(std::span<Vec3>)> refresh;  // of guests from their homes; collective
   };
@@ -91,7 +105,8 @@ class PrimalDual {
   double slope_along(std::span<const Vec3> change) const;
   double accept_multipliers();
   void invert_diagonal();
-  double still_to_move();
+  void balance(const Step& step, PrimalDualReport& report);
+  void add_work_of_rows(const Step& step, std::span<ExactSum> gain) const;
 
   const World& world_;
   const ConstraintSet& constraints_;

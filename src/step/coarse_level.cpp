@@ -39,7 +39,7 @@ std::vector<std::uint8_t> touched_groups(const RankState& state) {
 // The more iterations a step may take, the more of them are Newton's.
 int newton_iterations_of(const StepPlan& plan) {
   constexpr int sweeps_for_each = 25;
-  return std::max(1, plan.iterations / sweeps_for_each);
+  return std::max(2, plan.iterations / sweeps_for_each);
 }
 
 }  // namespace
@@ -55,8 +55,55 @@ CoarseLevel::CoarseLevel(const Scene& scene) {
 
 std::size_t CoarseLevel::bytes() const { return aggregates.bytes() + (solver ? solver->bytes() : 0); }
 
+namespace {
+
+// The part that each slot is of, -1: of none, as they are given for runs of bodies.
+std::vector<std::int32_t> parts_of_slots(const RankState& state, std::span<const std::uint8_t> left_out) {
+  std::vector<std::int32_t> part(state.world.size(), -1);
+  for (std::size_t i = 0; i < state.world.first_static(); ++i)
+    if (const std::ptrdiff_t g = group_of(state.scene.constraint_groups, state.world.id[i]);
+        g >= 0 && left_out[static_cast<std::size_t>(g)] == 0)
+      part[i] = static_cast<std::int32_t>(g);
+  return part;
+}
+
+template <class C>
+bool is_taken(const RankState& state, const Constraint<C>& c) {
+  return std::ranges::any_of(c.ids, [&](Id id) {
+    const Slot slot = state.world.find(id);
+    return slot >= 0 && state.coarse.taken[static_cast<std::size_t>(slot)] >= 0;
+  });
+}
+
+// Takes over the velocities and multipliers of the parts that gain no energy. Returns what the momenta of these are off by.
+double take_over(RankState& state, System& system, const PrimalDualReport& report, std::vector<std::int32_t> part) {
+  CoarseLevel& level = state.coarse;
+  PrimalDual& solver = *level.solver;
+  double off = 0;
+  for (const PartReport& k : report.parts)
+    if (!k.gains_energy()) off = std::max(off, k.momentum);
+  for (std::int32_t& k : part)
+    if (k >= 0 && report.parts[static_cast<std::size_t>(k)].gains_energy()) k = -1;
+  level.taken = std::move(part);
+  for (std::size_t i = 0; i < state.world.first_static(); ++i)
+    if (level.taken[i] >= 0)
+      for (int k = 0; k < 3; ++k) system.bodies[i].v[k] = solver.velocities()[i][k];
+  for_each_constraint_batch(system.batches, [&]<class C>(auto type, ConstraintBatch<C>& batch) {
+    const auto& list = std::get<decltype(type)::value>(state.constraints);
+    std::vector<std::array<double, C::rows>> all(list.size());
+    batch.get_multipliers(all);
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (is_taken(state, list[i])) all[i] = solver.multipliers<C>()[i];
+    batch.set_multipliers(all);
+  });
+  return off;
+}
+
+}  // namespace
+
 double solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted) {
   CoarseLevel& level = state.coarse;
+  level.taken.clear();
   const std::vector<std::uint8_t> touched = touched_groups(state);
   if (std::ranges::find(touched, 0) == touched.end()) return 0;
   if (state.any_over_ranks(level.built_version != state.halo.version())) {
@@ -64,22 +111,24 @@ double solve_coarse_level(RankState& state, System& system, const StepPlan& plan
     level.built_version = state.halo.version();
   }
   PrimalDual& solver = *level.solver;
-  std::vector<std::uint8_t> takes_part(state.world.size(), 0);
-  for (std::size_t i = 0; i < state.world.first_static(); ++i)
-    if (const std::ptrdiff_t g = group_of(state.scene.constraint_groups, state.world.id[i]); g >= 0)
-      takes_part[i] = touched[static_cast<std::size_t>(g)] == 0;
-  for_each_constraint_batch(
-      system.batches, [&]<class C>(auto, const ConstraintBatch<C>& batch) { batch.get_multipliers(solver.multipliers<C>()); });
+  std::vector<std::int32_t> part = parts_of_slots(state, touched);
+  for_each_constraint_batch(system.batches, [&]<class C>(auto, const ConstraintBatch<C>&) {
+    for (auto& lambda : solver.multipliers<C>()) lambda.fill(0);
+  });
   PrimalDualSettings settings;
   settings.newton_iterations = newton_iterations_of(plan), settings.tolerance = plan.tolerance;
   const auto refresh = [&](std::span<Vec3> values) { state.exchange.refresh(values); };
-  const PrimalDualReport report = solver.solve({predicted, takes_part, state.step(), refresh}, settings);
-  for (std::size_t i = 0; i < state.world.first_static(); ++i)
-    if (takes_part[i] != 0)
-      for (int k = 0; k < 3; ++k) system.bodies[i].v[k] = solver.velocities()[i][k];
-  for_each_constraint_batch(system.batches,
-                            [&]<class C>(auto, ConstraintBatch<C>& batch) { batch.set_multipliers(solver.multipliers<C>()); });
-  return report.residual;
+  const PrimalDualReport report = solver.solve({predicted, part, touched.size(), state.step(), refresh}, settings);
+  return take_over(state, system, report, std::move(part));
+}
+
+void forget_multipliers(RankState& state) {
+  if (state.coarse.taken.empty()) return;
+  for_each_type(state.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+    auto& remembered = state.history.of<ConstraintBatch<C>>();
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (is_taken(state, list[i])) remembered[i].fill(0);
+  });
 }
 
 }  // namespace unibody

@@ -2,7 +2,8 @@
 // position stage, which go on from its velocities and multipliers.
 //
 // It knows of no contacts, joints or attachments. A cloth, thread or solid that has one in a step takes no part in that step, and
-// is solved by sweeps alone, as without a coarse level.
+// is solved by sweeps alone, as without a coarse level. So is one whose energy would grow in the step, as far as Newton's method
+// has come: what is left undone may not give energy.
 #pragma once
 
 #include <memory>
@@ -26,13 +27,18 @@ struct CoarseLevel {
   Aggregates aggregates;
   std::shared_ptr<PrimalDual> solver;  // lasts until slots move
   std::int64_t built_version = -1;     // of the halo, when the solver was laid out
+  std::vector<std::int32_t> taken;     // in this step, of each slot: what it is a part of, where that was solved so; else -1
 
   bool exists() const { return aggregates.count() > 0; }
   std::size_t bytes() const;
 };
 
-// Sets velocities and multipliers of what takes part. `predicted`: the bodies before any warm start. Returns by how much the
-// solution is off, m (PrimalDualReport::residual). Collective.
+// Sets velocities and multipliers of what takes part. `predicted`: the bodies before any warm start. Returns what the momenta
+// of these are off by, m (PartReport). Collective.
 double solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted);
+
+// Of what was solved so in this step nothing is remembered: its multipliers balance its velocities, and would push bodies far off
+// from any others, as those are from which sweeps start. Newton's method starts from nothing anyway.
+void forget_multipliers(RankState& state);
 
 }  // namespace unibody

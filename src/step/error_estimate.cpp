@@ -110,6 +110,12 @@ ConvergedStep solve_on(RankState& state, System& system, const StepPlan& plan, c
   system.moving.clear();
   for_each_batch(system.batches, [](auto, auto& batch) { batch.join_stages(); });
   std::copy(solved.velocity_before.begin(), solved.velocity_before.end(), state.world.velocity.begin());
+  if (state.coarse.exists()) {  // sweeps keep what Newton's method left the momenta off by
+    constexpr int longer = 8;   // than the step's own
+    StepPlan deeper = plan;
+    deeper.iterations *= longer, deeper.tolerance = effort.enough;
+    solve_coarse_level(state, system, deeper, solved.predicted);
+  }
   const SolveFunction same_layout = state.solver.sweeps_by_colour ? state.solver.solve : accelerated_jacobi;  // converges faster
   const ConvergedStep converged = converge(state, system, plan, facts, same_layout, effort);
   system.bodies.assign(taken.begin(), taken.end());

@@ -118,6 +118,7 @@ void follow_up(RankState& state, System& system, const StepPlan& plan, double le
     report.sliding += batch.sliding();
     batch.remember(std::get<decltype(place)::value>(state.history), leak);
   });
+  forget_multipliers(state);
   if (state.is_alone()) return;
   std::array<std::int64_t, 2> counts{report.sliding, state.impacts};
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), 2, MPI_INT64_T, MPI_SUM, state.comm()));
