@@ -8,7 +8,7 @@ FASTER = {50: 3, 150: 20}  # than accelerated Jacobi at the same error
 MOST_SWEEPS = 150  # accelerated Jacobi's, which an iteration of Newton's method may cost
 NEWTON_ITERATIONS = 2  # with the default iterations
 SWEEPS = 50
-MOST = 12_800  # iterations of sweeps alone; more are not tried
+MOST_SWEEPS_ALONE, MOST_STEPS = 12_800, 500  # a frame; more are not tried
 SHORT = {50: 100, 100: 60, 150: 60, 300: 20}  # frames of the comparison in time, in which the cloth falls
 
 
@@ -48,13 +48,15 @@ def stretch(sizes, arguments):
     return lines
 
 
-def least_work(nodes, frames, rms, others, first, arguments):
-    """(the least work of `others` that leaves no more than this RMS, what it came to); of more than MOST only a bound."""
+def least_work(nodes, frames, rms, others, first, most, arguments):
+    """(the least work of `others` that leaves no more than this RMS, what it came to); of more than `most` only a bound."""
     work = first
-    while work <= MOST:
+    while work <= most:
         say(f'cloth of {nodes} x {nodes}: {others.__name__} {work}')
         found = others(nodes, frames, work, arguments)
         if found['rms'] <= rms:
+            break
+        if work * 3 // 2 > most:
             break
         work = work * 3 // 2
     return work, found
@@ -68,8 +70,8 @@ def times(sizes, arguments):
     for nodes in sizes:
         frames = arguments.frames or SHORT[nodes]
         ours, few = with_coarse_level(nodes, frames, arguments), many_sweeps(nodes, frames, SWEEPS, arguments)
-        sweeps, one = least_work(nodes, frames, ours['rms'], many_sweeps, 4 * SWEEPS, arguments)
-        steps, other = least_work(nodes, frames, ours['rms'], many_steps, 40, arguments)
+        sweeps, one = least_work(nodes, frames, ours['rms'], many_sweeps, 4 * SWEEPS, MOST_SWEEPS_ALONE, arguments)
+        steps, other = least_work(nodes, frames, ours['rms'], many_steps, 40, MOST_STEPS, arguments)
         ratio, cost = one['ms'] / ours['ms'], (ours['ms'] - few['ms']) / NEWTON_ITERATIONS / (few['ms'] / SWEEPS)
         aim = FASTER.get(nodes)
         bound = ['' if found['rms'] <= ours['rms'] else 'more than ' for found in (one, other)]
