@@ -273,10 +273,8 @@ bool PrimalDual::is_step(std::span<const Vec3> change, double objective, double 
 bool PrimalDual::take_newton_step(const Step& step, const PrimalDualSettings& settings, double objective,
                                   PrimalDualReport& report) {
   invert_diagonal();
-  if (settings.has_coarse_level) coarse_.factorise(matrix_, world_.position, moves_);
-  const LinearSystem system{
-      matrix_, inverse_,    settings.has_coarse_level ? &coarse_ : nullptr, static_cast<double>(largest_stencil_),
-      comm_,   step.refresh};
+  coarse_.factorise(matrix_, world_.position, moves_);
+  const LinearSystem system{matrix_, inverse_, &coarse_, static_cast<double>(largest_stencil_), comm_, step.refresh};
   std::vector<Vec3> change(world_.size()), trial(world_.size());
   for (std::size_t i = 0; i < trial.size(); ++i) trial[i] = -gradient_[i];
   report.linear_iterations +=

@@ -34,7 +34,6 @@ struct PrimalDualSettings {
   int linear_iterations = 30;  // of conjugate gradients, in each of them, at most
   double linear_share = 0.03;  // of the preconditioned residual, at which they stop
   double tolerance = 0;        // m, of the rows and the momenta: where Newton's method stops
-  bool has_coarse_level = true;
 };
 
 // A body that is solved as a whole, such as a cloth.
