@@ -25,7 +25,8 @@ class CoarseSpace {
   void set(MPI_Comm comm, const BlockMatrix& matrix, std::vector<std::int32_t> aggregate, std::int32_t count, std::size_t homes,
            std::span<const Id> ids);
 
-  // Sums P^T H P at these places (m) and factorises it. `moves` of each slot: others take no part. Collective.
+  // Sums the coarse matrix P^T H P, with the bodies at these places (m), and factorises it. Slots for which `moves` is 0 are left
+  // out of the aggregates. Collective.
   void factorise(const BlockMatrix& matrix, std::span<const Vec3> places, std::span<const std::uint8_t> moves);
 
   // z += P (P^T H P)^-1 P^T r, of all slots that move; r by slot, of homes. `largest`: of the entries of all r to come.

@@ -26,7 +26,8 @@ struct LinearReport {
   double left = 1;  // of the preconditioned residual's norm, a share of that at the start
 };
 
-// x: by slot, on return of guests too. b: of homes; it is used up. Stops at that share of the residual. Collective.
+// Solves H x = b, vectors by slot. Only the entries of home bodies are read of b, which is overwritten; x is set for guests too.
+// The iterations stop when the preconditioned residual has fallen to that share of what it was. Collective.
 LinearReport conjugate_gradients(const LinearSystem& system, std::span<Vec3> b, std::span<Vec3> x, double share, int most);
 
 }  // namespace unibody

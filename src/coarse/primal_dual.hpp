@@ -42,7 +42,8 @@ struct PartReport {
   double gain = 0;      // J, of kinetic and elastic energy in the step, beside the work of gravity and of what moves pins
   double change = 0;    // J, |v - v~|^2_M / 2
 
-  // Which implicit Euler never does. What is at rest does so within a small share of what the step takes out.
+  // Whether the step must not be kept, since the part's energy would grow. A small share of `change` is allowed, within which the
+  // round-off of a part at rest lies.
   bool gains_energy() const { return !(gain <= 1e-4 * change); }
 };
 

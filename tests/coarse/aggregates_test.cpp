@@ -41,7 +41,8 @@ TEST(Aggregates, AreSquaresOfClothsAndCubesOfSolids) {
   }
 }
 
-// Of other numbers of points no aggregate has more than asked for, and none much less than half; numbers have no gaps.
+// Where the points do not divide evenly, no aggregate has more of them than one above the limit or fewer than half of it, and the
+// aggregates are numbered without gaps.
 TEST(Aggregates, HaveAboutTheSameSize) {
   for (const auto& points : {grid(50, 50, 1), grid(1, 1001, 1), grid(7, 11, 13)}) {
     const std::vector<std::int32_t> number = aggregate_points(points);
