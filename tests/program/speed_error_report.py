@@ -135,8 +135,9 @@ class Report(unittest.TestCase):
         self.assertEqual(theirs["within the tolerance"], str(float(theirs["natural map"]) <= 1e-10))
         for row in rows[:5]:
             self.assertGreater(int(row["contacts"]), 10)
-            self.assertLess(float(row["natural map"]), 1e-12, row)
             self.assertLess(float(row["velocities from Siconos"]), 1e-9, row)
+        for row in rows[2:5]:  # 500 iterations and more solve 16 contacts to round-off; what 50 leave is what the table is made to tell
+            self.assertLess(float(row["natural map"]), 1e-14, row)
 
     def test_what_was_run_is_not_run_again(self):
         before = {p.name: p.read_bytes() for p in (self.folder / "report").glob("*.csv")}
