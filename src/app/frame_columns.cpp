@@ -33,6 +33,10 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   add(strain_columns(comm, scene, world, simulation.constraints));
   columns.push_back({"impacts (1)", static_cast<double>(step.impacts)});
   if (!scene.constraint_groups.empty()) columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
+  if (simulation.coarse.exists()) {
+    columns.push_back({"coarse_touching (1)", static_cast<double>(report.coarse.touching)});
+    columns.push_back({"coarse_gaining (1)", static_cast<double>(report.coarse.gaining)});
+  }
   if (scene.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
   add(joint_columns(comm, scene.joints.size(), simulation.joint_slots, simulation.joint_states(),
                     step.residual_of<JointBatch>()));

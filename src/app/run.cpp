@@ -223,6 +223,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     report.estimated_error += step.estimated_error;
     report.residual_rate += step.residual / scene_.time.frame;
     report.converged &= step.converged, report.form_left += step.form_left;
+    report.coarse.add(step.coarse);
   }
   simulation_.detect();
   warn_of_crowds(frame);

@@ -10,6 +10,7 @@
 #include "report/measure.hpp"
 #include "report/stretch.hpp"
 #include "step/step_error.hpp"
+#include "step/step_report.hpp"
 #include "step/worst_constraint.hpp"
 
 namespace unibody {
@@ -24,6 +25,7 @@ struct FrameReport {
   Measures measures;
   std::int64_t sliding_contacts = 0;
   bool converged = false;
+  CoarseCounts coarse;         // of its steps
   std::int64_t form_left = 0;  // steps taken in the incremental form, not the total one that the scene asks for
   // Wall times (s) of the step, the largest of all ranks; imbalance: largest over mean work (partition/work.hpp).
   double wall_collide = 0, wall_solve = 0, wall_halo = 0, wall_output = 0;

@@ -115,7 +115,7 @@ void ErrorSamples::add(std::int64_t frame, const StepError& error) {
 void Summary::add(const FrameReport& report) {
   final = report;
   if (report.error) errors.add(report.step, *report.error);
-  form_left += report.form_left;
+  form_left += report.form_left, coarse.add(report.coarse);
   convergence.add(report);
 }
 
@@ -127,6 +127,14 @@ std::string told(const Summary& summary, const Scene& scene) {
                   "error of a step, estimated in %lld frames: at worst %.2e m (frame %lld), in the last %.2e m (frame %lld)\n",
                   static_cast<long long>(e.count), e.worst.distance, static_cast<long long>(e.worst_frame), e.last.distance,
                   static_cast<long long>(e.last_frame));
+    text += line.data();
+  }
+  if (const CoarseCounts& c = summary.coarse; c.all() > 0) {
+    std::snprintf(line.data(), line.size(),
+                  "coarse level: counting each cloth, thread and solid once a step, it solved %lld of %lld; sweeps alone solved %lld"
+                  " that touched something, and %lld that would have gained energy\n",
+                  static_cast<long long>(c.solved), static_cast<long long>(c.all()), static_cast<long long>(c.touching),
+                  static_cast<long long>(c.gaining));
     text += line.data();
   }
   if (summary.form_left > 0) {
@@ -159,6 +167,8 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
                                  .set("last", error_json(e.last_frame, e.last)));
   if (!scene.events.empty() || scene.bodies_come_and_go()) j.set("changes", json_of(summary.past, scene));
   j.set("peak_memory", peak_memory(comm));
+  if (const CoarseCounts& c = summary.coarse; c.all() > 0)
+    j.set("coarse_level", Json::object().set("solved", c.solved).set("touching", c.touching).set("gaining", c.gaining));
   if (scene.solver.form == Form::total) j.set("steps_in_incremental_form", summary.form_left);
   j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);
   return j.set("state_hash", hex(summary.state_hash)).text() + "\n";

@@ -42,6 +42,7 @@ struct Summary {
   FrameReport final;
   Convergence convergence;
   ErrorSamples errors;
+  CoarseCounts coarse;
   std::int64_t form_left = 0;      // steps taken in the incremental form, not the total one
   std::vector<std::string> files;  // written, in the order of mention
   std::uint64_t state_hash = 0;

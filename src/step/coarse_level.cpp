@@ -75,13 +75,14 @@ bool is_taken(const RankState& state, const Constraint<C>& c) {
   });
 }
 
-// Takes over the velocities and multipliers of the parts that gain no energy. Returns what the momenta of these are off by.
-double take_over(RankState& state, System& system, const PrimalDualReport& report, std::vector<std::int32_t> part) {
+// Takes over the velocities and multipliers of the parts that gain no energy.
+CoarseSolve take_over(RankState& state, System& system, const PrimalDualReport& report, std::vector<std::int32_t> part) {
   CoarseLevel& level = state.coarse;
   PrimalDual& solver = *level.solver;
-  double off = 0;
+  CoarseSolve done;
   for (const PartReport& k : report.parts)
-    if (!k.gains_energy()) off = std::max(off, k.momentum);
+    if (k.gains_energy()) ++done.counts.gaining;
+    else done.off = std::max(done.off, k.momentum);
   for (std::int32_t& k : part)
     if (k >= 0 && report.parts[static_cast<std::size_t>(k)].gains_energy()) k = -1;
   level.taken = std::move(part);
@@ -96,16 +97,17 @@ double take_over(RankState& state, System& system, const PrimalDualReport& repor
       if (is_taken(state, list[i])) all[i] = solver.multipliers<C>()[i];
     batch.set_multipliers(all);
   });
-  return off;
+  return done;
 }
 
 }  // namespace
 
-double solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted) {
+CoarseSolve solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted) {
   CoarseLevel& level = state.coarse;
   level.taken.clear();
   const std::vector<std::uint8_t> touched = touched_groups(state);
-  if (std::ranges::find(touched, 0) == touched.end()) return 0;
+  const std::int64_t touching = std::ranges::count_if(touched, [](std::uint8_t t) { return t != 0; });
+  if (std::ranges::find(touched, 0) == touched.end()) return {0, {0, touching, 0}};
   if (state.any_over_ranks(level.built_version != state.halo.version())) {
     level.solver = std::make_shared<PrimalDual>(state.world, state.constraints, level.aggregates, state.comm());
     level.built_version = state.halo.version();
@@ -119,7 +121,10 @@ double solve_coarse_level(RankState& state, System& system, const StepPlan& plan
   settings.newton_iterations = newton_iterations_of(plan), settings.tolerance = plan.tolerance;
   const auto refresh = [&](std::span<Vec3> values) { state.exchange.refresh(values); };
   const PrimalDualReport report = solver.solve({predicted, part, touched.size(), state.step(), refresh}, settings);
-  return take_over(state, system, report, std::move(part));
+  CoarseSolve done = take_over(state, system, report, std::move(part));
+  done.counts.touching = touching;
+  done.counts.solved = static_cast<std::int64_t>(touched.size()) - touching - done.counts.gaining;
+  return done;
 }
 
 void forget_multipliers(RankState& state) {

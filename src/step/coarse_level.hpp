@@ -11,6 +11,7 @@
 
 #include "coarse/aggregates.hpp"
 #include "scene/scene.hpp"
+#include "step/step_report.hpp"
 
 namespace unibody {
 
@@ -33,9 +34,13 @@ struct CoarseLevel {
   std::size_t bytes() const;
 };
 
-// Sets velocities and multipliers of what takes part. `predicted`: the bodies before any warm start. Returns what the momenta
-// of these are off by, m (PartReport). Collective.
-double solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted);
+struct CoarseSolve {
+  double off = 0;  // m, what the momenta of what it solved are off by (PartReport)
+  CoarseCounts counts;
+};
+
+// Sets velocities and multipliers of what takes part. `predicted`: the bodies before any warm start. Collective.
+CoarseSolve solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted);
 
 // Of what was solved so in this step nothing is remembered: its multipliers balance its velocities, and would push bodies far off
 // from any others, as those are from which sweeps start. Newton's method starts from nothing anyway.

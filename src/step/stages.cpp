@@ -133,7 +133,7 @@ struct StagesDone {
   int iterations = 0;
   double leak = 0;                // of the position stage's multipliers, into what the next step starts from
   double left_by_velocities = 0;  // m, the residual that the velocity stage left
-  double left_by_coarse = 0;      // m, the same of the coarse level, whose momenta no sweep sees
+  CoarseSolve coarse;             // what its momenta are off by no sweep sees
   WorstConstraint worst;          // of the velocity stage on this rank, where it left more than is to be named
 };
 
@@ -159,7 +159,7 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
     });
   }
   if (state.coarse.exists() && plan.islands != Islands::free)
-    done.left_by_coarse = solve_coarse_level(state, system, plan, predicted);
+    done.coarse = solve_coarse_level(state, system, plan, predicted);
   done.iterations += run(Stage::Kind::position, plan.iterations - done.iterations).iterations;
   if (!plan.two_stages) return done.leak = 1, done;  // in islands with one stage, all is remembered
   if (!leaks) return done;
@@ -196,7 +196,8 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   }
   report.iterations = std::max(done.iterations, free.iterations);
   measure_solution(state, system, plan, report,
-                   std::max({done.left_by_velocities, free.left_by_velocities, done.left_by_coarse}));
+                   std::max({done.left_by_velocities, free.left_by_velocities, done.coarse.off}));
+  report.coarse = done.coarse.counts;
   if (request.may_be_outrun && find_struck(state, system)) {
     report.outrun = true;
     return report;

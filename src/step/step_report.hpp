@@ -28,6 +28,14 @@ struct StepRequest {
   bool may_be_outrun = false;  // the step may end with StepReport::outrun, nothing but the velocities having changed
 };
 
+// What the coarse level did with the cloths, threads and solids of a scene that asks for it, each counted once a step.
+struct CoarseCounts {
+  std::int64_t solved = 0, touching = 0, gaining = 0;  // by it; by sweeps, in contact or attached; or as their energy would grow
+
+  void add(const CoarseCounts& other) { solved += other.solved, touching += other.touching, gaining += other.gaining; }
+  std::int64_t all() const { return solved + touching + gaining; }
+};
+
 struct StepReport {
   int iterations = 0;
   double residual = 0;                                     // m, natural residual, of two stages the larger; max over ranks
@@ -37,6 +45,7 @@ struct StepReport {
   SurfaceGuard::Held guard;     // pairs that would have passed through each other, had they not been held
   bool outrun = false;          // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
   bool form_left = false;       // taken in the incremental form, not the total one that the scene asks for
+  CoarseCounts coarse;          // of the scene's cloths, threads and solids
   std::int64_t impacts = 0;     // that were resolved by themselves (impacts.hpp), over all ranks
   std::int64_t sliding = 0;     // contact points at the limit of friction, over all ranks
   std::vector<StepPlan> plans;  // by which it was taken: one, or one of each kind of islands
@@ -56,6 +65,7 @@ struct StepReport {
     residual = std::max(residual, part.residual), converged = converged && part.converged;
     for (std::size_t k = 0; k < batch_residuals.size(); ++k)
       batch_residuals[k] = std::max(batch_residuals[k], part.batch_residuals[k]);
+    coarse.add(part.coarse);
     form_left = form_left || part.form_left, sliding = part.sliding, error = part.error;
     plans = part.plans;
     impulses.insert(impulses.end(), part.impulses.begin(), part.impulses.end());

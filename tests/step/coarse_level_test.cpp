@@ -34,11 +34,12 @@ struct Worst {
   double rise = -HUGE_VAL;  // J, of the energy in a step
 };
 
-Worst worst_of(Experiment& run, int frames) {
+Worst worst_of(Experiment& run, int frames, CoarseCounts* counts = nullptr) {
   Worst worst;
   for (int k = 0; k < frames; ++k) {
     const double before = run.energy();
     run.step();
+    if (counts != nullptr) counts->add(run.last.coarse);
     const Stretch stretch = stretch_of(run);
     worst.rms = std::max(worst.rms, stretch.rms), worst.max = std::max(worst.max, stretch.max);
     worst.rise = std::max(worst.rise, run.energy() - before);
@@ -95,8 +96,13 @@ TEST(CoarseLevel, AWhippingThreadGainsNoEnergy) {
       "threads:\n  - {points: [[0, 0, 2], [1, 0, 2]], segments: 30, mass: 0.1, radius: 0.005, pins: [{node: 0}]}\n";
   for (const int iterations : {25, 50, 100, 200, 400}) {
     Experiment run(scene_of(rope, true, "accelerated_jacobi", iterations));
-    const Worst worst = worst_of(run, 200);
+    CoarseCounts counts;
+    const Worst worst = worst_of(run, 200, &counts);
     EXPECT_LT(worst.rise, 0) << iterations;
+    EXPECT_EQ(counts.touching, 0) << iterations;
+    EXPECT_EQ(counts.all(), 200) << iterations;
+    EXPECT_EQ(counts.gaining > 0, iterations < 200) << iterations;
+    EXPECT_GT(counts.solved, 180) << iterations;
     EXPECT_LT(worst.rms, iterations < 100 ? 0.02 : 1e-3) << iterations;
   }
 }
@@ -132,6 +138,9 @@ TEST(CoarseLevel, AClothInContactIsSolvedBySweepsAlone) {
   Experiment on(scene_of(ground + "cloths:\n" + lying, true)), off(scene_of(ground + "cloths:\n" + lying, false));
   on.steps(20), off.steps(20);
   EXPECT_NE(on.normal_force(0, 1), 0);
+  EXPECT_EQ(on.last.coarse.touching, 1);
+  EXPECT_EQ(on.last.coarse.all(), 1);
+  EXPECT_EQ(off.last.coarse.all(), 0);
   for (Id id = 1; id <= 144; ++id) EXPECT_EQ(on.position(id), off.position(id)) << id;
 }
 
@@ -140,6 +149,8 @@ TEST(CoarseLevel, AHangingClothMindsNoOtherInContact) {
   Experiment both(scene_of(ground + "cloths:\n" + lying + hanging(16), true)),
       off(scene_of(ground + "cloths:\n" + lying + hanging(16), false)), alone(scene_of(ground + "cloths:\n" + hanging(16), true));
   both.steps(40), off.steps(40), alone.steps(40);
+  EXPECT_EQ(both.last.coarse.touching, 1);
+  EXPECT_EQ(both.last.coarse.solved, 1);
   double to_alone = 0, to_off = 0;
   for (Id id = 145; id < 145 + 256; ++id) {
     to_alone = std::max(to_alone, (both.position(id) - alone.position(id - 144)).norm());
@@ -157,6 +168,7 @@ TEST(RanksCoarseLevel, StepsHaveTheSameBits) {
   int compared = 0;
   for (std::size_t i = 0; i < here.world().homes; ++i, ++compared) {
     const Id id = here.world().id[i];
+    EXPECT_EQ(here.last.coarse.solved, 1);
     EXPECT_EQ(here.world().position[i], alone.position(id)) << id;
     EXPECT_EQ(here.world().velocity[i], alone.velocity(id)) << id;
   }
