@@ -78,6 +78,9 @@ std::string physics_of(const Scene& scene) {
   }
   for (const BodyGroup& group : scene.groups)
     if (group.load) text << "load " << group.first << ' ' << group.load->force.text() << ' ' << group.load->torque.text() << '\n';
+  for (const BodyGroup& group : scene.groups)
+    if (const SurfaceMotionInTime* motion = group.surface_motion.get())
+      text << "belt " << group.first << ' ' << motion->velocity.text() << ' ' << motion->angular_velocity.text() << '\n';
   add_comings(scene, text);
   text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
   for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';

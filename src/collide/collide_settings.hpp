@@ -11,10 +11,12 @@ struct CollideSettings {
   double margin = 0.002;        // m, eps of the margin rule
   Vec3 gravity = Vec3::Zero();  // m/s^2
   bool planar = false;
-  bool merge_supports = false;        // of bodies of many parts (merge_supports.hpp)
-  bool has_past = false;              // positions are those that the present velocities have led to
-  std::vector<double> friction{0.5};  // n x n by material
-  std::vector<double> restitution;    // the same; empty: 0 for all
+  bool merge_supports = false;         // of bodies of many parts (merge_supports.hpp)
+  bool has_past = false;               // positions are those that the present velocities have led to
+  std::vector<double> friction{0.5};   // n x n by material
+  std::vector<double> restitution;     // the same; empty: 0 for all
+  std::vector<double> stiction;        // the same
+  std::vector<double> stiction_speed;  // m/s, the same; not empty where stiction is not
   std::size_t material_count = 1;
   StruckBodies struck{};  // that the step has found; empty in most
 };

@@ -6,6 +6,7 @@
 #include "collide/box_box.hpp"
 #include "collide/shape_pairs.hpp"
 #include "collide/sweep.hpp"
+#include "world/surface_velocity.hpp"
 
 namespace unibody {
 
@@ -117,6 +118,7 @@ void tidy(PairManifold& m, double margin) {
 Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& settings) {
   const BodyProperties& body = world.properties[slot];
   Proxy p;
+  p.slot = static_cast<Slot>(slot);
   p.position = world.position[slot];
   if (settings.planar) p.position.y() = 0;
   p.velocity = world.velocity[slot];
@@ -131,12 +133,12 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.speed = std::max(p.velocity.norm(), p.struck);
   p.spin = turns ? world.angular_velocity_of(slot) : Vec3(Vec3::Zero());
   p.spin_reach = settings.step * p.radius * p.spin.norm();
+  if (!world.surface_motions.empty()) p.spin += own_motion(world, p.slot).w;
   p.half_size = p.kind == ShapeKind::hull ? 0.5 * smallest_size(body.shape) : p.half.minCoeff();
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;
   p.fall = p.dynamic ? settings.gravity.norm() * settings.step * settings.step : 0;
   p.material = body.material, p.group = body.group;
-  p.slot = static_cast<Slot>(slot);
   p.id = world.id[slot];
   return p;
 }

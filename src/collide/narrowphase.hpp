@@ -15,7 +15,8 @@ namespace unibody {
 
 // What collision needs to know of one body, gathered once a step.
 struct Proxy {
-  Vec3 position, velocity, spin;  // m, m/s, rad/s; of bodies whose turning does not show the spin is 0
+  Vec3 position, velocity;  // m, m/s
+  Vec3 spin;                // rad/s, 0 of bodies whose turning does not show, and with that of the surface
   Mat3 rotation;
   Vec3 half;          // m, the shape's size; of round bodies the radius, three times
   double radius;      // m, bounding radius

@@ -149,15 +149,26 @@ void ContactBatch::begin_block(std::size_t number, Slot nobody) {
 }
 
 bool ContactBatch::is_carried(const Manifold& m) const {
-  return step_ * common_turn(*world_, m.slot_a, m.slot_b).turn.norm() >= least_turn;
+  if (step_ * common_turn(*world_, m.slot_a, m.slot_b).turn.norm() >= least_turn) return true;
+  return !world_->surface_motions.empty() && (has_own_motion(*world_, m.slot_a) || has_own_motion(*world_, m.slot_b));
 }
 
-Vec3 ContactBatch::drift_of(const Manifold& m) const {
+// Of a's centre against b, with the turn about the normal.
+OwnMotion ContactBatch::drift_of(const Manifold& m) const {
   const CommonTurn common = common_turn(*world_, m.slot_a, m.slot_b);
   const Vec3 from = world_->position[m.slot_a] - world_->position[m.slot_b];
   const Vec3 velocity = world_->velocity[m.slot_a] - world_->velocity[m.slot_b];
   const Vec3 drift = drift_along_circle(common.turn, from, velocity, step_);  // odd in both: whichever of the two carries
-  return drift - m.normal * m.normal.dot(drift);
+  OwnMotion all{drift - m.normal * m.normal.dot(drift), Vec3::Zero()};
+  if (world_->surface_motions.empty()) return all;
+  Vec3 middle = Vec3::Zero();
+  for (std::uint32_t p = 0; p < m.count; ++p) middle += contacts_->points[m.first + p].position / m.count;
+  const Vec3& centre = world_->position[m.slot_a];
+  for (const auto& [carrier, carried, sign] : {std::tuple(m.slot_b, m.slot_a, 1.0), std::tuple(m.slot_a, m.slot_b, -1.0)}) {
+    const OwnMotion own = drift_on_surface(*world_, carrier, carried, middle, m.normal, step_);
+    all.v += sign * (own.v + own.w.cross(centre - world_->position[carrier])), all.w += sign * own.w;
+  }
+  return all;
 }
 
 void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number) {
@@ -169,15 +180,14 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   set_lane(block.s, lane, first_tangent_of(m.normal));
   block.friction[lane] = m.friction;
   if (block.drift >= 0) {
-    Vec3 drift = is_carried(m) ? drift_of(m) : Vec3(Vec3::Zero());
-    Vec3 spin = Vec3::Zero();
+    OwnMotion drift = is_carried(m) ? drift_of(m) : OwnMotion{};
     if (!creeps_.empty()) {
       const Creep& creep = creeps_[number];
-      spin = -creep_taken_out / step_ * m.normal.dot(creep.turn) * m.normal;
-      drift -= creep_taken_out / step_ * (creep.slip - m.normal * m.normal.dot(creep.slip));
-      drift += spin.cross(world.position[m.slot_a] - creeps_about(m));
+      const Vec3 back = -creep_taken_out / step_ * m.normal.dot(creep.turn) * m.normal;
+      drift.v -= creep_taken_out / step_ * (creep.slip - m.normal * m.normal.dot(creep.slip));
+      drift.v += back.cross(world.position[m.slot_a] - creeps_about(m)), drift.w += back;
     }
-    set_lane(drifts[block.drift].v, lane, drift), set_lane(drifts[block.drift].w, lane, spin);
+    set_lane(drifts[block.drift].v, lane, drift.v), set_lane(drifts[block.drift].w, lane, drift.w);
   }
   Vec3 centre_a = world.position[m.slot_a], centre_b = world.position[m.slot_b];
   if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];

@@ -22,6 +22,7 @@
 #include "constraints/multipliers.hpp"
 #include "core/exact_sum.hpp"
 #include "core/raw_vector.hpp"
+#include "world/surface_motion.hpp"
 
 namespace unibody {
 
@@ -280,8 +281,8 @@ class ContactBatch : public BatchDefaults {
   bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
-  bool is_carried(const Manifold& m) const;
-  Vec3 drift_of(const Manifold& m) const;
+  bool is_carried(const Manifold& m) const;  // or the surface of one of the two moves
+  OwnMotion drift_of(const Manifold& m) const;
   void fill_lane(Block& block, std::size_t lane, std::uint32_t number);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);

@@ -103,15 +103,20 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
       creep.slip *= kept, creep.turn *= kept;
       return;
     }
-    const Vec3 turned = m.normal * m.normal.dot(in_lane(rubbing.a.w, l) - in_lane(rubbing.b.w, l));
+    Vec3 turned = m.normal * m.normal.dot(in_lane(rubbing.a.w, l) - in_lane(rubbing.b.w, l));
     const Vec3 from_middle =
         creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)] - in_lane(rubbing.middle, l) / normal;
     Vec3 moved =
         (in_lane(block.s, l) * rubbing.u_s[l] + in_lane(rubbing.t, l) * rubbing.u_t[l]) / normal + turned.cross(from_middle);
     if (is_carried(m)) {
-      moved -= drift_of(m);
+      const OwnMotion drift = drift_of(m);
+      moved -= drift.v;
       // What has slipped turns along. (With other turns it does by being kept across the normal.)
-      const double turn = step_ * m.normal.dot(common_turn(*world_, m.slot_a, m.slot_b).turn);
+      double turn = step_ * m.normal.dot(common_turn(*world_, m.slot_a, m.slot_b).turn);
+      if (!world_->surface_motions.empty()) {
+        moved -= drift.w.cross(creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)]);
+        turned -= drift.w, turn += step_ * m.normal.dot(own_turn(*world_, m.slot_a, m.slot_b, m.normal));
+      }
       creep.slip = Eigen::AngleAxisd(turn, m.normal) * creep.slip;
     }
     creep.slip += step_ * moved - m.normal * m.normal.dot(creep.slip);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "collide/merge_supports.hpp"
+#include "world/surface_velocity.hpp"
 
 namespace unibody {
 
@@ -31,7 +32,8 @@ Vector2d sliding_at(const World& world, const Manifold& m, const Vec3& place) {
     const auto i = static_cast<std::size_t>(slot);
     return Vec3(world.velocity[i] + world.angular_velocity_of(i).cross(place - world.position[i]));
   };
-  const Vec3 velocity = velocity_of(m.slot_a) - velocity_of(m.slot_b), s = first_tangent_of(m.normal);
+  const Vec3 own = surface_velocity_between(world, m.slot_a, m.slot_b, place, m.normal);
+  const Vec3 velocity = velocity_of(m.slot_a) - velocity_of(m.slot_b) - own, s = first_tangent_of(m.normal);
   return {s.dot(velocity), m.normal.cross(s).dot(velocity)};
 }
 
@@ -62,7 +64,9 @@ void level(const World& world, const std::vector<Points>& all, const Manifold& m
     }
   Matrix2d squares = Matrix2d::Zero();
   for (const ContactPoint& p : ring.contacts) squares += (place(p) - middle) * (place(p) - middle).transpose();
-  if (!(sum > 0) || !(squares.determinant() > 0)) return;  // nothing to share out; all on a line
+  // Nothing to share out; or all points on a line, but for round-off, which would be taken for a slope.
+  constexpr double least_width = 1e-6;  // of the ring's points across their line, squared, over along it
+  if (!(sum > 0) || !(squares.determinant() > least_width * squares.trace() * squares.trace())) return;
   const Vector2d slope = squares.inverse() * moment;
   const auto pressure = [&](const ContactPoint& p) { return sum / n + slope.dot(place(p) - middle); };
   if (std::ranges::any_of(ring.contacts, [&](const ContactPoint& p) { return pressure(p) < 0; })) return;

@@ -87,7 +87,7 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
     else if (is_core(contacts, m))
       matches.fill(-1);
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
-    const Vec3 turn = step * common_turn(world, m.slot_a, m.slot_b).turn;
+    const Vec3 turn = step * (common_turn(world, m.slot_a, m.slot_b).turn + own_turn(world, m.slot_a, m.slot_b, m.normal));
     const bool carried = turn.norm() >= least_turn && turn.norm() < most_turn;
     const Mat3 turned = carried ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Mat3::Identity();
     for (std::uint32_t p = 0; p < m.count; ++p) {

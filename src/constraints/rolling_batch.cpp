@@ -5,6 +5,7 @@
 
 #include "constraints/friction.hpp"
 #include "constraints/recall.hpp"
+#include "world/surface_velocity.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -63,6 +64,7 @@ void RollingBatch::build(const BuildContext& context) {
         resistance.manifold == 0 || all[resistance.manifold - 1].id_a != m.id_a || all[resistance.manifold - 1].id_b != m.id_b;
     row.remembered = is_remembered(world, *context.contacts, m);
     row.a = m.slot_a, row.b = m.slot_b, row.rolling = resistance.rolling, row.spinning = resistance.spinning;
+    row.aim = own_motion(world, m.slot_b).w - own_motion(world, m.slot_a).w;
     row.axes = {m.normal, first_tangent_of(m.normal), m.normal.cross(first_tangent_of(m.normal))};
     const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
     row.turn_a = inverse_inertia_of(bodies, context.state.inertia, context.state.isotropic, a);
@@ -98,7 +100,7 @@ std::array<double, 2> RollingBatch::scale_of(const Row& row, double share_a, dou
 }
 
 RollingBatch::Torque RollingBatch::rates(const Row& row, std::span<const SolverBody> bodies) {
-  const Vec3 w = spin_of(bodies[static_cast<std::size_t>(row.a)]) - spin_of(bodies[static_cast<std::size_t>(row.b)]);
+  const Vec3 w = spin_of(bodies[static_cast<std::size_t>(row.a)]) - spin_of(bodies[static_cast<std::size_t>(row.b)]) - row.aim;
   return {row.axes[0].dot(w), row.axes[1].dot(w), row.axes[2].dot(w)};
 }
 

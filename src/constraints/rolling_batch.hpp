@@ -79,6 +79,7 @@ class RollingBatch : public BatchDefaults {
     bool remembered;                  // as its contact is
     double rolling, spinning, lever;  // m
     std::array<Vec3, 3> axes;         // n, s, t
+    Vec3 aim;                         // rad/s, how a turns against b where neither rolls: as their surfaces move
     Mat3 turn_a, turn_b;              // 1/(kg m^2), inverse inertia, world frame
     std::array<double, 2> scale;      // 1/(kg m^2), of the spinning row and the rolling ones; 0: neither body can turn so
     std::array<double, 2> own_scale;  // without the split of masses

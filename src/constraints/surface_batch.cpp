@@ -51,7 +51,10 @@ void SurfaceBatch::build(const BuildContext& context) {
 Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
   const auto carrier = static_cast<std::size_t>(contact.slots[0]);
   const Vec3 turn = world_->angular_velocity_of(carrier);
-  if (!(step_ * turn.norm() >= least_turn)) return Vec3::Zero();
+  Vec3 own = Vec3::Zero();
+  if (!world_->surface_motions.empty())
+    own = -own_surface_velocity(*world_, contact.slots[0], world_->position[carrier] + contact.arm, contact.normal);
+  if (!(step_ * turn.norm() >= least_turn)) return own;
   Vec3 from = -world_->position[carrier], velocity = -world_->velocity[carrier];
   for (std::size_t k = 1; k < 4; ++k) {
     if (contact.slots[k] < 0) continue;
@@ -59,7 +62,7 @@ Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
     from -= contact.weights[k] * world_->position[i], velocity -= contact.weights[k] * world_->velocity[i];
   }
   const bool rolls = !world_->is_static(contact.slots[0]) && is_round(world_->properties[carrier].shape);
-  return rolls ? Vec3(Vec3::Zero()) : Vec3(-drift_along_circle(turn, from, velocity, step_));
+  return rolls ? own : Vec3(own - drift_along_circle(turn, from, velocity, step_));
 }
 
 void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context) {

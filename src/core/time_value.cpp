@@ -18,10 +18,16 @@ TimeValue TimeValue::sine(double mean, double amplitude, double frequency, doubl
   return value;
 }
 
+TimeValue TimeValue::expression(std::shared_ptr<const Expression> formula, double largest) {
+  TimeValue value;
+  value.expression_ = std::move(formula), value.amplitude_ = largest;
+  return value;
+}
+
 TimeValue TimeValue::later(double by) const {
   TimeValue value = *this;
   for (auto& point : value.points_) point[0] += by;
-  value.phase_ -= 2 * M_PI * frequency_ * by;
+  value.phase_ += expression_ ? by : -2 * M_PI * frequency_ * by;
   return value;
 }
 
@@ -45,6 +51,7 @@ double TimeValue::largest() const {
 }
 
 double TimeValue::at(double time) const {
+  if (expression_) return expression_->at(time - phase_);
   if (points_.empty()) return mean_ + (amplitude_ == 0 ? 0 : amplitude_ * std::sin(2 * M_PI * frequency_ * time + phase_));
   if (periodic_) time -= period() * std::floor((time - first()) / period());
   return within(piece_at(time), time);
@@ -76,6 +83,7 @@ double TimeValue::integral(double from, double to) const {
 }
 
 double TimeValue::mean(double from, double to) const {
+  if (expression_) return expression_->mean(from - phase_, to - phase_);
   if (points_.empty()) {
     if (amplitude_ == 0) return mean_;
     const double half = M_PI * frequency_ * (to - from);
@@ -98,6 +106,10 @@ double TimeValue::mean(double from, double to) const {
 std::string TimeValue::text() const {
   std::ostringstream text;
   text.precision(17);
+  if (expression_) {
+    text << "expression " << expression_->text() << " times " << expression_->factor() << " from " << phase_;
+    return text.str();
+  }
   if (points_.empty()) {
     text << mean_;
     if (amplitude_ != 0) text << " sine " << amplitude_ << ' ' << frequency_ << ' ' << phase_;

@@ -1,12 +1,14 @@
-// A number that changes in time by a law that is known beforehand: constant, a table, or a sine.
+// A number that changes in time by a law that is known beforehand: constant, a table, a sine, or a formula.
 //
 // It is a pure function of time, so that it is the same on any number of ranks and through a restart.
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "core/expression.hpp"
 #include "core/types.hpp"
 
 namespace unibody {
@@ -25,10 +27,13 @@ class TimeValue {
   // mean + amplitude sin(2 pi frequency t + phase); Hz, rad
   static TimeValue sine(double mean, double amplitude, double frequency, double phase);
 
+  // A formula, whose values are in [-largest, largest] while the scene runs.
+  static TimeValue expression(std::shared_ptr<const Expression> formula, double largest);
+
   // The same law that starts `by` s later.
   TimeValue later(double by) const;
 
-  bool changes() const { return !points_.empty() || amplitude_ != 0; }
+  bool changes() const { return !points_.empty() || amplitude_ != 0 || expression_; }
   double at(double time) const;
   // Over (from, to), from < to: the integral over the length, exact but for round-off.
   double mean(double from, double to) const;
@@ -44,6 +49,8 @@ class TimeValue {
   double period() const { return points_.back()[0] - first(); }
 
   double mean_ = 0, amplitude_ = 0, frequency_ = 0, phase_ = 0;
+  std::shared_ptr<const Expression>
+      expression_;  // then the amplitude is its largest value, and the phase by what it starts later
   std::vector<std::array<double, 2>> points_;
   Between between_ = Between::linear;
   bool periodic_ = false;

@@ -14,8 +14,11 @@
 
 namespace unibody {
 
-enum class JointKind : std::uint8_t { ball, hinge, slider, fixed, universal, rope };
-inline constexpr std::array<std::string_view, 6> joint_names{"ball", "hinge", "slider", "fixed", "universal", "rope"};
+enum class JointKind : std::uint8_t { ball, hinge, slider, fixed, universal, rope, spring };
+inline constexpr std::array<std::string_view, 7> joint_names{"ball", "hinge", "slider", "fixed", "universal", "rope", "spring"};
+
+// Whether it is about the distance of two points.
+constexpr bool ties_points(JointKind kind) { return kind == JointKind::rope || kind == JointKind::spring; }
 
 enum class Motor : std::uint8_t { none, speed, position };
 
@@ -31,7 +34,7 @@ struct Joint {
   double turning = 0;          // rad/(N m), compliance of the rows that measure an angle
   double damping = 0;          // s, rho: its rows see c + rho dc/dt
   double lever = 1;            // m, what one radian counts as where errors are compared with lengths
-  double length = 0;           // m, of a rope
+  double length = 0;           // m, of a rope or spring
   double lower = -std::numeric_limits<double>::infinity(), upper = -lower;  // rad or m, of the angle, twist or offset
   double swing = upper;  // rad, of a ball: the most that the second body's axis z and the first's may part
   Motor motor = Motor::none;
@@ -41,6 +44,7 @@ struct Joint {
 
   bool is_limited() const { return lower > -infinity || upper < infinity; }
   bool has_cone() const { return swing < infinity; }
+  bool has_span() const { return ties_points(kind); }
   bool has_coordinate() const { return kind == JointKind::hinge || kind == JointKind::slider; }
 
  private:

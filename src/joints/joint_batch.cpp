@@ -180,12 +180,18 @@ JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const
   return rows;
 }
 
+// The value at which a joint's own rows are at rest: a spring's length.
+template <class T>
+double JointBatch::rest_of(const Part& part) {
+  return std::is_same_v<T, Span> ? part.upper : 0;
+}
+
 // What the velocity level leaves for later steps of a row's error at the start of this one.
 template <class T>
 double JointBatch::left_alone(const Part& part, std::size_t row, double value) const {
   const double compliance = row + T::angles < T::rows ? part.compliance : part.turning;
   if (part.law == Law::rate || part.law == Law::place || compliance > 0 || part.damping > 0) return 0;
-  if (part.law == Law::equal) return (1 - stabilisation_) * value;
+  if (part.law == Law::equal) return (1 - stabilisation_) * (value - rest_of<T>(part));
   return (1 - stabilisation_) * (value > part.upper ? value - part.upper : std::min(0.0, value - part.lower));
 }
 
@@ -201,7 +207,7 @@ std::array<double, T::rows> JointBatch::residual_of(const Part& part, const Rows
     const double rate = at.linear[k].dot(along) + at.angular[k].dot(spin_a) + at.angular_b[k].dot(spin_b);
     const double compliance = k + T::angles < T::rows ? part.compliance : part.turning;
     if (part.law == Law::equal)
-      r[k] = (at.value[k] + compliance * lambda[k] / step_ + part.damping * rate) / (step_ + part.damping);
+      r[k] = (at.value[k] - rest_of<T>(part) + compliance * lambda[k] / step_ + part.damping * rate) / (step_ + part.damping);
     else if (part.law == Law::rate)
       r[k] = rate - part.lower;
     else if (T::angles > 0)

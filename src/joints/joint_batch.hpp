@@ -148,6 +148,8 @@ class JointBatch : public BatchDefaults {
   template <class T>
   Rows<T> evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, bool as_they_are = false) const;
   template <class T>
+  static double rest_of(const Part& part);
+  template <class T>
   double left_alone(const Part& part, std::size_t row, double value) const;
   template <class T>
   std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,

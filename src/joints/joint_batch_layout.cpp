@@ -64,7 +64,7 @@ double spin_that_turns(double speed, double step) {
 
 void JointBatch::add_parts(const Joint& joint, const Part& common, double time) {
   Part part = common;
-  part.type = static_cast<std::uint8_t>(joint.kind);
+  part.type = own_type(joint.kind);
   part.law = joint.kind == JointKind::rope ? Law::within : Law::equal;
   part.lower = -std::numeric_limits<double>::infinity(), part.upper = joint.length;
   part.compliance = joint.compliance, part.turning = joint.turning, part.damping = joint.damping;
@@ -116,7 +116,7 @@ void JointBatch::limit_approach(Part& part, JointKind kind, double from, double 
     T::evaluate(end_a, end_b, coordinate);
     const Row driven = row(coordinate, 0);
     double mobility = product(driven, driven);
-    with_joint_type(static_cast<std::uint8_t>(kind), [&]<class J>() {
+    with_joint_type(own_type(kind), [&]<class J>() {
       JointRows<J::rows> rows;
       J::evaluate(end_a, end_b, rows);
       std::array<std::array<double, J::rows>, J::rows> P;

@@ -94,7 +94,7 @@ std::int32_t plant_trees(std::span<Joint> joints, const std::function<bool(Id)>&
   };
   for (Joint& joint : joints) {
     joint.tree = -1;
-    if (joint.kind == JointKind::rope) continue;
+    if (joint.has_span()) continue;
     std::array<Id, 2> names{-1, -1};
     for (std::size_t e = 0; e < 2; ++e)
       if (joint.ids[e] >= 0 && !is_static(joint.ids[e])) names[e] = name(joint.ids[e]);
@@ -124,7 +124,7 @@ JointEnd joint_end(const Joint& joint, std::size_t end, const World& world, Slot
 }
 
 double turning_stiffness(const Joint& joint, std::size_t end, const JointImpulses& impulses) {
-  return with_joint_type(static_cast<std::uint8_t>(joint.kind), [&]<class T>() {
+  return with_joint_type(own_type(joint.kind), [&]<class T>() {
     double force = 0, torque = 0;
     for (std::size_t k = 0; k < T::rows; ++k) (k + T::angles < T::rows ? force : torque) += impulses.value[k] * impulses.value[k];
     return std::sqrt(force) * joint.anchor[end].norm() + std::sqrt(torque);
@@ -156,7 +156,7 @@ JointState joint_state(const Joint& joint, const JointSlots& slots, const World&
                        double step) {
   const JointEnd a = joint_end(joint, 0, world, slots.a), b = joint_end(joint, 1, world, slots.b);
   JointState state;
-  with_joint_type(static_cast<std::uint8_t>(joint.kind), [&]<class T>() {
+  with_joint_type(own_type(joint.kind), [&]<class T>() {
     JointRows<T::rows> rows;
     T::evaluate(a, b, rows);
     double drift = 0, turn = 0;
@@ -168,7 +168,10 @@ JointState joint_state(const Joint& joint, const JointSlots& slots, const World&
     }
     state.drift = std::sqrt(drift), state.turn = std::sqrt(turn);
   });
-  if (joint.kind == JointKind::rope) state.coordinate = state.drift, state.drift = std::max(0.0, state.drift - joint.length);
+  if (joint.has_span()) {
+    state.coordinate = state.drift, state.drift -= joint.length;
+    state.drift = joint.kind == JointKind::rope ? std::max(0.0, state.drift) : std::abs(state.drift);
+  }
   if (joint.kind == JointKind::ball) measure_ball(joint, a, b, impulses, step, state);
   if (!joint.has_coordinate()) return state;
   with_joint_type(coordinate_of(joint.kind), [&]<class T>() {

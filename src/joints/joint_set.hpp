@@ -28,7 +28,7 @@ void leave_out_jointed(std::span<const Joint> joints, const JointList& list, Con
 std::int32_t colour_joints(std::span<Joint> joints, const std::function<bool(Id)>& is_static);
 
 // Makes trees of the joints: each body that moves is in one at most, and each tree is tied at most once to what does not move. In
-// the joints' order: one that would close a loop is in none, nor is a rope. Returns how many trees there are.
+// the joints' order: one that would close a loop is in none, nor is a rope or spring. Returns how many trees there are.
 std::int32_t plant_trees(std::span<Joint> joints, const std::function<bool(Id)>& is_static);
 
 // One side of a joint where its body is now; of the world where the slot is none of the world's.

@@ -18,7 +18,7 @@
 
 namespace unibody {
 
-// The types of joints in the order of JointKind, a rope's being its span; then what drives and limits act on.
+// The types of joints in the order of JointKind, a rope's and a spring's being their span; then what drives and limits act on.
 using JointTypes = std::tuple<Ball, Hinge, Slider, Fixed, Universal, Span, Angle, Offset, Swing, Twist>;
 
 template <class T, std::size_t k = 0>
@@ -37,6 +37,11 @@ decltype(auto) with_joint_type(std::uint8_t index, F&& f) {
   }
   static_assert(JointType<std::tuple_element_t<k, JointTypes>>);
   return f.template operator()<std::tuple_element_t<k, JointTypes>>();
+}
+
+// The type of a joint's own rows.
+inline std::uint8_t own_type(JointKind kind) {
+  return kind == JointKind::spring ? joint_type_index<Span>() : static_cast<std::uint8_t>(kind);
 }
 
 // The row that measures the angle, twist or offset of a hinge, ball or slider.

@@ -1,4 +1,4 @@
-// The distance between two anchors: a rope where it has an upper bound alone.
+// The distance between two anchors: a rope where it has an upper bound alone, a spring where it has one length.
 #pragma once
 
 #include "joints/joint_type.hpp"

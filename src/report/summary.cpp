@@ -130,11 +130,12 @@ std::string told(const Summary& summary, const Scene& scene) {
     text += line.data();
   }
   if (const CoarseCounts& c = summary.coarse; c.all() > 0) {
-    std::snprintf(line.data(), line.size(),
-                  "coarse level: counting each cloth, thread and solid once a step, it solved %lld of %lld; sweeps alone solved %lld"
-                  " that touched something, and %lld that would have gained energy\n",
-                  static_cast<long long>(c.solved), static_cast<long long>(c.all()), static_cast<long long>(c.touching),
-                  static_cast<long long>(c.gaining));
+    std::snprintf(
+        line.data(), line.size(),
+        "coarse level: counting each cloth, thread and solid once a step, it solved %lld of %lld; sweeps alone solved %lld"
+        " that touched something, and %lld that would have gained energy\n",
+        static_cast<long long>(c.solved), static_cast<long long>(c.all()), static_cast<long long>(c.touching),
+        static_cast<long long>(c.gaining));
     text += line.data();
   }
   if (summary.form_left > 0) {

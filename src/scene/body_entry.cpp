@@ -29,6 +29,10 @@ const Keys& moving_keys() {
                             "angular velocity at the start, world axes; of kinematic bodies it may change in time"),
        keys::vector_in_time("path", "m", "none",
                             "of kinematic bodies, in place of velocity: how far they are from where they start"),
+       keys::vector_in_time("surface_velocity", "m/s", "[0, 0, 0]",
+                            "how the surface moves along itself while the body does not, as a belt's; body axes"),
+       keys::vector_in_time("surface_angular_velocity", "rad/s", "[0, 0, 0]",
+                            "the same, turning about the body's centre; body axes"),
        keys::vector_in_time("force", "N", "[0, 0, 0]", "force at the centre of each dynamic body"),
        keys::vector_in_time("torque", "N m", "[0, 0, 0]", "torque on each dynamic body, world axes")}};
   return table;
@@ -122,13 +126,25 @@ void read_load(const KeyedMap& entry, BodyTemplate& body, const Scene& scene) {
   if (load.force.changes() || load.torque.changes()) body.load = std::make_shared<LoadInTime>(std::move(load));
 }
 
+void read_surface_motion(const KeyedMap& entry, BodyTemplate& body, const Scene& scene) {
+  const bool moves = entry.has("surface_velocity"), turns = entry.has("surface_angular_velocity");
+  if (!moves && !turns) return;
+  SurfaceMotionInTime motion;
+  if (moves) motion.velocity = read_planar_in_time(entry, "surface_velocity", scene, false);
+  if (turns) motion.angular_velocity = read_planar_in_time(entry, "surface_angular_velocity", scene, true);
+  body.surface_motion = std::make_shared<SurfaceMotionInTime>(std::move(motion));
+}
+
 // The template's keys, all but the shape, which is in place already.
 BodyTemplate read_template(const KeyedMap& entry, const Shape& shape, const Scene& scene) {
   BodyTemplate body;
   body.properties.shape = shape;
   if (shape.kind == ShapeKind::particle)
     refuse(entry.value(), {"inertia", "angular_velocity", "torque"}, "for a particle: it does not turn");
+  if (shape.kind == ShapeKind::particle)
+    refuse(entry.value(), {"surface_velocity", "surface_angular_velocity"}, "for a particle: a point has no surface");
   read_motion(entry, body, scene);
+  read_surface_motion(entry, body, scene);
   read_amount(entry, body);
   read_load(entry, body, scene);
   if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
@@ -256,7 +272,7 @@ void read_entry(const Value& entry, Scene& scene) {
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
   group.generated = type != nullptr;
-  group.motion = body.motion, group.load = body.load;
+  group.motion = body.motion, group.load = body.load, group.surface_motion = body.surface_motion;
   read_start(map, body, generated, group);
   check_room(count_of(entry, type), scene, group.count, group.is_static);
   const auto put = [first = group.first, held = group.start == Start::held, position, orientation](Id k, Body body_in_frame) {

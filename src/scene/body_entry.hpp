@@ -15,7 +15,8 @@ struct BodyTemplate {
   std::optional<double> mass, density;
   std::optional<Vec3> inertia;
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
-  std::shared_ptr<const LoadInTime> load;      // null: force and torque are constant
+  std::shared_ptr<const LoadInTime> load;  // null: force and torque are constant
+  std::shared_ptr<const SurfaceMotionInTime> surface_motion;
   std::shared_ptr<const MotionInTime> motion;  // null: these velocities are constant, or of bodies that are not kinematic
 };
 

@@ -122,14 +122,15 @@ void read_motors(const KeyedMap& entry, const Scene& scene, Event& event) {
     if (const Value* given = entry.find(other); given && std::string(other) != key)
       given->fail(std::string(other) + " of a motor that has " + key, std::string("the key ") + key + " (" + unit + ")");
   const Value& target = entry.value().need(key, "a number, or values in time that count from the event (" + unit + ")");
-  event.value = unit == "degrees" ? read_in_time(target, {-180, 180}, unit, M_PI / 180) : read_in_time(target, any_number, unit);
+  event.value = unit == "degrees" ? read_in_time(target, scene, {-180, 180}, unit, M_PI / 180)
+                                  : read_in_time(target, scene, any_number, unit);
 }
 
 void read_friction(const KeyedMap& entry, Scene& scene, Event& event) {
   const Value& between = entry.need("between");
   if (between.kind != Value::Kind::list || between.entries.size() != 2) between.fail_expected(entry.key("between").words);
   for (std::size_t k = 0; k < 2; ++k) event.materials[k] = static_cast<int>(between.entries[k].choice(scene.materials));
-  event.value = read_in_time(entry, "friction");
+  event.value = read_in_time(entry, "friction", scene);
 }
 
 // What each action needs to be told beside `do` and `when`.

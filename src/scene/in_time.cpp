@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "scene/scene.hpp"
 
@@ -78,10 +79,38 @@ TimeValue read_sine(const Value& sine, const Range& range, const std::string& un
   return TimeValue::sine(factor * middle, factor * amplitude, map.number("frequency"), map.number("phase") * (M_PI / 180));
 }
 
+// At all times that the run comes to: the ends of its steps and times between, or as many as do not take long.
+TimeValue read_expression(const Value& value, const Scene& scene, const Range& range, const std::string& unit, double factor) {
+  const std::string& text = value.string("a formula of t");
+  std::shared_ptr<const Expression> formula;
+  try {
+    formula = std::make_shared<const Expression>(text, factor, range.low, range.high);
+  } catch (const std::invalid_argument& error) {
+    value.fail("'" + text + "' (" + error.what() + ")", "a formula of the time t (s)" + in_unit(unit));
+  }
+  constexpr double most_tries = 2e5;
+  const double end = static_cast<double>(scene.time.frames) * scene.time.frame;
+  const double tries = std::clamp(8.0 * static_cast<double>(scene.time.frames * scene.time.substeps), 8.0, most_tries);
+  double largest = 0;
+  for (double k = 0; k <= tries; ++k) {
+    const double time = end * (k / tries);
+    try {
+      largest = std::max(largest, std::abs(formula->at(time)));
+    } catch (const ExpressionFault& fault) {
+      value.fail(fault.found, "a number" + range.text() + in_unit(unit) + " at all times of the run");
+    }
+  }
+  return TimeValue::expression(std::move(formula), largest);
+}
+
 const Keys& value_in_time_keys() {
   static const Keys table =
-      table_keys("value_in_time", "A value that changes with the time: a table or a sine.", "rows [time (s), value]", "a sine")
-          .with({"", "", {keys::map("sine", sine_keys, "a map with amplitude and frequency", "a table", "a sine of the time")}});
+      table_keys("value_in_time", "A value that changes with the time: a table, a sine or an expression.",
+                 "rows [time (s), value]", "one of the others")
+          .with({"",
+                 "",
+                 {keys::map("sine", sine_keys, "a map with amplitude and frequency", "one of the others", "a sine of the time"),
+                  keys::text("expression", "a formula of t", "one of the others", "a formula of the time t (s)")}});
   return table;
 }
 
@@ -113,25 +142,30 @@ Key vector_in_time(const char* name, const char* unit, const Without& without, c
 
 }  // namespace keys
 
-TimeValue read_in_time(const Value& value, const Range& range, const std::string& unit, double factor) {
+TimeValue read_in_time(const Value& value, const Scene& scene, const Range& range, const std::string& unit, double factor) {
   if (value.kind == Value::Kind::list) return column(read_rows(value, 1, range, unit), 1, {}, factor);
   if (value.kind != Value::Kind::map) return factor * value.number(range, unit);
   const KeyedMap map(value, value_in_time_keys());
-  if (const Value* sine = map.find("sine")) {
-    for (const char* key : {"table", "between", "periodic"})
-      if (const Value* other = map.find(key)) other->fail(std::string(key) + " beside a sine", "only a sine, or a table");
-    return read_sine(*sine, range, unit, factor);
+  for (const char* law : {"sine", "expression"}) {
+    const Value* found = map.find(law);
+    if (!found) continue;
+    for (const char* key : {"table", "between", "periodic", "sine", "expression"})
+      if (const Value* other = map.find(key); other && other != found)
+        other->fail(std::string(key) + " beside " + law, "one of table, sine and expression");
+    return std::string(law) == "sine" ? read_sine(*found, range, unit, factor)
+                                      : read_expression(*found, scene, range, unit, factor);
   }
-  const auto rows = read_rows(value.need("table", "rows [time (s), value" + in_unit(unit) + "], or sine"), 1, range, unit);
+  const auto rows =
+      read_rows(value.need("table", "rows [time (s), value" + in_unit(unit) + "], sine or expression"), 1, range, unit);
   return column(rows, 1, read_law(map, rows), factor);
 }
 
-TimeValue read_in_time(const KeyedMap& map, std::string_view name, double factor) {
+TimeValue read_in_time(const KeyedMap& map, std::string_view name, const Scene& scene, double factor) {
   const Key& key = map.key(name);
-  return read_in_time(map.need(name), key.range, key.unit, factor);
+  return read_in_time(map.need(name), scene, key.range, key.unit, factor);
 }
 
-TimeVector read_vector_in_time(const Value& value, const std::string& unit) {
+TimeVector read_vector_in_time(const Value& value, const Scene& scene, const std::string& unit) {
   TimeVector vector;
   if (value.kind == Value::Kind::map) {
     const KeyedMap map(value, vector_in_time_keys());
@@ -142,12 +176,12 @@ TimeVector read_vector_in_time(const Value& value, const std::string& unit) {
   }
   if (value.kind != Value::Kind::list || value.entries.size() != 3)
     value.fail_expected("a list of 3 numbers, or of values in time, or a table" + in_unit(unit));
-  for (std::size_t k = 0; k < 3; ++k) vector[k] = read_in_time(value.entries[k], any_number, unit);
+  for (std::size_t k = 0; k < 3; ++k) vector[k] = read_in_time(value.entries[k], scene, any_number, unit);
   return vector;
 }
 
 TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std::string& unit, bool rotation) {
-  const TimeVector vector = read_vector_in_time(value, unit);
+  const TimeVector vector = read_vector_in_time(value, scene, unit);
   for (std::size_t k = 0; k < 3 && scene.planar; ++k)
     if ((k == 1) != rotation && (vector[k].changes() || vector[k].at(0) != 0))
       value.fail_expected(rotation ? "0 as the first and third component (planar scene)"

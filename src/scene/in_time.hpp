@@ -8,15 +8,16 @@ namespace unibody {
 
 struct Scene;
 
-// A number; a table [[time (s), value], ...]; a map with `table` and perhaps `between` and `periodic`; or a map with `sine`.
-// Values are multiplied by `factor` (degrees).
-TimeValue read_in_time(const Value& value, const Range& range, const std::string& unit, double factor = 1);
+// A number; a table [[time (s), value], ...]; a map with `table` and perhaps `between` and `periodic`; a map with `sine`; or one
+// with `expression`. Values are multiplied by `factor` (degrees). An expression is tried at all times of the scene's run, whose
+// section `time` has been read.
+TimeValue read_in_time(const Value& value, const Scene& scene, const Range& range, const std::string& unit, double factor = 1);
 
 // The value of a key that must be there, of the range and unit that its table says.
-TimeValue read_in_time(const KeyedMap& map, std::string_view name, double factor = 1);
+TimeValue read_in_time(const KeyedMap& map, std::string_view name, const Scene& scene, double factor = 1);
 
 // A list of three of these, or a map whose `table` has rows [time (s), x, y, z].
-TimeVector read_vector_in_time(const Value& value, const std::string& unit);
+TimeVector read_vector_in_time(const Value& value, const Scene& scene, const std::string& unit);
 
 // The same; in a planar scene no component may leave the plane at any time. rotation: the vector is an axis of turning.
 TimeVector read_planar_in_time(const Value& value, const Scene& scene, const std::string& unit, bool rotation);

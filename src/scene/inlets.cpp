@@ -101,7 +101,7 @@ Generated read_inlet(const Value& value, const BodyTemplate& body, const Scene& 
   map.only_one_of({"rate", "mass_rate"});
   inlet->by_mass = map.has("mass_rate");
   if (!inlet->by_mass && !map.has("rate")) value.fail_missing("rate", "bodies a second, or mass_rate (kg/s)");
-  inlet->rate = read_in_time(map, inlet->by_mass ? "mass_rate" : "rate");
+  inlet->rate = read_in_time(map, inlet->by_mass ? "mass_rate" : "rate", scene);
   inlet->from = map.number("from");
   if (const auto until = map.number_if("until")) {
     inlet->until = *until;

@@ -44,7 +44,7 @@ std::vector<Key> behaviour_keys(JointKind kind) {
       keys::flag("collide", false, "its bodies may touch each other; of several joints between them each must say so"),
       keys::number("compliance", "m/N", not_negative, 0, "of rows that measure a length: 1 / stiffness"),
       keys::number("damping", "s", not_negative, 0, "rho: its rows see c + rho dc/dt; a rope never pushes")};
-  if (kind != JointKind::rope && kind != JointKind::ball)
+  if (!ties_points(kind) && kind != JointKind::ball)
     keys.push_back(
         keys::number("turning_compliance", "rad/(N m)", not_negative, 0, "of rows that measure an angle: 1 / stiffness"));
   if (kind == JointKind::hinge || kind == JointKind::slider) {
@@ -73,7 +73,7 @@ Key type_key(std::vector<std::string> types) {
 }
 
 Keys entry_keys(JointKind kind) {
-  const bool rope = kind == JointKind::rope;
+  const bool span = ties_points(kind);
   Keys table{"joint_" + joint_kind_names[static_cast<std::size_t>(kind)], "", behaviour_keys(kind)};
   table.in_reference = false;
   const auto add = [&](const Key& key) { table.keys.push_back(key); };
@@ -83,13 +83,16 @@ Keys entry_keys(JointKind kind) {
                   "its bodies: names, as door or pile[3], or places of entries in the list of bodies; one must be dynamic", [] {
                     return keys::list_of(Json::object().set("type", keys::texts({"string", "integer"})), 2);
                   }));
-  add(pair_of("anchors", "m", "a list of 2 points in the bodies' axes", rope ? "points" : "an anchor",
+  add(pair_of("anchors", "m", "a list of 2 points in the bodies' axes", span ? "points" : "an anchor",
               "its anchor in each body, in the axes in which the scene or the file gives its shape"));
-  if (rope)
-    add(pair_of("points", "m", "a list of 2 points", "anchors", "of a rope: where its anchors are at the start, world axes"));
+  if (span)
+    add(pair_of("points", "m", "a list of 2 points", "anchors",
+                "of a rope or spring: where its anchors are at the start, world axes"));
   else
     add(keys::vector("anchor", "m", "anchors", "where both anchors are at the start, world axes"));
-  if (rope) add(keys::number("length", "m", positive, "as at the start", "of a rope: the most that its anchors are apart"));
+  if (span)
+    add(keys::number("length", "m", positive, "as at the start",
+                     "the most that a rope's anchors are apart; how far a spring's are at rest"));
   if (takes_axis(kind)) {
     add(keys::direction("axis", "axes, or none of a ball without limits", "its axis at the start, world axes"));
     add(pair_of("axes", "", "a list of 2 vectors of length 1", "an axis", "its axis in each body, in the same axes as anchors"));

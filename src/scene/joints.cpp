@@ -28,7 +28,7 @@ void read_limits(const KeyedMap& map, const char* name, Joint& joint) {
   joint.lower = angle ? degree * pair[0] : pair[0], joint.upper = angle ? degree * pair[1] : pair[1];
 }
 
-void read_motor(const Value& value, Joint& joint) {
+void read_motor(const Value& value, const Scene& scene, Joint& joint) {
   const bool angle = turns_about_axis(joint.kind);
   const char *place_key = angle ? "angle" : "offset", *strength_key = angle ? "max_torque" : "max_force";
   const KeyedMap map(value, motor_keys(angle));
@@ -38,7 +38,7 @@ void read_motor(const Value& value, Joint& joint) {
     value.fail_missing("speed", std::string("a speed (") + (angle ? "rad/s" : "m/s") + ") or " + place_key + ": (" +
                                     (angle ? "degrees)" : "m)"));
   joint.motor = speed ? Motor::speed : Motor::position;
-  joint.target = speed ? read_in_time(map, "speed") : read_in_time(map, place_key, angle ? degree : 1);
+  joint.target = speed ? read_in_time(map, "speed", scene) : read_in_time(map, place_key, scene, angle ? degree : 1);
   joint.strength = map.number(strength_key);
 }
 
@@ -75,11 +75,11 @@ std::array<Vec3, 2> read_pair(const Value& value, const Scene& scene, const std:
 
 // Where the anchors are: one world point for both, a world point of each, or a point of each in its shape's axes.
 void read_anchors(const KeyedMap& entry, const Scene& scene, const std::array<Place, 2>& at, Joint& joint) {
-  const char* in_world = joint.kind == JointKind::rope ? "points" : "anchor";
+  const char* in_world = joint.has_span() ? "points" : "anchor";
   entry.only_one_of({in_world, "anchors"});
   const Value *given = entry.find(in_world), *anchors = entry.find("anchors");
   if (!given && !anchors) {
-    if (joint.kind == JointKind::rope)
+    if (joint.has_span())
       entry.value().fail_missing("points", "a list of 2 points (m), or anchors: of 2 points in the bodies' axes");
     entry.value().fail_missing("anchor", "a point (m, world axes), or anchors: a list of 2 points in the bodies' axes");
   }
@@ -89,7 +89,7 @@ void read_anchors(const KeyedMap& entry, const Scene& scene, const std::array<Pl
     return;
   }
   std::array<Vec3, 2> place;
-  if (joint.kind == JointKind::rope)
+  if (joint.has_span())
     place = read_pair(*given, scene, "points (m, world axes)");
   else
     place.fill(read_vector(entry, "anchor", scene));
@@ -135,7 +135,6 @@ Joint read_joint(const Value& value, const Scene& scene) {
   Joint joint;
   const Key& type = joint_keys().at("type");
   joint.kind = static_cast<JointKind>(value.need("type", type.words).choice(type.names));
-  const bool rope = joint.kind == JointKind::rope;
   const KeyedMap entry(value, joint_keys_of(joint.kind));
   const Value& bodies = entry.need("bodies");
   if (bodies.kind != Value::Kind::list || bodies.entries.size() != 2) bodies.fail_expected(entry.key("bodies").words);
@@ -148,11 +147,11 @@ Joint read_joint(const Value& value, const Scene& scene) {
     bodies.fail("no body that moves freely", "at least one dynamic body");
   joint.ids = {a.body->id, b.body ? b.body->id : -1};
   const std::array<Place, 2> at{Place(a.body), Place(b.body)};
-  read_joint_behaviour(entry, joint);
+  read_joint_behaviour(entry, scene, joint);
   read_anchors(entry, scene, at, joint);
   read_axes(entry, scene, at, joint);
   set_lever(*a.body, b.body ? &*b.body : nullptr, joint);
-  if (rope) {
+  if (joint.has_span()) {
     const auto place = [&](std::size_t e) { return at[e].world(at[e].to_body.conjugate() * joint.anchor[e]); };
     const std::optional<double> length = entry.number_if("length");
     joint.length = length ? *length : (place(0) - place(1)).norm();
@@ -163,9 +162,9 @@ Joint read_joint(const Value& value, const Scene& scene) {
 }  // namespace
 
 void check_turns(const Value& value, JointKind kind, const Shape& shape) {
-  if (kind == JointKind::ball || kind == JointKind::rope || shape.kind != ShapeKind::particle) return;
+  if (kind == JointKind::ball || ties_points(kind) || shape.kind != ShapeKind::particle) return;
   value.fail(std::string(joint_names[static_cast<std::size_t>(kind)]) + " at a particle, which does not turn",
-             "a body that turns; ball and rope also hold particles");
+             "a body that turns; ball, rope and spring also hold particles");
 }
 
 Quat joint_axes(const Vec3& axis, const Vec3& second) {
@@ -194,14 +193,14 @@ Joint joint_between(JointKind kind, const Body& a, const Body* b, const Vec3& po
   return joint;
 }
 
-void read_joint_behaviour(const KeyedMap& map, Joint& joint) {
+void read_joint_behaviour(const KeyedMap& map, const Scene& scene, Joint& joint) {
   joint.collide = map.flag("collide"), joint.compliance = map.number("compliance"), joint.damping = map.number("damping");
   const auto may_have = [&](const char* name) { return map.value().find(name) != nullptr; };  // the type has it, if it is given
   if (may_have("turning_compliance")) joint.turning = map.number("turning_compliance");
   if (may_have("limits")) read_limits(map, "limits", joint);
   if (may_have("twist_limits")) read_limits(map, "twist_limits", joint);
   if (may_have("swing_limit")) joint.swing = degree * map.number("swing_limit");
-  if (may_have("motor")) read_motor(map.need("motor"), joint);
+  if (may_have("motor")) read_motor(map.need("motor"), scene, joint);
   if (may_have("friction")) joint.friction = map.number("friction");
 }
 
@@ -229,7 +228,7 @@ JointTemplate read_joint_template(const Value& value, const Scene& scene, const 
   if (const Value* second = value.find("second_axis")) result.second = second->unit_vector();
   if (kind == JointKind::universal && !(std::abs(result.second.dot(result.axis)) < 1e-3))
     value.fail("axes that are not square to each other", "second_axis square to axis");
-  read_joint_behaviour(map, result.joint);
+  read_joint_behaviour(map, scene, result.joint);
   return result;
 }
 

@@ -13,7 +13,7 @@ Keys keys_of(const char* name, const char* about, const Without& friction, const
   Keys table{name, about, first};
   table.keys.push_back(keys::number_in_time("friction", "", not_negative, friction, "Coulomb's coefficient of friction"));
   for (const PairValueType& type : pair_value_types)
-    table.keys.push_back(keys::number(type.key, type.unit, {0, type.most}, 0, type.about));
+    table.keys.push_back(keys::number(type.key, type.unit, {0, type.most, type.usual > 0}, type.usual, type.about));
   return table;
 }
 
@@ -51,7 +51,8 @@ void read_pair(const Value& value, Scene& scene, Pairs& listed, FrictionInTime& 
     values[a * n + b] = values[b * n + a] = pair.number_if(pair_value_types[k].key).value_or(values[a * n + b]);
     other |= pair.has(pair_value_types[k].key);
   }
-  if (pair.has("friction") || !other) friction.pairs[a * n + b] = friction.pairs[b * n + a] = read_in_time(pair, "friction");
+  if (pair.has("friction") || !other)
+    friction.pairs[a * n + b] = friction.pairs[b * n + a] = read_in_time(pair, "friction", scene);
 }
 
 }  // namespace
@@ -78,7 +79,7 @@ void read_materials(const Value& value, Scene& scene) {
     if (name == "pairs") continue;
     scene.materials.push_back(name);
     const KeyedMap map(material, material_keys());
-    friction.materials.push_back(read_in_time(map, "friction"));
+    friction.materials.push_back(read_in_time(map, "friction", scene));
     for (std::size_t k = 0; k < own.size(); ++k) own[k].push_back(map.number(pair_value_types[k].key));
   }
   if (friction.materials.empty()) value.fail("no material", "at least one, as wood: {friction: 0.5}");

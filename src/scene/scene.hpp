@@ -56,6 +56,13 @@ struct MotionInTime {
   }
 };
 
+// How the surfaces of the bodies of one entry move along themselves, in the bodies' axes. An entry whose surfaces do not has
+// none.
+struct SurfaceMotionInTime {
+  TimeVector velocity;          // m/s
+  TimeVector angular_velocity;  // rad/s, about the centre
+};
+
 // How the force and the torque on the dynamic bodies of one entry change in time. An entry whose loads are constant has none.
 struct LoadInTime {
   TimeVector force;   // N
@@ -78,9 +85,10 @@ struct BodyGroup {
   std::string name;  // of the entry; may be empty
   int line = 0;      // of the entry in the file; 0: it is not from there
   std::function<Body(Id k)> make;
-  std::shared_ptr<const MotionInTime> motion;  // of kinematic bodies; null: their velocities are constant
-  std::shared_ptr<const LoadInTime> load;      // of dynamic bodies; null: it is constant
-  std::shared_ptr<const Inlet> inlet;          // by which they come in; null: they are there, or an event adds them
+  std::shared_ptr<const MotionInTime> motion;                 // of kinematic bodies; null: their velocities are constant
+  std::shared_ptr<const LoadInTime> load;                     // of dynamic bodies; null: it is constant
+  std::shared_ptr<const SurfaceMotionInTime> surface_motion;  // null: their surfaces do not move along themselves
+  std::shared_ptr<const Inlet> inlet;  // by which they come in; null: they are there, or an event adds them
 };
 
 // The patch of neighbours that a node belongs to, where nothing is known of its neighbours: a run of numbers.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collide/collide.hpp"
+#include "world/surface_velocity.hpp"
 
 namespace unibody {
 
@@ -68,11 +69,14 @@ double mobility(const System& system, const Touch::End& end, const Vec3& n) {
 }
 
 // Adds the friction of one touch to the wrenches of its ends. sharers: of each body's mass. Whether it slides on.
-bool brake(const Touch& touch, std::span<const std::int32_t> sharers, System& system) {
+bool brake(const World& world, const Touch& touch, std::span<const std::int32_t> sharers, System& system) {
   Vec3 u = Vec3::Zero();
   for (const Touch::End& end : touch.ends()) {
     const SolverBody& body = system.bodies[static_cast<std::size_t>(end.slot)];
     u += end.weight * (Eigen::Map<const Vec3>(body.v) + Eigen::Map<const Vec3>(body.w).cross(end.arm));
+    if (world.surface_motions.empty()) continue;
+    u += end.weight *
+         own_surface_velocity(world, end.slot, world.position[static_cast<std::size_t>(end.slot)] + end.arm, touch.normal);
   }
   const Vec3 slip = u - touch.normal.dot(u) * touch.normal;
   const double speed = slip.norm();
@@ -104,7 +108,7 @@ std::int64_t postprocess_friction(const World& world, const Contacts& contacts, 
   system.moving = system.bodies;
   system.wrenches.resize(system.bodies.size(), Wrench{});
   std::int64_t sliding = 0;
-  for (const Touch& touch : touches) sliding += brake(touch, sharers, system) && touch.counted;
+  for (const Touch& touch : touches) sliding += brake(world, touch, sharers, system) && touch.counted;
   system.apply_wrenches();
   return sliding;
 }

@@ -81,8 +81,10 @@ CoarseSolve take_over(RankState& state, System& system, const PrimalDualReport& 
   PrimalDual& solver = *level.solver;
   CoarseSolve done;
   for (const PartReport& k : report.parts)
-    if (k.gains_energy()) ++done.counts.gaining;
-    else done.off = std::max(done.off, k.momentum);
+    if (k.gains_energy())
+      ++done.counts.gaining;
+    else
+      done.off = std::max(done.off, k.momentum);
   for (std::int32_t& k : part)
     if (k >= 0 && report.parts[static_cast<std::size_t>(k)].gains_energy()) k = -1;
   level.taken = std::move(part);

@@ -6,6 +6,7 @@
 
 #include "collide/contact_faults.hpp"
 #include "collide/crowds.hpp"
+#include "collide/stiction.hpp"
 #include "core/assume.hpp"
 #include "core/checked.hpp"
 #include "partition/work.hpp"
@@ -101,6 +102,7 @@ bool find_contacts(RankState& state) {
                state.crowd_ranks);
   leave_out_attached(state.scene, state.world, state.time(), state.contacts);
   leave_out_jointed(state.scene.joints, state.joints, state.contacts);
+  if (!state.collide_settings.stiction.empty()) add_stiction(state.world, state.collide_settings, state.contacts);
   assume([&] { return fault_of(state.contacts, state.world); });
   return crowded;
 }

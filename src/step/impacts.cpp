@@ -10,6 +10,7 @@
 #include "step/blow.hpp"
 #include "step/contact_forces.hpp"
 #include "step/first_touch.hpp"
+#include "world/surface_velocity.hpp"
 
 namespace unibody {
 
@@ -283,7 +284,8 @@ class Impacts {
     Blow blow;
     blow.count = touch.count;
     for (std::uint32_t k = 0; k < touch.count; ++k) {
-      blow.before[k] = axes.transpose() * velocity_at(pair, touch.points[k], pair.time), blow.impulse[k].setZero();
+      const Vec3 own = surface_velocity_between(world_, pair.a, pair.b, world_.position[i] + touch.points[k].arm_a, n);
+      blow.before[k] = axes.transpose() * (velocity_at(pair, touch.points[k], pair.time) - own), blow.impulse[k].setZero();
       for (std::uint32_t l = 0; l < touch.count; ++l)
         for (int x = 0; x < 3; ++x) {
           const Vec3 f = axes.col(x);

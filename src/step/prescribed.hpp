@@ -1,4 +1,5 @@
-// What the scene gives in time: velocities of kinematic bodies, gravity, friction, and forces and torques on dynamic bodies.
+// What the scene gives in time: velocities of kinematic bodies and of surfaces, gravity, friction, and forces and torques on
+// dynamic bodies.
 #pragma once
 
 #include "step/rank_state.hpp"
@@ -9,7 +10,8 @@ namespace unibody {
 // Before contacts are sought for.
 void set_prescribed_velocities(RankState& state);
 
-// Sets gravity and the coefficients of friction to their means over the step that is to be taken. Before contacts are sought for.
+// Sets gravity, the coefficients of friction and the motions of surfaces to their means over the step that is to be taken. Before
+// contacts are sought for.
 void set_loads(RankState& state);
 
 // A home's or guest's properties with the mean force and torque of the step that is to be taken: its velocity then ends at the

@@ -27,6 +27,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   for (const Attachment& attachment : scene.attachments) tied.push_back(attachment.node), tied.push_back(attachment.body);
   std::ranges::sort(tied);
   for (const BodyGroup& group : scene.groups)
+    if (group.surface_motion) belts.push_back(&group);
+  for (const BodyGroup& group : scene.groups)
     if (group.motion)
       prescribed.push_back(&group);
     else if (group.load)
@@ -37,6 +39,10 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   collide_settings.merge_supports = !solver.sweeps_by_colour;
   collide_settings.friction = scene.friction;
   if (scene.pairs.any(PairValue::restitution)) collide_settings.restitution = scene.pairs[PairValue::restitution];
+  if (scene.pairs.any(PairValue::stiction)) {
+    collide_settings.stiction = scene.pairs[PairValue::stiction];
+    collide_settings.stiction_speed = scene.pairs[PairValue::stiction_speed];
+  }
   collide_settings.material_count = scene.materials.size();
 }
 

@@ -158,8 +158,7 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
       if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::together);
     });
   }
-  if (state.coarse.exists() && plan.islands != Islands::free)
-    done.coarse = solve_coarse_level(state, system, plan, predicted);
+  if (state.coarse.exists() && plan.islands != Islands::free) done.coarse = solve_coarse_level(state, system, plan, predicted);
   done.iterations += run(Stage::Kind::position, plan.iterations - done.iterations).iterations;
   if (!plan.two_stages) return done.leak = 1, done;  // in islands with one stage, all is remembered
   if (!leaks) return done;
@@ -195,8 +194,7 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
     if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });
   }
   report.iterations = std::max(done.iterations, free.iterations);
-  measure_solution(state, system, plan, report,
-                   std::max({done.left_by_velocities, free.left_by_velocities, done.coarse.off}));
+  measure_solution(state, system, plan, report, std::max({done.left_by_velocities, free.left_by_velocities, done.coarse.off}));
   report.coarse = done.coarse.counts;
   if (request.may_be_outrun && find_struck(state, system)) {
     report.outrun = true;

@@ -9,20 +9,22 @@
 
 namespace unibody {
 
-enum class PairValue { restitution, rolling, spinning };
+enum class PairValue { restitution, rolling, spinning, stiction, stiction_speed };
 
 struct PairValueType {
   const char *key, *unit;  // in the scene file
-  double most;             // a value is at least 0 and at most this
+  double usual, most;      // without the key; a value is at least 0, or above it where it usually is, and at most this
   bool by_mean;  // a pair that the scene does not list has the geometric mean of its materials' values; else the smaller
   bool in_contact_problem;   // a contact problem of FCLIB's form can say it
   const char *mark, *about;  // in the text by which a checkpoint knows its scene; in the reference
 };
 
-inline constexpr std::array<PairValueType, 3> pair_value_types{
-    {{"restitution", "", 1, false, true, "bounce", "speed after an impact over that before it"},
-     {"rolling_friction", "m", 1e308, true, false, "roll", "torque that resists rolling, over the normal force"},
-     {"spinning_friction", "m", 1e308, true, false, "spin", "torque that resists spinning, over the normal force"}}};
+inline constexpr std::array<PairValueType, 5> pair_value_types{
+    {{"restitution", "", 0, 1, false, true, "bounce", "speed after an impact over that before it"},
+     {"rolling_friction", "m", 0, 1e308, true, false, "roll", "torque that resists rolling, over the normal force"},
+     {"spinning_friction", "m", 0, 1e308, true, false, "spin", "torque that resists spinning, over the normal force"},
+     {"stiction", "", 0, 1e308, true, true, "stick", "how much more friction there is at rest, over that in motion"},
+     {"stiction_speed", "m/s", 0.001, 1e308, true, true, "stick below", "sliding speed at which that is down to 1/e"}}};
 
 struct MaterialPairs {
   using Values = std::vector<double>;  // materials x materials, row major, symmetric
@@ -30,16 +32,19 @@ struct MaterialPairs {
   std::size_t materials = 1;
   std::array<Values, pair_value_types.size()> values;
 
-  MaterialPairs() { values.fill({0}); }
+  MaterialPairs() {
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = {pair_value_types[k].usual};
+  }
 
   Values& operator[](PairValue value) { return values[static_cast<std::size_t>(value)]; }
   const Values& operator[](PairValue value) const { return values[static_cast<std::size_t>(value)]; }
   double of(PairValue value, int a, int b) const {
     return (*this)[value][static_cast<std::size_t>(a) * materials + static_cast<std::size_t>(b)];
   }
-  // Whether any pair of materials has it.
+  // Whether any pair of materials has another than the usual one.
   bool any(PairValue value) const {
-    return std::ranges::any_of((*this)[value], [](double x) { return x > 0; });
+    const double usual = pair_value_types[static_cast<std::size_t>(value)].usual;
+    return std::ranges::any_of((*this)[value], [&](double x) { return x != usual; });
   }
 
   static double mixed(const PairValueType& type, double a, double b) { return type.by_mean ? std::sqrt(a * b) : std::min(a, b); }

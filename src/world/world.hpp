@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "world/properties.hpp"
+#include "world/surface_motion.hpp"
 
 namespace unibody {
 
@@ -22,6 +23,7 @@ struct World {
   std::vector<Quat> orientation;       // body -> world, unit
   std::vector<Vec3> velocity;          // m/s
   std::vector<Vec3> angular_velocity;  // rad/s, world frame
+  SurfaceMotions surface_motions;      // over the next step; of whole runs of bodies, whether or not they are here
   std::vector<Quat> held_orientation;  // of statics, from first_static() on, where nothing turns; else empty
 
   std::size_t size() const { return id.size(); }

@@ -77,6 +77,33 @@ TEST(LevelPressure, TheForceIsAllThatIsRemembered) {
   EXPECT_NEAR(c.force_and_moments()[0], 4, 1e-12);
 }
 
+// A ring whose points lie on a line, but for round-off, has no slope across it: what is off by 1e-18 m may not gain a load by it.
+TEST(LevelPressure, ALineHasNoSlope) {
+  Case c;
+  for (std::size_t k = 4; k < 8; ++k) {
+    c.contacts.points[k].position = Vec3(3 + 0.3 * static_cast<double>(k), 4 + 1e-16 * static_cast<double>(k * k), 0);
+    c.impulses[k] = {0.5 + 0.1 * static_cast<double>(k), 0, 0};
+  }
+  c.remember({10.0});
+  const auto before = c.impulses;
+  level_pressure(c.history, c.world, c.contacts, 1, c.impulses);
+  for (std::size_t k = 0; k < 8; ++k) EXPECT_EQ(c.impulses[k].n, before[k].n) << k;
+}
+
+// A surface that moves along itself is what the face above slides on.
+TEST(LevelPressure, OnABelt) {
+  Case c;
+  c.world.set_state(0, {Vec3(3, 4, 1), Quat::Identity(), Vec3::Zero(), Vec3::Zero()});
+  c.world.surface_motions = {{2, 1, Vec3(500, 0, 0), Vec3::Zero()}};
+  for (std::size_t k = 0; k < 8; ++k) c.impulses[k] = {1, 0, 0};
+  c.remember({8.0});
+  level_pressure(c.history, c.world, c.contacts, 1, c.impulses);
+  for (std::size_t k = 4; k < 8; ++k) {
+    const Vec3 s = first_tangent_of(Vec3::UnitZ()), t = Vec3::UnitZ().cross(s);
+    EXPECT_LT((c.impulses[k].s * s + c.impulses[k].t * t - 0.5 * 2 * Vec3::UnitX()).norm(), 1e-12) << k;
+  }
+}
+
 TEST(LevelPressure, WhatWouldPullStays) {
   Case c;
   c.impulses[0] = {1, 0, 0};  // all at one corner of the rim

@@ -97,6 +97,61 @@ TEST(JointDrive, ARopeIsADampedSpringAndDoesNothingSlack) {
         }
 }
 
+// Two bodies on a spring, which starts a fifth too long: it pulls and pushes as implicit Euler says of their distance, with the
+// reduced mass, and their common centre stays where it is.
+TEST(JointDrive, ASpringPullsAndPushes) {
+  const double m = 2.0 * 3 / 5, E = 1e-3;
+  for (const char* level : {"position", "velocity"})
+    for (const char* solver : solver_list)
+      for (const double rho : {0.0, 0.002, 0.4}) {
+        const std::string what = std::string(level) + ' ' + solver + ' ' + std::to_string(rho);
+        Experiment run(scene_from_text(
+            "gravity: [0, 0, 0]\nbodies: [{name: a, shape: {sphere: {radius: 0.1}}, mass: 2}, {name: b, shape: "
+            "{particle: {radius: 0.1}}, mass: 3, position: [0.72, 0, 0.96]}]\njoints: [{type: spring, bodies: [a, b], "
+            "points: [[0, 0, 0], [0.72, 0, 0.96]], length: 1, compliance: 0.001, damping: " +
+            std::to_string(rho) + "}]\n" + settings(std::string(solver) + ", level: " + level, 50)));
+        const Vec3 centre = 0.6 * run.position(1);
+        double x = 0.2, v = 0, least = 1;
+        for (int k = 0; k < 200; ++k) {
+          const double force = (x + (h + rho) * v) / (E + h * (h + rho) / m);
+          v -= h / m * force, x += h * v;
+          run.step();
+          ASSERT_NEAR((run.position(1) - run.position(0)).norm(), 1 + x, 1e-9) << what << ' ' << k;
+          ASSERT_LT((0.4 * run.position(0) + 0.6 * run.position(1) - centre).norm(), 1e-12) << what << ' ' << k;
+          ASSERT_NEAR(joint(run).force.norm(), std::abs(force), 1e-6) << what << ' ' << k;
+          least = std::min(least, x);
+        }
+        EXPECT_LT(least, rho == 0 ? -0.05 : 0.2) << what;
+        EXPECT_NEAR(joint(run).coordinate, 1 + x, 1e-9) << what;
+        EXPECT_NEAR(joint(run).drift, std::abs(x), 1e-9) << what;
+      }
+}
+
+// Without compliance it is a rod: two bodies turn about each other at its length, and it bears m w^2 l, with the reduced mass m;
+// two that fall on it stand off.
+TEST(JointDrive, ARodKeepsItsLength) {
+  for (const char* solver : solver_list) {
+    Experiment run(scene_from_text(
+        "gravity: [0, 0, 0]\nbodies: [{name: a, shape: {particle: {radius: 0.1}}, mass: 2, velocity: [0, 0.6, 0]}, "
+        "{name: b, shape: {particle: {radius: 0.1}}, mass: 3, position: [1, 0, 0], velocity: [0, -0.4, 0]}]\n"
+        "joints: [{type: spring, bodies: [a, b], points: [[0, 0, 0], [1, 0, 0]]}]\n" +
+        settings(solver, 50)));
+    for (int k = 0; k < 50; ++k) {
+      run.step();
+      ASSERT_NEAR((run.position(1) - run.position(0)).norm(), 1, 1e-9) << solver << ' ' << k;
+    }
+    EXPECT_NEAR(joint(run).force.norm(), 1.2, 0.06) << solver;  // implicit steps slow it, by (h w)^2 / 2 each
+    Experiment pressed(scene_from_text(
+        "bodies: [{name: a, shape: {particle: {radius: 0.1}}, mass: 2, position: [0, 0, 1]}, {name: ground, shape: "
+        "{sphere: {radius: 0.1}}, motion: fixed}]\njoints: [{type: spring, bodies: [a, ground], points: [[0, 0, 1], "
+        "[0, 0, 0]]}]\n" +
+        settings(solver, 50)));
+    pressed.steps(20);
+    EXPECT_NEAR(pressed.position(0).z(), 1, 1e-9) << solver;
+    EXPECT_NEAR(joint(pressed).force.z(), 2 * 9.81, 1e-6) << solver;
+  }
+}
+
 // The same of a turn, about a principal axis and so small that it is its sine.
 TEST(JointDrive, ADampedTorsionSpringOscillatesAsImplicitEulerSays) {
   const double inertia = 3 * (0.4 * 0.4 + 0.2 * 0.2) / 12, compliance = 0.2;

@@ -15,13 +15,14 @@ PILE = """
     time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
     gravity: [{sine: {amplitude: 2, frequency: 1.5}}, 0, -9.81]
-    materials: {stone: {friction: [[0.2, 0.6], [0.7, 0.1]]}}
+    materials: {stone: {friction: [[0.2, 0.6], [0.7, 0.1]], stiction: 0.3}}
     bodies:
       - container: {size: [1, 1]}
       - shape: {box: {size: [0.2, 0.9, 0.2]}}
         motion: kinematic
         position: [-0.3, 0, 0.12]
         path: [{sine: {amplitude: 0.2, frequency: 0.8}}, 0, [[0.3, 0], [0.7, 0.1]]]
+        surface_velocity: [0, {expression: "t > 0.2 ? sin(5 * t) : 0"}, 0]
       - pile:
           count: 60
           columns: [3, 3]
@@ -176,7 +177,8 @@ class Restart(ProgramTest):
                                    "cloths[0].self_collision=true", "cloths[0].thickness=0.06", "cloths[0].position=[0, 0, 0.36]"))
 
     def test_other_bodies_are_refused(self):
-        self.check_refused(PILE, ("materials.stone.friction=[[0.2, 0.6], [0.7, 0.2]]", "bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].path=[0, 0, [[0.3, 0], [0.7, 0.2]]]",
+        self.check_refused(PILE, ("materials.stone.friction=[[0.2, 0.6], [0.7, 0.2]]", "materials.stone.stiction=0.2",
+                                  "bodies[1].surface_velocity=[0, {expression: \"t > 0.3 ? sin(5 * t) : 0\"}, 0]", "bodies[1].surface_angular_velocity=[0, 0, 1]", "bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].path=[0, 0, [[0.3, 0], [0.7, 0.2]]]",
                                   "bodies[1].shape.box.size=[0.2, 0.9, 0.3]", "bodies[2].force=[0, 0, 1]"))
 
     def test_other_ties_or_another_wind_are_refused(self):

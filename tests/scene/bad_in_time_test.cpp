@@ -37,12 +37,38 @@ const std::vector<Fault> faults{
     {"friction_of_a_sine_below_zero",
      "materials: {m: {friction: {sine: {amplitude: 0.3, frequency: 1, mean: 0.2}}}}\n" + moved("velocity: [0, 0, 0]"),
      "FILE:1: key 'materials.m.friction.sine': found a map, expected a sine whose values are all >= 0"},
+    {"stiction_below_zero", "materials: {m: {friction: 0.5, stiction: -0.1}}\n" + moved("velocity: [0, 0, 0]"),
+     "FILE:1: key 'materials.m.stiction': found -0.1, expected a number >= 0"},
+    {"no_stiction_speed", "materials: {m: {friction: 0.5, stiction: 0.1, stiction_speed: 0}}\n" + moved("velocity: [0, 0, 0]"),
+     "FILE:1: key 'materials.m.stiction_speed': found 0, expected a number > 0 (m/s)"},
     {"force_on_a_kinematic_body", moved("force: [0, 0, [[0, 1], [1, 2]]]"),
      "FILE:2: key 'bodies[0].force': found a list of 3, expected no such key for a fixed or kinematic body"},
     {"row_of_a_force", moved("mass: 1, force: {table: [[0, 1, 2]]}", "dynamic"),
      "FILE:2: key 'bodies[0].force.table[0]': found [0, 1, 2], expected a row [time (s), x, y, z (N)]"},
     {"unit_of_a_torque", moved("mass: 1, torque: [0, 0, {sine: {frequency: 1}}]", "dynamic"),
      "FILE:2: key 'bodies[0].torque[2].sine.amplitude': found nothing, expected a number (N m)"},
+    {"no_formula", moved("velocity: [{expression: 2 * x}, 0, 0]"),
+     "FILE:2: key 'bodies[0].velocity[0].expression': found '2 * x' (Unexpected token \"x\" found at position 4.), expected a "
+     "formula "
+     "of the time t (s) (m/s)"},
+    {"formula_without_a_value", "time: {frame: 0.5, frames: 8}\n" + moved("velocity: [0, {expression: sqrt(2 - t)}, 0]"),
+     "FILE:3: key 'bodies[0].velocity[1].expression': found 'sqrt(2 - t)' = no number at t = 2.0625 s, expected a number (m/s) "
+     "at all "
+     "times of the run"},
+    {"formula_out_of_range", "materials: {m: {friction: {expression: 0.1 - t}}}\n" + moved("velocity: [0, 0, 0]"),
+     "FILE:1: key 'materials.m.friction.expression': found '0.1 - t' = -0.002 at t = 0.102 s, expected a number >= 0 at all "
+     "times of "
+     "the run"},
+    {"formula_beside_a_sine", moved("velocity: [{expression: t, sine: {amplitude: 1, frequency: 1}}, 0, 0]"),
+     "FILE:2: key 'bodies[0].velocity[0].expression': found expression beside sine, expected one of table, sine and expression"},
+    {"surface_of_a_particle", "bodies:\n  - {shape: {particle: {radius: 0.1}}, mass: 1, surface_velocity: [1, 0, 0]}\n",
+     "FILE:2: key 'bodies[0].surface_velocity': found [1, 0, 0], expected no such key for a particle: a point has no surface"},
+    {"surface_out_of_the_plane", "planar: true\n" + moved("surface_velocity: [0, 1, 0]"),
+     "FILE:3: key 'bodies[0].surface_velocity': found [0, 1, 0], expected 0 as the second component (planar scene)"},
+    {"surface_with_two_components", moved("surface_angular_velocity: [1, 0]"),
+     "FILE:2: key 'bodies[0].surface_angular_velocity': found [1, 0], expected a list of 3 numbers, or of values in time, or a "
+     "table "
+     "(rad/s)"},
     {"no_number", moved("velocity: [fast, 0, 0]"),
      "FILE:2: key 'bodies[0].velocity[0]': found fast, expected a finite number (m/s)"},
     {"short_row", moved("velocity: [[[0, 1], [2]], 0, 0]"),
@@ -72,12 +98,12 @@ const std::vector<Fault> faults{
     {"negative_frequency", driven("speed: {sine: {amplitude: 1, frequency: -1}}"),
      "FILE:4: key 'joints[0].motor.speed.sine.frequency': found -1, expected a number >= 0 (Hz)"},
     {"unknown_law", driven("speed: {cosine: {amplitude: 1, frequency: 1}}"),
-     "FILE:4: key 'joints[0].motor.speed.cosine': found an unknown key (did you mean sine?), expected table, between, periodic "
-     "or sine"},
+     "FILE:4: key 'joints[0].motor.speed.cosine': found an unknown key (did you mean sine?), expected table, between, periodic, "
+     "sine or expression"},
     {"sine_and_table", driven("speed: {table: [[0, 1]], sine: {amplitude: 1, frequency: 1}}"),
-     "FILE:4: key 'joints[0].motor.speed.table': found table beside a sine, expected only a sine, or a table"},
+     "FILE:4: key 'joints[0].motor.speed.table': found table beside sine, expected one of table, sine and expression"},
     {"neither_table_nor_sine", driven("speed: {periodic: true}"),
-     "FILE:4: key 'joints[0].motor.speed.table': found nothing, expected rows [time (s), value (rad/s)], or sine"},
+     "FILE:4: key 'joints[0].motor.speed.table': found nothing, expected rows [time (s), value (rad/s)], sine or expression"},
     {"angle_beyond_its_range", driven("angle: [[0, 0], [1, 270]]"),
      "FILE:4: key 'joints[0].motor.angle[1][1]': found 270, expected a number in [-180, 180] (degrees)"},
     {"sine_beyond_its_range", driven("angle: {sine: {amplitude: 100, frequency: 1, mean: 100}}"),

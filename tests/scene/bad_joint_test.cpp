@@ -36,7 +36,7 @@ TEST_P(JointRefuses, WithThisMessage) { EXPECT_EQ(fault_of(GetParam().text), Get
 
 const std::vector<Fault> faults{
     {"unknown_type", with_joint("type: glue, bodies: [a, b], anchor: [0, 0, 0]"),
-     "FILE:7: key 'joints[0].type': found glue, expected ball, hinge, slider, fixed, universal or rope"},
+     "FILE:7: key 'joints[0].type': found glue, expected ball, hinge, slider, fixed, universal, rope or spring"},
     {"unknown_body", with_joint("type: ball, bodies: [a, d], anchor: [0, 0, 0]"),
      "FILE:7: key 'joints[0].bodies[1]': found d, a name that no entry of bodies has, expected the name of a body, as door or "
      "pile[3], its entry's place in the list, or world"},
@@ -105,13 +105,18 @@ const std::vector<Fault> faults{
     {"hinge_at_a_particle",
      "bodies:\n  - {name: a, shape: {particle: {radius: 0.1}}, mass: 1}\njoints:\n"
      "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n",
-     "FILE:4: key 'joints[0].bodies[0]': found hinge at a particle, which does not turn, expected a body that turns; ball and "
-     "rope also hold particles"},
+     "FILE:4: key 'joints[0].bodies[0]': found hinge at a particle, which does not turn, expected a body that turns; ball, "
+     "rope and spring also hold particles"},
+    {"spring_without_ends", with_joint("type: spring, bodies: [a, b]"),
+     "FILE:7: key 'joints[0].points': found nothing, expected a list of 2 points (m), or anchors: of 2 points in the bodies' "
+     "axes"},
+    {"spring_of_no_length", with_joint("type: spring, bodies: [a, b], points: [[0, 0, 0], [1, 0, 0]], length: 0"),
+     "FILE:7: key 'joints[0].length': found 0, expected a number > 0 (m)"},
     {"chain_of_fixed_particles",
      "bodies:\n  - shape: {particle: {radius: 0.1}}\n    mass: 1\n    chain: {count: 2, from: [0, 0, 0], to: [1, 0, 0], joint: "
      "{type: fixed}}\n",
-     "FILE:4: key 'bodies[0].chain.joint': found fixed at a particle, which does not turn, expected a body that turns; ball and "
-     "rope also hold particles"},
+     "FILE:4: key 'bodies[0].chain.joint': found fixed at a particle, which does not turn, expected a body that turns; ball, "
+     "rope and spring also hold particles"},
     {"chain_of_no_length", with_chain("count: 2, from: [0, 0, 0], to: [0, 0, 0], joint: {type: ball}"),
      "FILE:4: key 'bodies[0].chain.to': found [0, 0, 0], expected another point than from (m)"},
     {"chain_of_sliders", with_chain("count: 2, from: [0, 0, 0], to: [1, 0, 0], joint: {type: slider}"),

@@ -1,0 +1,42 @@
+// How surfaces that move along themselves (world/surface_motion.hpp) move where something touches them.
+#pragma once
+
+#include "world/shapes.hpp"
+#include "world/world.hpp"
+
+namespace unibody {
+
+inline bool has_own_motion(const World& world, Slot slot) {
+  return find_motion(world.surface_motions, world.id[static_cast<std::size_t>(slot)]) != nullptr;
+}
+
+inline OwnMotion own_motion(const World& world, Slot slot) {
+  const auto i = static_cast<std::size_t>(slot);
+  const SurfaceMotion* motion = find_motion(world.surface_motions, world.id[i]);
+  if (motion == nullptr) return {};
+  const Shape& shape = world.properties[i].shape;
+  Quat axes = world.orientation_of(i);  // of principal moments, where the shape has axes of its own
+  if (shape.kind == ShapeKind::hull || shape.kind == ShapeKind::compound) axes = axes * frame_of(shape).conjugate();
+  return {axes * motion->velocity, axes * motion->angular_velocity};
+}
+
+// By how much what lies on one of the two is turned about the normal by the other's surface. rad/s
+inline Vec3 own_turn(const World& world, Slot a, Slot b, const Vec3& n) {
+  if (world.surface_motions.empty()) return Vec3::Zero();
+  return n * n.dot(own_motion(world, a).w + own_motion(world, b).w);
+}
+
+// The velocity of a body's surface at `point` relative to the body, across the unit normal n. m/s
+inline Vec3 own_surface_velocity(const World& world, Slot slot, const Vec3& point, const Vec3& n) {
+  const OwnMotion own = own_motion(world, slot);
+  const Vec3 v = own.v + own.w.cross(point - world.position[static_cast<std::size_t>(slot)]);
+  return v - n * n.dot(v);
+}
+
+// The same of the surface of b relative to that of a: where the two stick, a moves so against b.
+inline Vec3 surface_velocity_between(const World& world, Slot a, Slot b, const Vec3& point, const Vec3& n) {
+  if (world.surface_motions.empty()) return Vec3::Zero();
+  return own_surface_velocity(world, b, point, n) - own_surface_velocity(world, a, point, n);
+}
+
+}  // namespace unibody
