@@ -135,10 +135,8 @@ class Impacts {
     return world_.position[i] + state_.displaced[i] + t * velocity(s) + 0.5 * t * (t - step_) * acceleration(s);
   }
   double radius(Slot s) const { return world_.properties[static_cast<std::size_t>(s)].shape.size.x(); }
-  bool both_round(const Pair& pair) const {
-    return is_round(world_.properties[static_cast<std::size_t>(pair.a)].shape) &&
-           is_round(world_.properties[static_cast<std::size_t>(pair.b)].shape);
-  }
+  bool round(Slot s) const { return is_round(world_.properties[static_cast<std::size_t>(s)].shape); }
+  bool both_round(const Pair& pair) const { return round(pair.a) && round(pair.b); }
 
   // A point of contact, with what it needs of its bodies.
   struct Point {
@@ -200,9 +198,9 @@ class Impacts {
     const Manifold& m = contacts_.manifolds[pair.manifold];
     touch.normal = m.normal;
     const Vec3 at_a = place(pair.a, t), at_b = place(pair.b, t);
-    const bool a_round = is_round(world_.properties[static_cast<std::size_t>(pair.a)].shape);
+    const bool a_round = round(pair.a);
     if (both_round(pair) && (at_a - at_b).norm() > 0) touch.normal = (at_a - at_b).normalized();
-    if (a_round || is_round(world_.properties[static_cast<std::size_t>(pair.b)].shape)) {
+    if (a_round || round(pair.b)) {
       const Vec3 point = a_round ? Vec3(at_a - radius(pair.a) * touch.normal) : Vec3(at_b + radius(pair.b) * touch.normal);
       touch.points[touch.count++] = {point - at_a, point - at_b, 0};
       return touch;
