@@ -38,7 +38,7 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
     columns.push_back({"coarse_gaining (1)", static_cast<double>(report.coarse.gaining)});
   }
   if (scene.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
-  add(joint_columns(comm, scene.joints.size(), simulation.joint_slots, simulation.joint_states(),
+  add(joint_columns(comm, scene.joints, simulation.joints, simulation.joint_slots, simulation.joint_states(),
                     step.residual_of<JointBatch>()));
   if (simulation.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
   if (scene.solver.accuracy) columns.push_back({"estimated_error (m)", report.estimated_error});

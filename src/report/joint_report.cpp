@@ -25,19 +25,22 @@ constexpr const char* column_names =
 
 }  // namespace
 
-std::vector<NamedValue> joint_columns(MPI_Comm comm, std::size_t joint_count, std::span<const JointSlots> slots,
-                                      std::span<const JointState> states, double residual) {
-  if (joint_count == 0) return {};
+std::vector<NamedValue> joint_columns(MPI_Comm comm, std::span<const Joint> joints, const JointList& here,
+                                      std::span<const JointSlots> slots, std::span<const JointState> states, double residual) {
+  if (joints.empty()) return {};
   std::array<ExactSum, 2> squares;
   std::array<double, 2> largest{};
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!slots[i].counted) continue;
-    squares[0] += states[i].drift * states[i].drift, squares[1] += states[i].turn * states[i].turn;
-    largest[0] = std::max(largest[0], states[i].drift), largest[1] = std::max(largest[1], states[i].turn);
+    const Joint& joint = joints[static_cast<std::size_t>(here[i])];
+    const double drift = joint.compliance > 0 || joint.damping > 0 ? 0 : states[i].drift;
+    const double turn = joint.turning > 0 || joint.damping > 0 ? 0 : states[i].turn;
+    squares[0] += drift * drift, squares[1] += turn * turn;
+    largest[0] = std::max(largest[0], drift), largest[1] = std::max(largest[1], turn);
   }
   const auto total = all_sums(comm, squares);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, comm));
-  const auto n = static_cast<double>(joint_count);
+  const auto n = static_cast<double>(joints.size());
   return {{"joint_drift_max (m)", largest[0]},
           {"joint_drift_rms (m)", std::sqrt(total[0] / n)},
           {"joint_turn_max (rad)", largest[1]},

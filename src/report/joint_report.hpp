@@ -14,10 +14,12 @@
 
 namespace unibody {
 
-// How far joints are open (m) and turned apart (rad): the largest, and the root mean square over all joints. Empty where the
-// scene has none. residual: m, of the step. Collective; the same bits on any number of ranks.
-std::vector<NamedValue> joint_columns(MPI_Comm comm, std::size_t joint_count, std::span<const JointSlots> slots,
-                                      std::span<const JointState> states, double residual);
+// How far joints are open (m) and turned apart (rad): the largest, and the root mean square over all joints. Those with a
+// compliance or damping, which open and turn as their law says, count as closed: whether the law holds the residual tells. Empty
+// where the scene has no joints. here: those of this rank, whose slots and states are given; residual: m, of the step.
+// Collective; the same bits on any number of ranks.
+std::vector<NamedValue> joint_columns(MPI_Comm comm, std::span<const Joint> joints, const JointList& here,
+                                      std::span<const JointSlots> slots, std::span<const JointState> states, double residual);
 
 // joints.csv and joints.h5: what each joint does, frame by frame, in order of its number.
 class JointFiles {

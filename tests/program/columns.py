@@ -140,6 +140,26 @@ class Joints(ProgramTest):
                 self.assertEqual(table.attrs["time"], float(texts[0][1]))
                 self.assertTrue((table[:] == np.array([[float(x) for x in line[4:]] for line in texts])).all())
 
+    def test_the_drift_of_joints_is_that_of_the_rigid_ones(self):
+        """The velocity level takes out half of what a rod is too long; a spring stays as long as it is, by its law."""
+        text = """
+            time: {{frame: 0.01, frames: 1}}
+            gravity: [0, 0, 0]
+            solver: {{level: velocity, stabilisation: 0.5}}
+            bodies:
+              - {{name: a, shape: {{particle: {{radius: 0.1}}}}, mass: 1, position: [1.2, 0, 0]}}
+              - {{name: b, shape: {{particle: {{radius: 0.1}}}}, mass: 1, position: [1.6, 5, 0]}}
+            joints:
+              - {{type: spring, bodies: [a, world], points: [[1.2, 0, 0], [0, 0, 0]], length: 1, {}}}
+              - {{type: spring, bodies: [b, world], points: [[1.6, 5, 0], [0, 5, 0]], length: 1, compliance: 1.0e+9}}
+        """
+        for rigid, drift in (("collide: true", .1), ("compliance: 1.0e+9", 0), ("damping: 0.01", 0)):
+            self.good(self.scene(text.format(rigid)), "joints", "-overwrite", ranks=1)
+            header, rows = report(self.folder / "joints" / "report.csv")
+            row = dict(zip(header, rows[-1]))
+            self.assertAlmostEqual(float(row["joint_drift_max (m)"]), drift, 9, rigid)
+            self.assertAlmostEqual(float(row["joint_drift_rms (m)"]), drift / math.sqrt(2), 9, rigid)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)
