@@ -14,9 +14,10 @@
 
 namespace unibody {
 
-// How far joints are open (m) and turned apart (rad): the largest, and the root mean square over all joints. Those with a
-// compliance or damping, which open and turn as their law says, count as closed: whether the law holds the residual tells. Empty
-// where the scene has no joints. here: those of this rank, whose slots and states are given; residual: m, of the step.
+// Columns that say how far joints are open (m) and turned apart (rad): the largest, and the root mean square over all joints. A
+// joint with a compliance or damping opens and turns as its law says, so it counts as closed; the residual tells whether the law
+// holds. The list is empty where the scene has no joints. here: the joints of this rank, in the order of `slots` and `states`;
+// residual: m, of the step.
 // Collective; the same bits on any number of ranks.
 std::vector<NamedValue> joint_columns(MPI_Comm comm, std::span<const Joint> joints, const JointList& here,
                                       std::span<const JointSlots> slots, std::span<const JointState> states, double residual);

@@ -8,9 +8,9 @@ namespace unibody {
 
 struct Scene;
 
-// A number; a table [[time (s), value], ...]; a map with `table` and perhaps `between` and `periodic`; a map with `sine`; or one
-// with `expression`. Values are multiplied by `factor` (degrees). An expression is tried at all times of the scene's run, whose
-// section `time` has been read.
+// Reads a value in time: a number, a table [[time (s), value], ...], or a map. The map has the key `table`, perhaps with
+// `between` and `periodic`, or the key `sine`, or the key `expression`. The value is multiplied by `factor`, which turns degrees
+// to radians. An expression is tried at the times of the scene's run, so the section `time` must have been read.
 TimeValue read_in_time(const Value& value, const Scene& scene, const Range& range, const std::string& unit, double factor = 1);
 
 // The value of a key that must be there, of the range and unit that its table says.

@@ -39,7 +39,8 @@ struct CoarseSolve {
   CoarseCounts counts;
 };
 
-// Sets velocities and multipliers of what takes part. `predicted`: the bodies before any warm start. Collective.
+// Sets the velocities and multipliers of the cloths, threads and solids that take part. `predicted`: the bodies before any warm
+// start. Collective.
 CoarseSolve solve_coarse_level(RankState& state, System& system, const StepPlan& plan, const std::vector<SolverBody>& predicted);
 
 // Of what was solved so in this step nothing is remembered: its multipliers balance its velocities, and would push bodies far off

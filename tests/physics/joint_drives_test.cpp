@@ -97,8 +97,8 @@ TEST(JointDrive, ARopeIsADampedSpringAndDoesNothingSlack) {
         }
 }
 
-// Two bodies on a spring, which starts a fifth too long: it pulls and pushes as implicit Euler says of their distance, with the
-// reduced mass, and their common centre stays where it is.
+// A spring between two bodies is a fifth longer at the start than at rest. Their distance must follow the implicit Euler steps of
+// an oscillator that has their reduced mass, while the spring pulls and while it pushes. Their centre of mass must not move.
 TEST(JointDrive, ASpringPullsAndPushes) {
   const double m = 2.0 * 3 / 5, E = 1e-3;
   for (const char* level : {"position", "velocity"})

@@ -15,7 +15,7 @@ std::string head(const std::string& solver, int substeps, const std::string& mat
   return "time: {substeps: " + std::to_string(substeps) + "}\nsolver: {tolerance: 1.0e-9, name: " + solver +
          "}\nmaterials: {m: {friction: 0.4, " + material + "}}\n";
 }
-// Gravity turned by the angle whose tangent is 0.5, towards x.
+// A horizontal ground stands for a slope whose tangent is 0.5: gravity is tilted towards x instead.
 std::string slope() {
   const double sine = std::sqrt(0.2), cosine = 2 * sine;
   return "gravity: [" + std::to_string(g * sine) + ", 0, " + std::to_string(-g * cosine) + "]\n";
@@ -30,7 +30,8 @@ std::string box(const std::string& velocity) {
 
 class StictionOf : public testing::TestWithParam<std::tuple<const char*, int>> {};
 
-// At rest the coefficient is 0.6, and the slope's tangent 0.5; in motion it is 0.4.
+// The slope's tangent is 0.5. The box's coefficient of friction is 0.6 at rest, so that it stays, and 0.4 in motion, so that it
+// slides on once it moves.
 TEST_P(StictionOf, HoldsWhatRestsAndNotWhatSlides) {
   const auto [solver, substeps] = GetParam();
   const std::string material = "stiction: 0.5";

@@ -187,7 +187,8 @@ TEST_P(SurfaceMotionOf, SpinningFriction) {
 INSTANTIATE_TEST_SUITE_P(All, SurfaceMotionOf,
                          testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(1, 4)));
 
-// The friction that comes after a solve without it.
+// With `friction: postprocess` the solve has no friction; friction then acts on the velocities that the solve has found, and sees
+// the belt as well.
 TEST(SurfaceMotion, FrictionAfterTheSolve) {
   Scene scene = scene_from_text(head("accelerated_jacobi", 1) + belt() + box);
   scene.solver.friction = FrictionModel::postprocess;
