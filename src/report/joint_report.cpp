@@ -33,8 +33,8 @@ std::vector<NamedValue> joint_columns(MPI_Comm comm, std::span<const Joint> join
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!slots[i].counted) continue;
     const Joint& joint = joints[static_cast<std::size_t>(here[i])];
-    const double drift = joint.compliance > 0 || joint.damping > 0 ? 0 : states[i].drift;
-    const double turn = joint.turning > 0 || joint.damping > 0 ? 0 : states[i].turn;
+    const double drift = joint.compliance > 0 ? 0 : states[i].drift;
+    const double turn = joint.turning > 0 ? 0 : states[i].turn;
     squares[0] += drift * drift, squares[1] += turn * turn;
     largest[0] = std::max(largest[0], drift), largest[1] = std::max(largest[1], turn);
   }
