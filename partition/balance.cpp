@@ -64,8 +64,8 @@ std::vector<PlaceLink> Balance::ties(const StepParts& parts) {
     const Joint& joint = parts.joints[static_cast<std::size_t>(number)];
     const Slot a = world.find(joint.ids[0]), b = joint.ids[1] < 0 ? -1 : world.find(joint.ids[1]);
     if (a < 0 || b < 0 || world.is_static(a) || world.is_static(b)) continue;
-    tied.push_back({world.position[static_cast<std::size_t>(a)], world.position[static_cast<std::size_t>(b)],
-                    static_cast<float>(cost_of(joint))});
+    const auto place = [&](Slot slot) { return world.period.wrapped(world.position[static_cast<std::size_t>(slot)]); };
+    tied.push_back({place(a), place(b), static_cast<float>(cost_of(joint))});
   }
   return tied;
 }
@@ -84,7 +84,9 @@ std::vector<int> Balance::homes(const StepParts& parts) const {
   for (std::size_t i = 0; i < world.homes && !groups_.empty(); ++i) patches[i] = patch_of(world.id[i]);
   const std::vector<PatchLink> between = parts.constraints != nullptr ? links(*parts.constraints) : std::vector<PatchLink>{};
   const double cell = cell_in_radii * mean_bounding_radius(comm_, world, patches);
-  return partition_bodies(comm_, {world.position.data(), world.homes}, work_by_body(parts), cell, patches, between, ties(parts));
+  std::vector<Vec3> places(world.position.begin(), world.position.begin() + static_cast<std::ptrdiff_t>(world.homes));
+  for (Vec3& place : places) place = world.period.wrapped(place);
+  return partition_bodies(comm_, places, work_by_body(parts), cell, patches, between, ties(parts));
 }
 
 double Balance::imbalance(const StepParts& parts) {

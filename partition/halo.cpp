@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "collide/periodic_pairs.hpp"
 #include "core/checked.hpp"
 #include "partition/messages.hpp"
 
@@ -290,14 +291,15 @@ void Halo::find_guests(World& world, const CollideSettings& settings, Surfaces* 
     check_mpi(MPI_Bcast(total, 2, MPI_DOUBLE, 0, comm_));                   // as long as every rank has the same
     const double cell = std::max(1e-6, total[0] / std::max(1.0, total[1]));
 
+    const Copies places(registered_, world.period);
     Bounds all{Vec3::Constant(infinity), Vec3::Constant(-infinity)};
-    for (const Bounds& b : registered_) all.lower = all.lower.cwiseMin(b.lower), all.upper = all.upper.cwiseMax(b.upper);
+    for (const Bounds& b : places.bounds) all.lower = all.lower.cwiseMin(b.lower), all.upper = all.upper.cwiseMax(b.upper);
     std::vector<Bounds> everyone(static_cast<std::size_t>(size_));
     check_mpi(MPI_Allgather(&all, sizeof(Bounds), MPI_BYTE, everyone.data(), sizeof(Bounds), MPI_BYTE, comm_));
     std::vector<int> neighbours;
     for (int r = 0; r < size_; ++r)
       if (r != rank_ && (overlap(all, everyone[static_cast<std::size_t>(r)]) || subscribed_.contains(r))) neighbours.push_back(r);
-    const Occupancy mine = occupancy(registered_, everyone, neighbours, cell);
+    const Occupancy mine = occupancy(places.bounds, everyone, neighbours, cell);
 
     const std::size_t n = neighbours.size();
     const auto cells = exchange_with(comm_, neighbours, std::vector(n, mine.cells), tag_cells);
@@ -311,12 +313,14 @@ void Halo::find_guests(World& world, const CollideSettings& settings, Surfaces* 
         return subscribed != subscribed_.end() &&
                std::binary_search(subscribed->second.begin(), subscribed->second.end(), static_cast<Slot>(i));
       };
-      for (std::size_t i = 0; i < world.homes; ++i) {
-        const Bounds& b = registered_[i];
-        const auto is_near = [&] {
-          return overlap(b, reach_there) && (cells_of(b, cell).count() > cells_of_a_large_body || theirs.meets(b, cell));
-        };
-        if (is_wanted(i) || is_near()) to[k].push_back({world.body(i), first + static_cast<std::int64_t>(i), rank_});
+      const auto is_near = [&](const Bounds& b) {
+        return overlap(b, reach_there) && (cells_of(b, cell).count() > cells_of_a_large_body || theirs.meets(b, cell));
+      };
+      for (std::size_t i = 0, place = 0; i < world.homes; ++i) {
+        bool is_guest = is_wanted(i);
+        for (; place < places.of.size() && places.of[place] == static_cast<std::int32_t>(i); ++place)
+          is_guest = is_guest || is_near(places.bounds[place]);
+        if (is_guest) to[k].push_back({world.body(i), first + static_cast<std::int64_t>(i), rank_});
       }
     }
     for (const auto& list : exchange_with(comm_, neighbours, to, tag_guests))

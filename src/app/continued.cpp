@@ -231,7 +231,7 @@ std::vector<std::string> continue_from(MPI_Comm comm, const std::string& path, S
   if (!all.empty())
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, all.data(), static_cast<int>(all.size() * count_kinds), MPI_INT64_T, MPI_SUM, comm));
   expect_some(path, scene, outline, all);
-  simulation.world = make_world(homes, statics, scene.has_rotations());
+  simulation.world = make_world(homes, statics, scene.has_rotations(), scene.period);
   close_inlets(scene, matches, simulation.history.past);
 
   for (const Counts& of : all) scene.lacks_bodies = scene.lacks_bodies || of[gone] > 0;

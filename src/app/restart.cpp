@@ -62,6 +62,7 @@ std::string physics_of(const Scene& scene) {
   std::ostringstream text;
   text.precision(17);
   text << scene.gravity.transpose() << ' ' << scene.planar << '\n';
+  if (scene.period.any()) text << "periodic " << scene.period.lower.transpose() << ' ' << scene.period.length.transpose() << '\n';
   if (scene.gravity_in_time) text << "gravity " << scene.gravity_in_time->text() << '\n';
   for (const std::string& material : scene.materials) text << material << ' ';
   for (const double mu : scene.friction) text << mu << ' ';
@@ -173,7 +174,7 @@ std::int64_t restore(MPI_Comm comm, Scene& scene, const Options& options, Simula
       }
     }
   });
-  simulation.world = make_world(homes, statics, scene.has_rotations());
+  simulation.world = make_world(homes, statics, scene.has_rotations(), scene.period);
   simulation.history.contacts() = checkpoint.read_multipliers(simulation.world);
   simulation.make_constraints();
   start_past(scene, simulation.history);

@@ -49,7 +49,7 @@ class Run {
         options_(options),
         running_(comm, scene, options),
         times_(comm, running_.clock),
-        probes_(scene.probes, scene.time.frame) {
+        probes_(scene.probes, scene.time.frame, scene.period) {
     check_mpi(MPI_Comm_rank(comm, &rank_));
   }
 

@@ -51,8 +51,10 @@ std::vector<Body> obstacles_near(const Simulation& simulation, const Inlet& inle
     if (i == world.homes) i = world.first_static();  // guests are another rank's
     if (i >= world.size()) break;
     const Bounds bounds = swept_bounds(world, i, still);
-    if ((bounds.lower.array() <= high.array()).all() && (bounds.upper.array() >= low.array()).all())
-      near.push_back(as_obstacle(world.body(i)));
+    bool is_near = true;  // along axes of a period everything may be
+    for (int k = 0; k < 3; ++k)
+      is_near = is_near && (world.period.along(k) || (bounds.lower[k] <= high[k] && bounds.upper[k] >= low[k]));
+    if (is_near) near.push_back(as_obstacle(world.body(i)));
   }
   return near;
 }
@@ -68,7 +70,7 @@ Overlap find_overlaps(const Simulation& simulation, const std::vector<Body>& can
   std::ranges::sort(obstacles, {}, &Body::id);
   std::vector<Body> at_rest = candidates;
   for (Body& body : at_rest) body.state.velocity.setZero(), body.state.angular_velocity.setZero();
-  const World world = make_world(at_rest, obstacles, simulation.scene.has_rotations());
+  const World world = make_world(at_rest, obstacles, simulation.scene.has_rotations(), simulation.scene.period);
   Contacts contacts;
   collide(world, still, contacts);
   Overlap overlap{std::vector<std::uint8_t>(candidates.size()), {}};
@@ -131,9 +133,11 @@ int rank_for(const Simulation& simulation, const Inlet& inlet) {
     double number;
     int rank;
   } most{0, simulation.halo.rank()}, fewest{static_cast<double>(world.homes), simulation.halo.rank()};
-  for (std::size_t i = 0; i < world.homes; ++i)
-    most.number += (world.position[i].array() >= inlet.low.array() - reach).all() &&
-                   (world.position[i].array() <= inlet.high.array() + reach).all();
+  const Vec3 low = inlet.low.array() - reach, high = inlet.high.array() + reach;
+  for (std::size_t i = 0; i < world.homes; ++i) {
+    const Vec3 place = world.period.wrapped(world.position[i], low);
+    most.number += (place.array() >= low.array()).all() && (place.array() <= high.array()).all();
+  }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, simulation.comm()));
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &fewest, 1, MPI_DOUBLE_INT, MPI_MINLOC, simulation.comm()));
   return most.number > 0 ? most.rank : fewest.rank;

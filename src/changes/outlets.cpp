@@ -11,7 +11,7 @@ namespace {
 
 bool leaves_by(const Outlet& outlet, const World& world, std::size_t slot) {
   const BodyProperties& body = world.properties[slot];
-  const Vec3& place = world.position[slot];
+  const Vec3 place = world.period.wrapped(world.position[slot], outlet.low);
   return body.is_dynamic() && world.id[slot] >= outlet.bodies.first && world.id[slot] < outlet.bodies.end &&
          (outlet.bodies.material < 0 || body.material == outlet.bodies.material) && (place.array() >= outlet.low.array()).all() &&
          (place.array() < outlet.high.array()).all();

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
+#include <optional>
 
 #include "collide/crowds.hpp"
 #include "collide/face_patch.hpp"
 #include "collide/merge_supports.hpp"
+#include "collide/periodic_pairs.hpp"
 #include "collide/restitution.hpp"
 #include "collide/seams.hpp"
 #include "core/capacity.hpp"
@@ -54,6 +57,7 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
                        std::span<const std::int32_t> crowd_ranks) {
   const std::size_t manifolds = contacts.manifolds.size(), points = contacts.points.size();  // of the last step
   contacts.clear();
+  period_ = world.period;
   renew_room(contacts.manifolds, manifolds + manifolds / 32), renew_room(contacts.points, points + points / 32);
   pairs_.clear();
   gather(world, settings);
@@ -84,37 +88,62 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
 }
 
 void Collider::find_pairs(const World& world, std::span<const std::int32_t> crowd_ranks) {
-  if (crowd_ranks.empty()) return broad_phase_.find(bounds_, roles_, pairs_, filters_);
+  const auto find = [&] {
+    period_.any() ? find_periodic(broad_phase_, period_, bounds_, roles_, pairs_, filters_)
+                  : broad_phase_.find(bounds_, roles_, pairs_, filters_);
+  };
+  if (crowd_ranks.empty()) return find();
   std::vector<Crowds::Member> members;
   for (std::size_t i = 0; i < proxies_.size(); ++i) {
     const auto slot = static_cast<std::size_t>(proxies_[i].slot);
     if (crowd_ranks[slot] >= 0)
-      members.push_back(
-          {crowd_cell(world.properties[slot], world.position[slot]), crowd_ranks[slot], static_cast<std::int32_t>(i)});
+      members.push_back({crowd_cell(world.properties[slot], world.period.wrapped(world.position[slot])), crowd_ranks[slot],
+                         static_cast<std::int32_t>(i)});
   }
   const Crowds crowds(std::move(members));
   const std::vector<Bounds> bounds(bounds_.begin(), bounds_.end());
   const std::vector<Role> roles(roles_.begin(), roles_.end());
   const std::vector<Filter> filters(filters_.begin(), filters_.end());
   crowds.stand_for(bounds_, roles_, filters_);
-  broad_phase_.find(bounds_, roles_, pairs_, filters_);
-  crowds.expand(pairs_, bounds, roles, filters);
+  find();
+  crowds.expand(pairs_, bounds, roles, filters, period_);
   std::copy(roles.begin(), roles.end(), roles_.begin());  // planes look at them, too
 }
 
 namespace {
 
-// Hands the manifolds of a pair to contacts, those that share a normal made one where that is asked for.
+// In a periodic scene takes a proxy into the cell.
+void put_into_cell(Proxy& p, const Period& period) {
+  if (!period.any() || p.kind == ShapeKind::plane) return;
+  p.image = period.image_of(p.position);
+  p.position -= period.shift(p.image);
+}
+
+// The proxy of a body as the one that it may touch sees it: its nearest image. Of a plane all images are the same.
+Proxy seen_from(const Proxy& from, const Proxy& p, const Period& period) {
+  Proxy seen = p;
+  if (from.kind == ShapeKind::plane || p.kind == ShapeKind::plane) return seen;
+  const Image image = period.nearest(from.position, p.position);
+  seen.position += period.shift(image);
+  for (std::size_t k = 0; k < 3; ++k) seen.image[k] -= image[k];  // from the body's own place to the one here
+  return seen;
+}
+
+// Hands the manifolds of a pair to contacts, those that share a normal made one where that is asked for. b is where a sees it.
 template <class Each>
-void add_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, Contacts& contacts, Each&& for_each_manifold) {
+void add_pair(const Proxy& a, const Proxy& b, const Period& period, const CollideSettings& settings, Contacts& contacts,
+              Each&& for_each_manifold) {
   const double friction = settings.friction[a.material * settings.material_count + b.material];
   const auto add = [&](const PairManifold& found) {
     make_room(contacts.manifolds, contacts.manifolds.size() + 1);
     make_room(contacts.points, contacts.points.size() + static_cast<std::size_t>(found.count));
-    contacts.manifolds.push_back({a.id, b.id, a.slot, b.slot, found.normal, friction,
-                                  static_cast<std::uint32_t>(contacts.points.size()), static_cast<std::uint32_t>(found.count),
-                                  found.time, 0, found.is_inner_ring});
+    Manifold& m = contacts.manifolds.emplace_back(
+        Manifold{a.id, b.id, a.slot, b.slot, found.normal, friction, static_cast<std::uint32_t>(contacts.points.size()),
+                 static_cast<std::uint32_t>(found.count), found.time, 0, found.is_inner_ring});
     contacts.points.insert(contacts.points.end(), found.points, found.points + found.count);
+    if (!period.any()) return;
+    for (std::size_t k = 0; k < 3; ++k) m.image[k] = a.image[k] - b.image[k];
+    for (std::size_t p = m.first; p < contacts.points.size(); ++p) contacts.points[p].position += period.shift(a.image);
   };
   if (!settings.merge_supports || (!is_composite(a.kind) && !is_composite(b.kind))) return for_each_manifold(add);
   std::vector<PairManifold> manifolds;
@@ -126,10 +155,13 @@ void add_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, C
 }  // namespace
 
 void Collider::collide_bodies(const IndexPair& pair, const CollideSettings& settings, Contacts& contacts) {
-  const Proxy &a = proxies_[pair.first], &b = proxies_[pair.second];
+  const Proxy& a = proxies_[pair.first];
+  std::optional<Proxy> image;
+  if (period_.any()) image = seen_from(a, proxies_[pair.second], period_);
+  const Proxy& b = image ? *image : proxies_[pair.second];
   const AtSeam start{pair, contacts.manifolds.size(), contacts.points.size()};
   bool at_seam = false;
-  add_pair(a, b, settings, contacts, [&](const auto& add) {
+  add_pair(a, b, period_, settings, contacts, [&](const auto& add) {
     collide_with_rings(a, b, settings, [&](const PairManifold& found) {
       at_seam = at_seam || (!found.is_inner_ring && may_be_at_seam(found, settings));
       if (!at_seam) add(found);
@@ -152,7 +184,7 @@ void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfa
   for (std::size_t i = 0; i < count; ++i)
     if (proxies_[i].kind == ShapeKind::plane || (surfaces && surfaces->is_node(proxies_[i].slot))) roles[i] = Role::absent;
   Pairs pairs;
-  broad_phase_.find(bounds, roles, pairs);
+  period_.any() ? find_periodic(broad_phase_, period_, bounds, roles, pairs) : broad_phase_.find(bounds, roles, pairs);
   std::vector<std::vector<std::int32_t>> near(count);
   for (const IndexPair& pair : pairs) near[pair.first].push_back(pair.second), near[pair.second].push_back(pair.first);
   for (std::vector<std::int32_t>& of_one : near) std::ranges::sort(of_one);
@@ -171,7 +203,7 @@ void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfa
   };
   for (const AtSeam& s : at_seams_) {
     take_until(s.manifolds, s.points);
-    const Proxy &a = proxies_[s.pair.first], &b = proxies_[s.pair.second];
+    const Proxy a = proxies_[s.pair.first], b = seen_from(a, proxies_[s.pair.second], period_);
     std::vector<std::int32_t> both;
     if (a.dynamic && b.dynamic)
       std::ranges::set_intersection(near[s.pair.first], near[s.pair.second], std::back_inserter(both));
@@ -181,9 +213,10 @@ void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfa
     if (is_composite(a.kind)) both.push_back(s.pair.first);
     if (is_composite(b.kind)) both.push_back(s.pair.second);
     std::ranges::sort(both);
+    std::deque<Proxy> seen;
     std::vector<const Proxy*> thirds;
-    for (const std::int32_t k : both) thirds.push_back(&proxies_[k]);
-    add_pair(a, b, settings, mended, [&](const auto& add) {
+    for (const std::int32_t k : both) thirds.push_back(&seen.emplace_back(seen_from(a.dynamic ? a : b, proxies_[k], period_)));
+    add_pair(a, b, period_, settings, mended, [&](const auto& add) {
       collide_with_rings(a, b, settings, [&](const PairManifold& found) {
         PairManifold manifold = found;
         if (!found.is_inner_ring) mend_at_seam(manifold, thirds, settings);
@@ -250,7 +283,8 @@ void Collider::gather(const World& world, const CollideSettings& settings) {
     int from = -1;
     for (int r = 0; r < 3; ++r)
       if (next[r] < ends[r] && (from < 0 || world.id[next[r]] < world.id[next[from]])) from = r;
-    const Proxy& p = proxies_.emplace_back(make_proxy(world, next[from]++, settings));
+    Proxy& p = proxies_.emplace_back(make_proxy(world, next[from]++, settings));
+    put_into_cell(p, period_);
     bounds_.push_back(swept_bounds_of(p, settings));
     const bool plane = p.kind == ShapeKind::plane;
     roles_.push_back(plane ? Role::absent : p.home ? Role::home : Role::other);

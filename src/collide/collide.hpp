@@ -36,7 +36,8 @@ class Collider {
   void mend_seams(const CollideSettings& settings, const Surfaces* surfaces, Contacts& contacts);
   void collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider);
 
-  std::pmr::vector<Proxy> proxies_;  // in ascending id
+  Period period_;
+  std::pmr::vector<Proxy> proxies_;  // in ascending id, in the cell of a periodic scene
   std::pmr::vector<Bounds> bounds_;  // of bodies, then of faces; then of edges
   std::pmr::vector<Role> roles_;
   std::pmr::vector<Filter> filters_;

@@ -18,6 +18,10 @@ struct CollideSettings {
   std::vector<double> stiction;        // the same
   std::vector<double> stiction_speed;  // m/s, the same; not empty where stiction is not
   std::size_t material_count = 1;
+  double restitution_of(std::int32_t material_a, std::int32_t material_b) const {
+    const auto a = static_cast<std::size_t>(material_a), b = static_cast<std::size_t>(material_b);
+    return restitution.empty() ? 0 : restitution[a * material_count + b];
+  }
   StruckBodies struck{};  // that the step has found; empty in most
 };
 

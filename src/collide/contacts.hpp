@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/types.hpp"
+#include "world/world.hpp"
 
 namespace unibody {
 
@@ -31,11 +31,20 @@ struct Manifold {
   double time = 0;       // s, since the start of the step
   double displaced = 0;  // m, along the normal: part of the gaps, where impacts in the step let bodies seem to start it elsewhere
   bool is_inner_ring = false;  // of the manifold before it (face_patch.hpp)
+  Image image{};               // which image of b touches a: points are placed where a is
 };
 
+// Where a body of the manifold is at the start of the step (m), as seen from the first: the second is an image of itself where
+// the two touch across a border of a periodic scene.
+inline Vec3 place_of(const World& world, const Manifold& m, Slot slot) {
+  const Vec3& place = world.position[static_cast<std::size_t>(slot)];
+  return slot == m.slot_b && m.image != Image{} ? Vec3(place + world.period.shift(m.image)) : place;
+}
+
 // The arm (m) from a body's centre to the point, both where they are at the manifold's time.
-inline Vec3 arm_of(const Manifold& m, const ContactPoint& point, const Vec3& position, const Vec3& velocity) {
-  return point.position - (m.time > 0 ? Vec3(position + m.time * velocity) : position);
+inline Vec3 arm_of(const World& world, const Manifold& m, const ContactPoint& point, Slot slot) {
+  const Vec3 place = place_of(world, m, slot);
+  return point.position - (m.time > 0 ? Vec3(place + m.time * world.velocity[static_cast<std::size_t>(slot)]) : place);
 }
 
 // A contact of a surface: of a body or a node with a face, or of two edges. Each side is one point, a body's own or the mean of

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "collide/periodic_pairs.hpp"
 #include "world/shapes.hpp"
 
 namespace unibody {
@@ -28,7 +29,9 @@ std::vector<std::pair<CrowdCell, Slot>> suspects(const World& world) {
   std::vector<std::uint8_t> filled(buckets, 0);
   constexpr std::uint8_t full = 255;
   bool any = false;
-  const auto bucket = [&](std::size_t i) { return hash(crowd_cell(world.properties[i], world.position[i])) & (buckets - 1); };
+  const auto bucket = [&](std::size_t i) {
+    return hash(crowd_cell(world.properties[i], world.period.wrapped(world.position[i]))) & (buckets - 1);
+  };
   for (std::size_t i = 0; i < moving; ++i) {
     if (!may_crowd(world.properties[i])) continue;
     std::uint8_t& count = filled[bucket(i)];
@@ -38,7 +41,7 @@ std::vector<std::pair<CrowdCell, Slot>> suspects(const World& world) {
   std::vector<std::pair<CrowdCell, Slot>> found;
   for (std::size_t i = 0; i < moving && any; ++i)
     if (may_crowd(world.properties[i]) && filled[bucket(i)] > most_of_no_crowd)
-      found.emplace_back(crowd_cell(world.properties[i], world.position[i]), static_cast<Slot>(i));
+      found.emplace_back(crowd_cell(world.properties[i], world.period.wrapped(world.position[i])), static_cast<Slot>(i));
   return found;
 }
 
@@ -100,12 +103,11 @@ void Crowds::stand_for(std::span<Bounds> bounds, std::span<Role> roles, std::spa
   }
 }
 
-void Crowds::expand(Pairs& pairs, std::span<const Bounds> bounds, std::span<const Role> roles,
-                    std::span<const Filter> filters) const {
+void Crowds::expand(Pairs& pairs, std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters,
+                    const Period& period) const {
   const auto meet = [&](std::int32_t a, std::int32_t b) {
     const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
-    const bool overlap =
-        (bounds[i].lower.array() <= bounds[j].upper.array()).all() && (bounds[j].lower.array() <= bounds[i].upper.array()).all();
+    const bool overlap = overlap_in_images(bounds[i], bounds[j], period);
     if (overlap && (roles[i] == Role::home || roles[j] == Role::home) && filters[i].meets(filters[j]))
       pairs.push_back({std::min(a, b), std::max(a, b)});
   };

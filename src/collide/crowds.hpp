@@ -45,7 +45,8 @@ class Crowds {
 
   // Puts the pairs of members that meet in place of the pairs with crowds. bounds, roles, filters: those from before
   // stand_for().
-  void expand(Pairs& pairs, std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters) const;
+  void expand(Pairs& pairs, std::span<const Bounds> bounds, std::span<const Role> roles, std::span<const Filter> filters,
+              const Period& period = {}) const;
 
  private:
   std::span<const Member> members(std::size_t crowd) const {

@@ -129,7 +129,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.data = body.shape.data;
   p.radius = p.kind == ShapeKind::plane ? 0 : bounding_radius(body.shape);
   p.dynamic = body.is_dynamic();
-  if (p.dynamic) p.struck = settings.struck.speed_at(p.position, p.radius);
+  if (p.dynamic) p.struck = settings.struck.speed_at(world.period.wrapped(p.position), p.radius);
   p.speed = std::max(p.velocity.norm(), p.struck);
   p.spin = turns ? world.angular_velocity_of(slot) : Vec3(Vec3::Zero());
   p.spin_reach = settings.step * p.radius * p.spin.norm();

@@ -30,6 +30,7 @@ struct Proxy {
   std::int32_t material, group;
   Slot slot;
   Id id;
+  Image image{};       // of a periodic scene's cell, where the body is; its position here is in the cell itself
   std::uint32_t data;  // of the shape
 
   Shape shape() const { return {kind, half, data}; }

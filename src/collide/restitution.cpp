@@ -13,7 +13,7 @@ class Bounces {
   Bounces(const World& world, const CollideSettings& settings)
       : world_(world), settings_(settings), slowest_(2 * settings.step * settings.gravity.norm()) {}
 
-  double restitution(Slot a, Slot b) const { return settings_.restitution[material(a) * settings_.material_count + material(b)]; }
+  double restitution(Slot a, Slot b) const { return settings_.restitution_of(material(a), material(b)); }
   // m/s: the speed at which two sides must part that part at `parting` now, `gap` m from each other; 0: they need not.
   double speed(double restitution, double gap, double parting) const {
     return parting < -slowest_ && gap + settings_.step * parting <= 0 ? -restitution * parting : 0;
@@ -22,13 +22,13 @@ class Bounces {
   void set(const Manifold& m, Contacts& contacts) const {
     const double e = restitution(m.slot_a, m.slot_b);
     if (!(e > 0)) return;
-    const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const ContactPoint& point = contacts.points[p];
-      const auto at = [&](std::size_t s) -> Vec3 {
-        return world_.velocity[s] + world_.angular_velocity_of(s).cross(arm_of(m, point, world_.position[s], world_.velocity[s]));
+      const auto at = [&](Slot slot) -> Vec3 {
+        const auto s = static_cast<std::size_t>(slot);
+        return world_.velocity[s] + world_.angular_velocity_of(s).cross(arm_of(world_, m, point, slot));
       };
-      contacts.bounce[p] = speed(e, point.gap, m.normal.dot(at(a) - at(b)));
+      contacts.bounce[p] = speed(e, point.gap, m.normal.dot(at(m.slot_a) - at(m.slot_b)));
     }
   }
 
@@ -43,7 +43,7 @@ class Bounces {
   }
 
  private:
-  std::size_t material(Slot s) const { return static_cast<std::size_t>(world_.properties[static_cast<std::size_t>(s)].material); }
+  std::int32_t material(Slot s) const { return world_.properties[static_cast<std::size_t>(s)].material; }
 
   const World& world_;
   const CollideSettings& settings_;

@@ -16,9 +16,9 @@ double factor(const CollideSettings& settings, int material_a, int material_b, c
   return 1 + settings.stiction[pair] * std::exp(-speed / settings.stiction_speed[pair]);
 }
 
-Vec3 velocity_at(const World& world, Slot slot, const Vec3& point) {
+Vec3 velocity_at(const World& world, Slot slot, const Vec3& arm) {
   const auto i = static_cast<std::size_t>(slot);
-  return world.velocity[i] + world.angular_velocity_of(i).cross(point - world.position[i]);
+  return world.velocity[i] + world.angular_velocity_of(i).cross(arm);
 }
 
 }  // namespace
@@ -28,8 +28,9 @@ void add_stiction(const World& world, const CollideSettings& settings, Contacts&
   for (Manifold& m : contacts.manifolds) {
     Vec3 middle = Vec3::Zero();
     for (std::uint32_t p = 0; p < m.count; ++p) middle += contacts.points[m.first + p].position / m.count;
-    const Vec3 u = velocity_at(world, m.slot_a, middle) - velocity_at(world, m.slot_b, middle) -
-                   surface_velocity_between(world, m.slot_a, m.slot_b, middle, m.normal);
+    const Vec3 arm_a = middle - place_of(world, m, m.slot_a), arm_b = middle - place_of(world, m, m.slot_b);
+    const Vec3 u = velocity_at(world, m.slot_a, arm_a) - velocity_at(world, m.slot_b, arm_b) -
+                   surface_velocity_between(world, m.slot_a, arm_a, m.slot_b, arm_b, m.normal);
     m.friction *= factor(settings, material(m.slot_a), material(m.slot_b), u, m.normal);
   }
   for (SurfaceContact& c : contacts.surface) {
@@ -38,9 +39,9 @@ void add_stiction(const World& world, const CollideSettings& settings, Contacts&
     for (std::size_t k = 0; k < 4; ++k) {
       if (c.slots[k] < 0) continue;
       last = c.slots[k];
-      const Vec3 at = world.position[static_cast<std::size_t>(last)] + (k == 0 ? c.arm : Vec3(Vec3::Zero()));
-      u += c.weights[k] * velocity_at(world, last, at);
-      if (k == 0 && !world.surface_motions.empty()) u += c.weights[k] * own_surface_velocity(world, last, at, c.normal);
+      const Vec3 arm = k == 0 ? c.arm : Vec3(Vec3::Zero());
+      u += c.weights[k] * velocity_at(world, last, arm);
+      if (k == 0 && !world.surface_motions.empty()) u += c.weights[k] * own_surface_velocity(world, last, arm, c.normal);
     }
     c.friction *= factor(settings, material(c.slots[0]), material(last), u, c.normal);
   }

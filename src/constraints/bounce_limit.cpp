@@ -29,10 +29,9 @@ Velocities velocities_at(const World& world, std::span<const SolverBody> bodies,
 }
 
 // Between surfaces that move along themselves work counts from how these move. m/s, of b's against a's
-Vec3 own_velocity(const World& world, const ContactBatch::Block& block, std::size_t lane, const Vec3& arm_a, const Vec3& n) {
-  if (world.surface_motions.empty()) return Vec3::Zero();
-  const Slot a = block.slot_a[lane];
-  return surface_velocity_between(world, a, block.slot_b[lane], world.position[static_cast<std::size_t>(a)] + arm_a, n);
+Vec3 own_velocity(const World& world, const ContactBatch::Block& block, std::size_t lane, const Vec3& arm_a, const Vec3& arm_b,
+                  const Vec3& n) {
+  return surface_velocity_between(world, block.slot_a[lane], arm_a, block.slot_b[lane], arm_b, n);
 }
 
 // Twice the work (J) of impulses, in parts.
@@ -96,7 +95,7 @@ void ContactBatch::limit_bounces(std::span<const SolverBody> bodies) {
     for_each_point(at, [&](std::size_t, std::size_t contact, const Vec3& arm_a, const Vec3& arm_b, const Vec3& impulse) {
       const Velocities a = velocities_at(world, bodies, block.slot_a[at.lane], arm_a);
       const Velocities b = velocities_at(world, bodies, block.slot_b[at.lane], arm_b);
-      const Vec3 own = own_velocity(world, block, at.lane, arm_a, n);
+      const Vec3 own = own_velocity(world, block, at.lane, arm_a, arm_b, n);
       work.add(impulse, n, n.dot(impulse), {a.before - b.before - own, a.after - b.after - own}, contacts_->bounce[contact]);
     });
     const double share = work.share();
@@ -121,7 +120,7 @@ void ContactBatch::give_back_gains(SolveState& state) {
     Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;
     for_each_point(at, [&](std::size_t, std::size_t, const Vec3& arm_a, const Vec3& arm_b, const Vec3& impulse) {
       const Velocities a = velocities_at(world, bodies, slot_a, arm_a), b = velocities_at(world, bodies, slot_b, arm_b);
-      const Vec3 own = own_velocity(world, block, at.lane, arm_a, lane_of(block.n, at.lane));
+      const Vec3 own = own_velocity(world, block, at.lane, arm_a, arm_b, lane_of(block.n, at.lane));
       work.add(impulse, Vec3::Zero(), 0, {a.before - b.before - own, a.after - b.after - own}, 0);
       force += impulse, torque_a += arm_a.cross(impulse), torque_b += arm_b.cross(impulse);
     });
@@ -166,7 +165,7 @@ void SurfaceBatch::renew(const SolveState& state) {
       }
       if (!world.surface_motions.empty()) {
         const Slot body = block.slot[0][l];
-        const Vec3 own = own_surface_velocity(world, body, world.position[static_cast<std::size_t>(body)] + arm, n);
+        const Vec3 own = own_surface_velocity(world, body, arm, n);
         parting.before += own, parting.after += own;
       }
       const double along_n = (block.lambda.n + block.kept.n)[l];

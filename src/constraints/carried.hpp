@@ -49,16 +49,17 @@ inline CommonTurn common_turn(const World& world, Slot slot_a, Slot slot_b) {
   return {a_carries ? of_a : of_b, a_carries};
 }
 
-// How a body that sticks moves against the one whose surface moves, from contact points about `middle` with the normal n: at the
-// carrier's centre and about the normal, so that all points of the pair have what the surface has there. A surface that turns
-// about the normal carries along a circle, as a turning body does (carried.hpp).
-inline OwnMotion drift_on_surface(const World& world, Slot carrier, Slot carried, const Vec3& middle, const Vec3& n,
-                                  double step) {
+// How a body that sticks moves against the one whose surface moves, from contact points with the normal n, whose middle is at the
+// end of `arm` (m) from the carrier's centre: at the carrier's centre and about the normal, so that all points of the pair have
+// what the surface has there. from: m, from the carrier's centre to the other body's. A surface that turns about the normal
+// carries along a circle, as a turning body does.
+inline OwnMotion drift_on_surface(const World& world, Slot carrier, Slot carried, const Vec3& arm, const Vec3& from,
+                                  const Vec3& n, double step) {
   const auto c = static_cast<std::size_t>(carrier), o = static_cast<std::size_t>(carried);
   const OwnMotion own = own_motion(world, carrier);
   const Vec3 about_normal = n * n.dot(own.w), rolling = own.w - about_normal;
-  Vec3 v = own.v + rolling.cross(middle - world.position[c]);
-  const Vec3 from = world.position[o] - world.position[c], velocity = world.velocity[o] - world.velocity[c];
+  Vec3 v = own.v + rolling.cross(arm);
+  const Vec3 velocity = world.velocity[o] - world.velocity[c];
   v += drift_along_circle(about_normal, from, velocity - v, step);
   return {v - n * n.dot(v), about_normal};
 }

@@ -156,18 +156,17 @@ bool ContactBatch::is_carried(const Manifold& m) const {
 // Of a's centre against b, with the turn about the normal.
 OwnMotion ContactBatch::drift_of(const Manifold& m) const {
   const CommonTurn common = common_turn(*world_, m.slot_a, m.slot_b);
-  const Vec3 from = world_->position[m.slot_a] - world_->position[m.slot_b];
+  const Vec3 centre_a = place_of(*world_, m, m.slot_a), centre_b = place_of(*world_, m, m.slot_b), from = centre_a - centre_b;
   const Vec3 velocity = world_->velocity[m.slot_a] - world_->velocity[m.slot_b];
   const Vec3 drift = drift_along_circle(common.turn, from, velocity, step_);  // odd in both: whichever of the two carries
   OwnMotion all{drift - m.normal * m.normal.dot(drift), Vec3::Zero()};
   if (world_->surface_motions.empty()) return all;
   Vec3 middle = Vec3::Zero();
   for (std::uint32_t p = 0; p < m.count; ++p) middle += contacts_->points[m.first + p].position / m.count;
-  const Vec3& centre = world_->position[m.slot_a];
-  for (const auto& [carrier, carried, sign] : {std::tuple(m.slot_b, m.slot_a, 1.0), std::tuple(m.slot_a, m.slot_b, -1.0)}) {
-    const OwnMotion own = drift_on_surface(*world_, carrier, carried, middle, m.normal, step_);
-    all.v += sign * (own.v + own.w.cross(centre - world_->position[carrier])), all.w += sign * own.w;
-  }
+  const OwnMotion on_b = drift_on_surface(*world_, m.slot_b, m.slot_a, middle - centre_b, from, m.normal, step_);
+  const OwnMotion on_a = drift_on_surface(*world_, m.slot_a, m.slot_b, middle - centre_a, -from, m.normal, step_);
+  all.v += on_b.v + on_b.w.cross(from), all.w += on_b.w;
+  all.v -= on_a.v, all.w -= on_a.w;
   return all;
 }
 
@@ -185,11 +184,11 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
       const Creep& creep = creeps_[number];
       const Vec3 back = -creep_taken_out / step_ * m.normal.dot(creep.turn) * m.normal;
       drift.v -= creep_taken_out / step_ * (creep.slip - m.normal * m.normal.dot(creep.slip));
-      drift.v += back.cross(world.position[m.slot_a] - creeps_about(m)), drift.w += back;
+      drift.v += back.cross(place_of(world, m, m.slot_a) - creeps_about(m)), drift.w += back;
     }
     set_lane(drifts[block.drift].v, lane, drift.v), set_lane(drifts[block.drift].w, lane, drift.w);
   }
-  Vec3 centre_a = world.position[m.slot_a], centre_b = world.position[m.slot_b];
+  Vec3 centre_a = place_of(world, m, m.slot_a), centre_b = place_of(world, m, m.slot_b);
   if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];
   // The bodies reach the place of the contact from where they will come out: angular momentum is kept.
   if (!displaced_.empty())

@@ -14,9 +14,9 @@ struct Moved {
   Vec3 travel;  // of the centre
   Quat turn;    // from the start of the step
 
-  Moved(const World& world, Slot slot, const SolverBody& body, double step) {
+  Moved(const Vec3& place, const SolverBody& body, double step) {
     travel = step * Eigen::Map<const Vec3>(body.v);
-    centre = world.position[slot] + travel;
+    centre = place + travel;
     const Vec3 half = 0.5 * step * Eigen::Map<const Vec3>(body.w);
     turn = Quat(1, half.x(), half.y(), half.z()).normalized();
   }
@@ -41,7 +41,8 @@ void ContactBatch::reevaluate(std::span<const SolverBody> bodies) {
       const Manifold& m = contacts_->manifolds[block.manifold[l]];
       if (m.time > 0) continue;  // what has passed through something has another gap than what is before it
       const Shape &shape_a = world.properties[m.slot_a].shape, &shape_b = world.properties[m.slot_b].shape;
-      const Moved a(world, m.slot_a, bodies[m.slot_a], stage.step), b(world, m.slot_b, bodies[m.slot_b], stage.step);
+      const Vec3 place_a = place_of(world, m, m.slot_a), place_b = place_of(world, m, m.slot_b);
+      const Moved a(place_a, bodies[m.slot_a], stage.step), b(place_b, bodies[m.slot_b], stage.step);
       const bool both_round = is_round(shape_a) && is_round(shape_b);
       for (std::uint32_t p = 0; p < m.count; ++p) {
         const ContactPoint& contact = contacts_->points[m.first + p];
@@ -60,8 +61,8 @@ void ContactBatch::reevaluate(std::span<const SolverBody> bodies) {
           }
         } else {
           const Vec3 half = 0.5 * contact.gap * m.normal;
-          const Vec3 on_a = contact.position + half - world.position[m.slot_a];
-          const Vec3 on_b = contact.position - half - world.position[m.slot_b];
+          const Vec3 on_a = contact.position + half - place_a;
+          const Vec3 on_b = contact.position - half - place_b;
           const Vec3 new_a = a.centre + (is_round(shape_a) ? on_a : a.turn * on_a);
           const Vec3 new_b = b.centre + (is_round(shape_b) ? on_b : b.turn * on_b);
           gap = m.normal.dot(new_a - new_b);

@@ -113,12 +113,14 @@ void ContactBatch::settle(std::size_t homes, std::size_t first_static, std::span
 namespace {
 
 // Whether the body's centre, at the velocities to come, goes into the static body.
-bool goes_into(const World& world, std::size_t body, const Vec3& velocity, std::size_t other, const Vec3& velocity_of_other,
+bool goes_into(const World& world, const Manifold& m, Slot body, const Vec3& velocity, Slot other, const Vec3& velocity_of_other,
                double step, const Vec3& displaced) {
   CollideSettings settings;
   settings.step = step;
-  Proxy a = make_proxy(world, body, settings), b = make_proxy(world, other, settings);
-  a.position += displaced;
+  Proxy a = make_proxy(world, static_cast<std::size_t>(body), settings);
+  Proxy b = make_proxy(world, static_cast<std::size_t>(other), settings);
+  a.position += place_of(world, m, body) - world.position[static_cast<std::size_t>(body)] + displaced;
+  b.position += place_of(world, m, other) - world.position[static_cast<std::size_t>(other)];
   a.velocity = velocity, a.speed = velocity.norm();
   b.velocity = velocity_of_other, b.speed = velocity_of_other.norm();
   return centre_meets(a, b, step);
@@ -129,23 +131,23 @@ bool goes_into(const World& world, std::size_t body, const Vec3& velocity, std::
 // Heights (m) are the centre's above the static body's surface, along the manifold's normal. A centre that is behind it already
 // goes no further in.
 bool ContactBatch::hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const {
-  const auto own = static_cast<std::size_t>(is_a ? m.slot_a : m.slot_b);
-  const auto other = static_cast<std::size_t>(is_a ? m.slot_b : m.slot_a);
+  const Slot own_slot = is_a ? m.slot_a : m.slot_b, other_slot = is_a ? m.slot_b : m.slot_a;
+  const auto own = static_cast<std::size_t>(own_slot), other = static_cast<std::size_t>(other_slot);
   if (bodies[own].inverse_mass <= 0) return false;
   const World& world = *world_;
   const Vec3 out = is_a ? m.normal : Vec3(-m.normal);
   const ContactPoint& point = contacts_->points[m.first];
   const double closed = m.time * std::max(0.0, -out.dot(world.velocity[own] - world.velocity[other]));
-  const Vec3 to_centre = -arm_of(m, point, world.position[own], world.velocity[own]);
+  const Vec3 to_centre = -arm_of(world, m, point, own_slot);
   const double height = out.dot(to_centre) + 0.5 * (point.gap - m.displaced - closed) + closed + m.displaced;
 
   Eigen::Map<Vec3> velocity(bodies[own].v);
-  const Vec3 arm = arm_of(m, point, world.position[other], world.velocity[other]);
+  const Vec3 arm = arm_of(world, m, point, other_slot);
   const Vec3 surface = Eigen::Map<const Vec3>(bodies[other].v) + Eigen::Map<const Vec3>(bodies[other].w).cross(arm);
   const double parting = out.dot(velocity - surface);
   if (height + step_ * parting >= std::min(height, 0.0)) return false;
   const bool is_plane = world.properties[other].shape.kind == ShapeKind::plane;
-  if (!is_plane && !goes_into(world, own, velocity, other, surface, step_, m.displaced * out)) return false;
+  if (!is_plane && !goes_into(world, m, own_slot, velocity, other_slot, surface, step_, m.displaced * out)) return false;
   if (stop) return velocity = surface, true;
   const double kept = std::min(height, 0.25 * smallest_size(world.properties[own].shape));
   velocity += ((kept - height) / step_ - parting) * out;

@@ -70,7 +70,7 @@ void ContactBatch::recall_creeps(const Multipliers* history) {
 
 Vec3 ContactBatch::creeps_about(const Manifold& m) const {
   const auto radius = [&](Slot slot) { return bounding_radius(world_->properties[static_cast<std::size_t>(slot)].shape); };
-  return world_->position[static_cast<std::size_t>(radius(m.slot_b) < radius(m.slot_a) ? m.slot_b : m.slot_a)];
+  return place_of(*world_, m, radius(m.slot_b) < radius(m.slot_a) ? m.slot_b : m.slot_a);
 }
 
 // The slip of a manifold is that of the pair's faces where creeps_about() is above them, which stays the same place of a body:
@@ -104,8 +104,8 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
       return;
     }
     Vec3 turned = m.normal * m.normal.dot(in_lane(rubbing.a.w, l) - in_lane(rubbing.b.w, l));
-    const Vec3 from_middle =
-        creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)] - in_lane(rubbing.middle, l) / normal;
+    const Vec3 above = creeps_about(m) - place_of(*world_, m, m.slot_a),
+               from_middle = above - in_lane(rubbing.middle, l) / normal;
     Vec3 moved =
         (in_lane(block.s, l) * rubbing.u_s[l] + in_lane(rubbing.t, l) * rubbing.u_t[l]) / normal + turned.cross(from_middle);
     if (is_carried(m)) {
@@ -114,7 +114,7 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
       // What has slipped turns along. (With other turns it does by being kept across the normal.)
       double turn = step_ * m.normal.dot(common_turn(*world_, m.slot_a, m.slot_b).turn);
       if (!world_->surface_motions.empty()) {
-        moved -= drift.w.cross(creeps_about(m) - world_->position[static_cast<std::size_t>(m.slot_a)]);
+        moved -= drift.w.cross(above);
         turned -= drift.w, turn += step_ * m.normal.dot(own_turn(*world_, m.slot_a, m.slot_b, m.normal));
       }
       creep.slip = Eigen::AngleAxisd(turn, m.normal) * creep.slip;

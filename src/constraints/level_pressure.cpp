@@ -28,12 +28,13 @@ struct Points {
 
 // m/s, at which the bodies slide on each other at a place, along the tangents s and t.
 Vector2d sliding_at(const World& world, const Manifold& m, const Vec3& place) {
-  const auto velocity_of = [&](Slot slot) {
+  const Vec3 arm_a = place - place_of(world, m, m.slot_a), arm_b = place - place_of(world, m, m.slot_b);
+  const auto velocity_of = [&](Slot slot, const Vec3& arm) {
     const auto i = static_cast<std::size_t>(slot);
-    return Vec3(world.velocity[i] + world.angular_velocity_of(i).cross(place - world.position[i]));
+    return Vec3(world.velocity[i] + world.angular_velocity_of(i).cross(arm));
   };
-  const Vec3 own = surface_velocity_between(world, m.slot_a, m.slot_b, place, m.normal);
-  const Vec3 velocity = velocity_of(m.slot_a) - velocity_of(m.slot_b) - own, s = first_tangent_of(m.normal);
+  const Vec3 own = surface_velocity_between(world, m.slot_a, arm_a, m.slot_b, arm_b, m.normal), s = first_tangent_of(m.normal);
+  const Vec3 velocity = velocity_of(m.slot_a, arm_a) - velocity_of(m.slot_b, arm_b) - own;
   return {s.dot(velocity), m.normal.cross(s).dot(velocity)};
 }
 

@@ -33,16 +33,15 @@ bool is_core(const Contacts& contacts, const Manifold& m) {
 // The places of a manifold's points in the frame of the body that carries them.
 class Places {
  public:
-  Places(const World& world, const Manifold& m) : manifold_(m) {
-    const auto slot = static_cast<std::size_t>(carrier(world, m));
-    position_ = world.position[slot], velocity_ = world.velocity[slot];
-    to_body_ = world.orientation_of(slot).conjugate().toRotationMatrix();
+  Places(const World& world, const Manifold& m) : world_(world), manifold_(m), carrier_(carrier(world, m)) {
+    to_body_ = world.orientation_of(static_cast<std::size_t>(carrier_)).conjugate().toRotationMatrix();
   }
-  Vec3 of(const ContactPoint& p) const { return to_body_ * arm_of(manifold_, p, position_, velocity_); }
+  Vec3 of(const ContactPoint& p) const { return to_body_ * arm_of(world_, manifold_, p, carrier_); }
 
  private:
+  const World& world_;
   const Manifold& manifold_;
-  Vec3 position_, velocity_;
+  Slot carrier_;
   Mat3 to_body_;
 };
 

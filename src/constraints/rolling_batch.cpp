@@ -69,10 +69,9 @@ void RollingBatch::build(const BuildContext& context) {
     const auto a = static_cast<std::size_t>(m.slot_a), b = static_cast<std::size_t>(m.slot_b);
     row.turn_a = inverse_inertia_of(bodies, context.state.inertia, context.state.isotropic, a);
     row.turn_b = inverse_inertia_of(bodies, context.state.inertia, context.state.isotropic, b);
-    for (const std::size_t s : {a, b})
-      if (bodies[s].inverse_mass > 0)
-        row.lever =
-            std::max(row.lever, arm_of(m, context.contacts->points[m.first], world.position[s], world.velocity[s]).norm());
+    for (const Slot s : {m.slot_a, m.slot_b})
+      if (bodies[static_cast<std::size_t>(s)].inverse_mass > 0)
+        row.lever = std::max(row.lever, arm_of(world, m, context.contacts->points[m.first], s).norm());
     const auto share = [&](std::size_t s) { return counts.empty() ? 1 : std::max(1.0, context.settings.scaling * counts[s]); };
     row.own_scale = scale_of(row, 1, 1), row.scale = scale_of(row, share(a), share(b));
     rows_.push_back(row);

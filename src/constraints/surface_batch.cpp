@@ -52,8 +52,7 @@ Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
   const auto carrier = static_cast<std::size_t>(contact.slots[0]);
   const Vec3 turn = world_->angular_velocity_of(carrier);
   Vec3 own = Vec3::Zero();
-  if (!world_->surface_motions.empty())
-    own = -own_surface_velocity(*world_, contact.slots[0], world_->position[carrier] + contact.arm, contact.normal);
+  if (!world_->surface_motions.empty()) own = -own_surface_velocity(*world_, contact.slots[0], contact.arm, contact.normal);
   if (!(step_ * turn.norm() >= least_turn)) return own;
   Vec3 from = -world_->position[carrier], velocity = -world_->velocity[carrier];
   for (std::size_t k = 1; k < 4; ++k) {

@@ -111,7 +111,7 @@ void LiveSimulation::start(const std::string& checkpoint) {
     for (const std::size_t joint : event.joints) scene_.joints[joint].target = first_.joints[joint].target;
   repeat_past(scene_, other->simulation.history);
   running_ = std::move(other);
-  probes_.emplace(scene_.probes, step_length());
+  probes_.emplace(scene_.probes, step_length(), scene_.period);
   flows_.clear(), latest_.clear(), impulses_.clear(), report_.clear();
 }
 
@@ -188,7 +188,7 @@ std::vector<std::pair<std::string, double>> LiveSimulation::probe(const std::str
   }
   const bool sums = probe->kind == Probe::Kind::flow,
              latest = probe->kind == Probe::Kind::force || probe->kind == Probe::Kind::stress;
-  Probes alone(std::span(&*probe, 1), step_length());
+  Probes alone(std::span(&*probe, 1), step_length(), scene_.period);
   alone.start_frame(running_->simulation.world);
   Totals values;
   for (const NamedValue& column : alone.columns(comm_, running_->simulation.world)) {

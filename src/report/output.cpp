@@ -305,7 +305,7 @@ void Output::write_shapes() {
 void Output::write(std::int64_t frame, double time, const World& world) {
   const auto present = present_by_id(comm_, world, count_, [&](std::size_t slot) {
     const BodyState s = world.state(slot);
-    const Vec3 &x = s.position, &v = s.velocity, &w = s.angular_velocity;
+    const Vec3 x = world.period.wrapped(s.position), &v = s.velocity, &w = s.angular_velocity;
     const Quat& q = s.orientation;
     return std::array<double, 13>{x[0], x[1], x[2], q.w(), q.x(), q.y(), q.z(), v[0], v[1], v[2], w[0], w[1], w[2]};
   });

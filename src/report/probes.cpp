@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "report/loaded_bodies.hpp"
 
@@ -19,13 +20,33 @@ bool is_probed(const ProbedBodies& bodies, const World& world, std::size_t slot)
          (bodies.material < 0 || body.material == bodies.material);
 }
 
-// 1 or -1 where the way crosses the disc along its normal or against it, else 0.
-int crossing(const Probe& probe, const Vec3& from, const Vec3& to) {
-  const double before = (from - probe.point).dot(probe.normal), after = (to - probe.point).dot(probe.normal);
+// 1 or -1 where the way crosses the disc about `point` along its normal or against it, else 0.
+int crossing(const Probe& probe, const Vec3& point, const Vec3& from, const Vec3& to) {
+  const double before = (from - point).dot(probe.normal), after = (to - point).dot(probe.normal);
   if ((before < 0) == (after < 0)) return 0;
   const Vec3 place = from + (to - from) * (before / (before - after));
-  if (!((place - probe.point).norm() <= probe.radius)) return 0;
+  if (!((place - point).norm() <= probe.radius)) return 0;
   return before < 0 ? 1 : -1;
+}
+
+// The sum over all images of the disc in a periodic scene. A disc without a rim is its own image along it.
+int crossings(const Probe& probe, const Period& period, const Vec3& from, const Vec3& to) {
+  if (!period.any()) return crossing(probe, probe.point, from, to);
+  const Vec3 point = period.wrapped(probe.point);
+  Image first = period.image_of(from.cwiseMin(to)), last = period.image_of(from.cwiseMax(to));
+  for (int k = 0; k < 3; ++k) {
+    const auto axis = static_cast<std::size_t>(k);
+    const bool has_images = period.along(k) && (std::isfinite(probe.radius) || probe.normal[k] != 0);
+    if (has_images)
+      --first[axis], ++last[axis];
+    else
+      first[axis] = last[axis] = 0;
+  }
+  int sum = 0;
+  for (Image i = first; i[0] <= last[0]; ++i[0])
+    for (i[1] = first[1]; i[1] <= last[1]; ++i[1])
+      for (i[2] = first[2]; i[2] <= last[2]; ++i[2]) sum += crossing(probe, point + period.shift(i), from, to);
+  return sum;
 }
 
 bool contains(const Probe& box, const Vec3& place) {
@@ -35,16 +56,16 @@ bool contains(const Probe& box, const Vec3& place) {
 void add_flow(const Probe& probe, const World& world, std::span<const Vec3> start, std::span<ExactSum> sums) {
   for (std::size_t i = 0; i < start.size(); ++i) {
     if (!is_probed(probe.bodies, world, i)) continue;
-    const int sign = crossing(probe, start[i], world.position[i]);
-    if (sign == 0) continue;
-    const double mass = sign * world.properties[i].mass;
-    sums[0] += sign, sums[1] += mass, sums[2] += mass * world.velocity[i].dot(probe.normal);
+    const int number = crossings(probe, world.period, start[i], world.position[i]);
+    if (number == 0) continue;
+    const double mass = number * world.properties[i].mass;
+    sums[0] += number, sums[1] += mass, sums[2] += mass * world.velocity[i].dot(probe.normal);
   }
 }
 
 void add_box(const Probe& probe, const World& world, std::span<ExactSum> sums) {
   for (std::size_t i = 0; i < world.homes; ++i) {
-    if (!is_probed(probe.bodies, world, i) || !contains(probe, world.position[i])) continue;
+    if (!is_probed(probe.bodies, world, i) || !contains(probe, world.period.wrapped(world.position[i], probe.low))) continue;
     const double mass = world.properties[i].mass;
     sums[0] += 1, sums[1] += mass;
     for (int k = 0; k < 3; ++k) sums[static_cast<std::size_t>(2 + k)] += mass * world.velocity[i][k];
@@ -76,9 +97,9 @@ void add_force(const Probe& probe, std::span<const ContactImpulse> impulses, std
 }
 
 // The symmetric part of impulse times branch, the way from the second side's centre to the first's: xx, yy, zz, yz, xz, xy.
-void add_stress(const Probe& probe, std::span<const ContactImpulse> impulses, std::span<ExactSum> sums) {
+void add_stress(const Probe& probe, const Period& period, std::span<const ContactImpulse> impulses, std::span<ExactSum> sums) {
   for (const ContactImpulse& contact : impulses) {
-    if (!contains(probe, contact.point)) continue;
+    if (!contains(probe, period.wrapped(contact.point, probe.low))) continue;
     const auto moments = symmetric_product(contact.impulse, contact.sides[0] - contact.sides[1]);
     for (std::size_t k = 0; k < moments.size(); ++k) sums[k] += moments[k];
   }
@@ -128,7 +149,7 @@ void Probes::add_step(std::span<const ContactImpulse> impulses) {
   for (std::size_t p = 0; p < probes_.size() && !impulses_.empty(); ++p) {
     const auto own = std::span(impulses_).subspan(sums_of_one * p, sums_of_one);
     if (probes_[p].kind == Probe::Kind::force) add_force(probes_[p], impulses, own);
-    if (probes_[p].kind == Probe::Kind::stress) add_stress(probes_[p], impulses, own);
+    if (probes_[p].kind == Probe::Kind::stress) add_stress(probes_[p], period_, impulses, own);
   }
 }
 

@@ -18,8 +18,8 @@ namespace unibody {
 // where the straight way between the two crosses it; what goes back counts as negative.
 class Probes {
  public:
-  // frame: s, its length.
-  Probes(std::span<const Probe> probes, double frame) : probes_(probes), frame_(frame) {}
+  // frame: s, its length. period: of the scene.
+  Probes(std::span<const Probe> probes, double frame, const Period& period) : probes_(probes), frame_(frame), period_(period) {}
 
   // Between this and columns() bodies keep their ranks.
   void start_frame(const World& world);
@@ -39,6 +39,7 @@ class Probes {
  private:
   std::span<const Probe> probes_;
   double frame_;
+  Period period_;
   std::vector<Vec3> start_;         // m, of home bodies; empty where no probe is a flow
   std::vector<ExactSum> impulses_;  // of this frame, as probes.cpp has them; empty where no probe is of contacts
 };

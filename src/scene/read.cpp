@@ -12,6 +12,7 @@
 #include "scene/joints.hpp"
 #include "scene/materials.hpp"
 #include "scene/outlets.hpp"
+#include "scene/periodic.hpp"
 #include "scene/probes.hpp"
 #include "scene/resolution.hpp"
 #include "scene/sections.hpp"
@@ -140,6 +141,8 @@ const std::vector<Section>& sections() {
       {settings_key("time", "frames and steps", [] { return schema_of(time_settings()); }), read_time},
       {keys::flag("planar", false, "motion in x and z and turns about y alone"),
        [](const Value& v, Scene& s) { s.planar = v.boolean(); }},
+      {keys::map("periodic", periodic_keys, "a map of x, y and z", "none", "directions in which the scene repeats itself"),
+       read_periodic},
       {gravity_key(), read_gravity},
       {wind_key(), [](const Value& v, Scene& s) { s.wind = read_vector(v, s, wind_key().unit); }},
       {air_density_key(),
@@ -215,6 +218,7 @@ Scene read_root(const Value& root, const std::string& path, const Room& room) {
   read_sections(root, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_starts(root, scene);
+  check_periodic(root, scene);
   check_resolution(scene);
   check_form(root, scene);
   const auto is_static = [&](Id id) { return scene.group_of(id).is_static; };

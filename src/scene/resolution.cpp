@@ -5,6 +5,7 @@
 
 #include "core/errors.hpp"
 #include "core/text.hpp"
+#include "scene/refuse_body.hpp"
 #include "world/limits.hpp"
 
 namespace unibody {
@@ -36,13 +37,6 @@ double largest_acceleration(const Scene& scene, const BodyGroup& group, const Bo
   return scene.largest_gravity() + (group.load ? group.load->force.largest() : body.force.stableNorm()) / body.mass;
 }
 
-[[noreturn]] void fail(const Scene& scene, const BodyGroup& group, Id k, const std::string& found, const std::string& expected) {
-  const std::string where = group.line > 0 ? scene.path + ":" + std::to_string(group.line) : scene.path;
-  const Id id = group.first + k;
-  throw InputError(where + ": body " + std::to_string(id) + " (" + scene.body_name(id) + "): found " + found + ", expected " +
-                   expected);
-}
-
 template <class F>
 void for_each_body_looked_at(const Scene& scene, F&& f) {
   constexpr Id all = 100'000, ends = 1000;
@@ -55,7 +49,9 @@ void for_each_body_looked_at(const Scene& scene, F&& f) {
 }
 
 void check_body(const Scene& scene, const BodyGroup& group, Id k, const Extent& e) {
-  const auto refuse = [&](const std::string& found, const std::string& expected) { fail(scene, group, k, found, expected); };
+  const auto refuse = [&](const std::string& found, const std::string& expected) {
+    refuse_body(scene, group, k, found, expected);
+  };
   if (std::isfinite(e.size) && !(e.size >= least_size && e.size <= largest_size))  // a plane has no size
     refuse("a size of " + number_text(e.size) + " m", "1e-15 to 1e15 m");
   if (!(e.place <= farthest)) refuse("a coordinate of " + number_text(e.place) + " m", "at most 1e15 m");
@@ -70,11 +66,11 @@ void check_body(const Scene& scene, const BodyGroup& group, Id k, const Extent& 
 void check_step(const Scene& scene, const BodyGroup& group, Id k, const Extent& e, double speed) {
   const double step = scene.time.frame / scene.time.substeps, rounding = epsilon * std::max(e.place, e.size);
   if (group.is_static || !(rounding / step > resolved_speed * speed)) return;
-  fail(scene, group, k,
-       "steps of " + number_text(step) + " s (time.frame / time.substeps), in which coordinates of " +
-           number_text(std::max(e.place, e.size)) + " m are rounded by more than 1e-6 of what bodies move at " +
-           number_text(speed) + " m/s",
-       "steps of at least " + number_text(rounding / (resolved_speed * speed)) + " s");
+  refuse_body(scene, group, k,
+              "steps of " + number_text(step) + " s (time.frame / time.substeps), in which coordinates of " +
+                  number_text(std::max(e.place, e.size)) + " m are rounded by more than 1e-6 of what bodies move at " +
+                  number_text(speed) + " m/s",
+              "steps of at least " + number_text(rounding / (resolved_speed * speed)) + " s");
 }
 
 // What gravity adds to a speed in a step is taken off again where a body rests, to its rounding.

@@ -22,6 +22,7 @@
 #include "scene/probe.hpp"
 #include "world/body.hpp"
 #include "world/material_pairs.hpp"
+#include "world/period.hpp"
 #include "world/surface.hpp"
 
 namespace unibody {
@@ -144,6 +145,7 @@ struct Scene {
   std::optional<TimeVector> gravity_in_time;  // where it changes
   Vec3 wind{0, 0, 0};                         // m/s
   double air_density = 1.2;                   // kg/m^3
+  Period period;                              // directions in which the scene repeats itself
   bool planar = false;                        // motion in x and z and one rotation about y
   SolverSettings solver;
   OutputSettings output;

@@ -12,7 +12,7 @@ struct Section {
   void (*read)(const Value& value, Scene& scene);
 };
 
-// In the order in which they are read: `planar` and `materials` stand before the bodies that lean on them.
+// In the order in which they are read: `planar`, `periodic` and `materials` stand before the bodies that lean on them.
 const std::vector<Section>& sections();
 
 const Keys& scene_keys();  // of the whole file

@@ -38,7 +38,7 @@ std::vector<Touch> list_touches(const World& world, const Contacts& contacts, co
       const double limit = m.friction * normal[p];
       if (limit <= 0) continue;
       const auto end = [&](Slot s, double weight) {
-        return Touch::End{s, weight, contacts.points[p].position - world.position[static_cast<std::size_t>(s)]};
+        return Touch::End{s, weight, contacts.points[p].position - place_of(world, m, s)};
       };
       touches.push_back({{end(m.slot_a, 1), end(m.slot_b, -1)}, 2, m.normal, limit, system.contacts().is_counted(i)});
     }
@@ -75,8 +75,7 @@ bool brake(const World& world, const Touch& touch, std::span<const std::int32_t>
     const SolverBody& body = system.bodies[static_cast<std::size_t>(end.slot)];
     u += end.weight * (Eigen::Map<const Vec3>(body.v) + Eigen::Map<const Vec3>(body.w).cross(end.arm));
     if (world.surface_motions.empty()) continue;
-    u += end.weight *
-         own_surface_velocity(world, end.slot, world.position[static_cast<std::size_t>(end.slot)] + end.arm, touch.normal);
+    u += end.weight * own_surface_velocity(world, end.slot, end.arm, touch.normal);
   }
   const Vec3 slip = u - touch.normal.dot(u) * touch.normal;
   const double speed = slip.norm();

@@ -26,7 +26,7 @@ World build_world(MPI_Comm comm, const Scene& scene) {
       (group.is_static ? statics : homes).push_back(body);
     }
   }
-  return make_world(homes, statics, scene.has_rotations());
+  return make_world(homes, statics, scene.has_rotations(), scene.period);
 }
 
 ConstraintSet build_constraints(const Scene& scene, const World& world) {
@@ -91,8 +91,9 @@ void hold_pinned(const Scene& scene, World& world, double time, double step) {
   }
 }
 
-World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations) {
+World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations, const Period& period) {
   World world;
+  world.period = period;
   world.has_rotations = has_rotations;
   world.homes = homes.size();
   world.resize(homes.size() + statics.size());

@@ -22,6 +22,7 @@ std::vector<Id> partners(const World& world, const ConstraintSet& constraints);
 void hold_pinned(const Scene& scene, World& world, double time, double step);
 
 // A world of these home bodies and statics, each in ascending id; no guests yet.
-World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations = true);
+World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations = true,
+                 const Period& period = {});
 
 }  // namespace unibody

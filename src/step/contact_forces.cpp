@@ -55,10 +55,11 @@ void add_surfaces(const RankState& state, const SurfaceBatch& batch, std::vector
 void add_impulse(const World& world, const Manifold& manifold, const Vec3& point, const Vec3& normal, const Vec3& impulse,
                  std::vector<ContactImpulse>& out) {
   if (impulse.isZero(0)) return;
-  const auto side = [&](Slot slot) { return moves_freely(world, slot) ? world.position[static_cast<std::size_t>(slot)] : point; };
+  const Vec3 into_cell = -world.period.shift(world.period.image_of(point)), place = point + into_cell;
+  const auto side = [&](Slot slot) { return moves_freely(world, slot) ? place_of(world, manifold, slot) + into_cell : place; };
   out.push_back({{manifold.id_a, manifold.id_b, -1, -1},
                  {1, -1, 0, 0},
-                 point,
+                 place,
                  {side(manifold.slot_a), side(manifold.slot_b)},
                  normal,
                  impulse,

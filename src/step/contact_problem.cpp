@@ -45,7 +45,7 @@ ContactProblem contact_problem_of(const RankState& state, const System& system, 
       for (const Slot slot : {m.slot_a, m.slot_b}) {
         const auto i = static_cast<std::size_t>(slot);
         const SolverBody& body = solved.predicted[i];
-        const Vec3 arm = arm_of(m, point, world.position[i], world.velocity[i]);
+        const Vec3 arm = arm_of(world, m, point, slot);
         (slot == m.slot_a ? c.arm_a : c.arm_b) = list(arm);
         if (body.inverse_mass > 0) continue;
         const Vec3 velocity = Eigen::Map<const Vec3>(body.v) + Eigen::Map<const Vec3>(body.w).cross(arm);

@@ -9,6 +9,7 @@
 #include "collide/stiction.hpp"
 #include "core/assume.hpp"
 #include "core/checked.hpp"
+#include "core/errors.hpp"
 #include "partition/work.hpp"
 #include "step/assemble.hpp"
 #include "step/attach.hpp"
@@ -87,8 +88,33 @@ void build_lasting(RankState& state, System& system) {
   if (state.drag.any()) state.drag.build(state.world, state.surfaces);
 }
 
+namespace {
+
+// The nearest image of a body is the only one that it may touch another in as long as neither reaches over more than half of the
+// period. Stops the run where one does, which would miss contacts. Collective.
+void check_reach(const RankState& state) {
+  const World& world = state.world;
+  constexpr Id none = std::numeric_limits<Id>::max();
+  Id first = none;
+  for (std::size_t i = 0; i < world.size(); ++i) {
+    if (world.properties[i].shape.kind == ShapeKind::plane) continue;
+    const Bounds bounds = swept_bounds(world, i, state.collide_settings);
+    for (int k = 0; k < 3; ++k)
+      if (world.period.along(k) && !(bounds.upper[k] - bounds.lower[k] <= 0.5 * world.period.length[k]))
+        first = std::min(first, world.id[i]);
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, state.comm()));
+  if (first == none) return;
+  throw RunError(state.scene.body_name(first) +
+                 ": with what it may travel in a step it reaches over more than half of the period, where contacts could be "
+                 "missed: the scene needs more time.substeps or a longer period");
+}
+
+}  // namespace
+
 bool find_contacts(RankState& state) {
   if (state.is_alone()) return false;
+  if (state.world.period.any()) check_reach(state);
   state.crowd_ranks = crowd_ranks(state.world);
   const bool crowded = state.any_over_ranks(!state.crowd_ranks.empty());
   if (crowded) {

@@ -156,7 +156,7 @@ World world_before(const World& world, const SolvedStep& solved) {
     body.state.velocity = solved.velocity_before[i];
     (i < world.homes ? homes : statics).push_back(body);
   }
-  return make_world(homes, statics, world.has_rotations);
+  return make_world(homes, statics, world.has_rotations, world.period);
 }
 
 // The history that the step ended with, for another list of joints: whole trees, more than here.

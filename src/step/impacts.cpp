@@ -47,8 +47,7 @@ class Impacts {
     for (Pair& pair : pairs_) pair.time = time_of(pair);
     std::int64_t count = 0;
     for (int round = 0; round < most_rounds; ++round) {
-      const bool any = std::ranges::any_of(pairs_, [](const Pair& p) { return p.time < never; });
-      if (!state_.any_over_ranks(any)) break;
+      if (!state_.any_over_ranks(std::ranges::any_of(pairs_, [](const Pair& p) { return p.time < never; }))) break;
       find_first();
       count += apply();
       tell_guests();
@@ -97,17 +96,15 @@ class Impacts {
   }
 
   double restitution_of(const Manifold& m) const {
-    const auto& e = state_.collide_settings.restitution;
-    const auto material = [&](Slot s) {
-      return static_cast<std::size_t>(world_.properties[static_cast<std::size_t>(s)].material);
-    };
-    return e.empty() ? 0 : e[material(m.slot_a) * state_.collide_settings.material_count + material(m.slot_b)];
+    const auto material = [&](Slot s) { return world_.properties[static_cast<std::size_t>(s)].material; };
+    return state_.collide_settings.restitution_of(material(m.slot_a), material(m.slot_b));
   }
 
   bool may_be_struck(Slot slot) const {
     const auto& struck = state_.collide_settings.struck;
     const auto i = static_cast<std::size_t>(slot);
-    return !struck.empty() && moves(slot) && struck.speed_at(world_.position[i], bounding_radius(world_.properties[i].shape)) > 0;
+    if (struck.empty() || !moves(slot)) return false;
+    return struck.speed_at(world_.period.wrapped(world_.position[i]), bounding_radius(world_.properties[i].shape)) > 0;
   }
 
   void index_bodies() {
@@ -134,6 +131,10 @@ class Impacts {
     const auto i = static_cast<std::size_t>(s);
     return world_.position[i] + state_.displaced[i] + t * velocity(s) + 0.5 * t * (t - step_) * acceleration(s);
   }
+  // The same of the pair's second body, where the first one meets it.
+  Vec3 place_of_b(const Pair& p, double t) const {
+    return place(p.b, t) + world_.period.shift(contacts_.manifolds[p.manifold].image);
+  }
   double radius(Slot s) const { return world_.properties[static_cast<std::size_t>(s)].shape.size.x(); }
   bool round(Slot s) const { return is_round(world_.properties[static_cast<std::size_t>(s)].shape); }
   bool both_round(const Pair& pair) const { return round(pair.a) && round(pair.b); }
@@ -150,8 +151,7 @@ class Impacts {
     for (std::uint32_t k = 0; k < m.count; ++k) {
       const ContactPoint& p = contacts_.points[m.first + k];
       Point& point = points[k];
-      point.arm_a = arm_of(m, p, world_.position[i], world_.velocity[i]);
-      point.arm_b = arm_of(m, p, world_.position[j], world_.velocity[j]);
+      point.arm_a = arm_of(world_, m, p, pair.a), point.arm_b = arm_of(world_, m, p, pair.b);
       point.gap = p.gap + m.normal.dot(state_.displaced[i] + state_.turned[i].cross(point.arm_a) - state_.displaced[j] -
                                        state_.turned[j].cross(point.arm_b));
     }
@@ -170,8 +170,8 @@ class Impacts {
     const double from = std::max(clock_[static_cast<std::size_t>(pair.a)], clock_[static_cast<std::size_t>(pair.b)]);
     const Vec3 faster = acceleration(pair.a) - acceleration(pair.b);
     if (both_round(pair)) {
-      const double time = first_touch_of_spheres(place(pair.a, 0) - place(pair.b, 0), velocity(pair.a) - velocity(pair.b), faster,
-                                                 step_, radius(pair.a) + radius(pair.b), from, step_);
+      const double time = first_touch_of_spheres(place(pair.a, 0) - place_of_b(pair, 0), velocity(pair.a) - velocity(pair.b),
+                                                 faster, step_, radius(pair.a) + radius(pair.b), from, step_);
       if (time == never) return never;
       const Touch touch = touch_of(pair, time);
       return counts(pair, -touch.normal.dot(velocity_at(pair, touch.points[0], time))) ? time : never;
@@ -197,7 +197,7 @@ class Impacts {
     Touch touch;
     const Manifold& m = contacts_.manifolds[pair.manifold];
     touch.normal = m.normal;
-    const Vec3 at_a = place(pair.a, t), at_b = place(pair.b, t);
+    const Vec3 at_a = place(pair.a, t), at_b = place_of_b(pair, t);
     const bool a_round = round(pair.a);
     if (both_round(pair) && (at_a - at_b).norm() > 0) touch.normal = (at_a - at_b).normalized();
     if (a_round || round(pair.b)) {
@@ -282,8 +282,9 @@ class Impacts {
     Blow blow;
     blow.count = touch.count;
     for (std::uint32_t k = 0; k < touch.count; ++k) {
-      const Vec3 own = surface_velocity_between(world_, pair.a, pair.b, world_.position[i] + touch.points[k].arm_a, n);
-      blow.before[k] = axes.transpose() * (velocity_at(pair, touch.points[k], pair.time) - own), blow.impulse[k].setZero();
+      const Point& point = touch.points[k];
+      const Vec3 own = surface_velocity_between(world_, pair.a, point.arm_a, pair.b, point.arm_b, n);
+      blow.before[k] = axes.transpose() * (velocity_at(pair, point, pair.time) - own), blow.impulse[k].setZero();
       for (std::uint32_t l = 0; l < touch.count; ++l)
         for (int x = 0; x < 3; ++x) {
           const Vec3 f = axes.col(x);
@@ -308,8 +309,8 @@ class Impacts {
   void record(const Pair& pair, const Touch& touch, std::uint32_t k, const Vec3& impulse) {
     const Manifold& m = contacts_.manifolds[pair.manifold];
     if (!counts_here(world_, m)) return;
-    const Vec3 point = moves(pair.a) ? world_.position[static_cast<std::size_t>(pair.a)] + touch.points[k].arm_a
-                                     : world_.position[static_cast<std::size_t>(pair.b)] + touch.points[k].arm_b;
+    const Point& arms = touch.points[k];
+    const Vec3 point = moves(pair.a) ? place_of(world_, m, pair.a) + arms.arm_a : place_of(world_, m, pair.b) + arms.arm_b;
     add_impulse(world_, m, point, touch.normal, impulse, state_.impact_impulses);
   }
 
@@ -353,8 +354,8 @@ class Impacts {
       m.displaced = m.normal.dot(state_.displaced[i] - state_.displaced[j]);
       for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
         ContactPoint& point = contacts_.points[p];
-        const Vec3 of_a = state_.turned[i].cross(arm_of(m, point, world_.position[i], world_.velocity[i]));
-        const Vec3 of_b = state_.turned[j].cross(arm_of(m, point, world_.position[j], world_.velocity[j]));
+        const Vec3 of_a = state_.turned[i].cross(arm_of(world_, m, point, m.slot_a));
+        const Vec3 of_b = state_.turned[j].cross(arm_of(world_, m, point, m.slot_b));
         point.gap += m.displaced + m.normal.dot(of_a - of_b);
       }
     }

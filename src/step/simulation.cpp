@@ -178,7 +178,7 @@ void Simulation::change_bodies(const BodyChanges& changes) {
   HistoriesByRank records = histories_by_rank(*this, stay);
   const std::vector<Body> homes = changed(world, 0, world.homes, removed, changes.homes),
                           statics = changed(world, world.first_static(), world.size(), removed, changes.statics);
-  world = make_world(homes, statics, scene.has_rotations());
+  world = make_world(homes, statics, scene.has_rotations(), scene.period);
   Multipliers& multipliers = history.contacts();
   Multipliers kept;
   for (std::size_t i = 0; i < multipliers.manifolds.size(); ++i)

@@ -39,8 +39,8 @@ std::vector<Struck> faster_than_sought(const RankState& state, const System& sys
     const double speed = speed_of_surface(system.bodies[i], proxy, turns);
     const double sought = step * proxy.speed + proxy.spin_reach + proxy.fall + state.collide_settings.margin / 2;
     if (step * speed > sought + share * proxy.half_size)
-      found.push_back(
-          {proxy.position, way_of(state, system, i), proxy.radius + step * speed, speed, proxy.half_size, proxy.id, proxy.group});
+      found.push_back({state.world.period.wrapped(proxy.position), way_of(state, system, i), proxy.radius + step * speed, speed,
+                       proxy.half_size, proxy.id, proxy.group});
   }
   return found;
 }
@@ -70,6 +70,20 @@ std::vector<Struck> of_all_ranks(const std::vector<Struck>& here, MPI_Comm comm)
   return all;
 }
 
+// In a periodic scene with their images in the cells around theirs.
+std::vector<Struck> with_images(const std::vector<Struck>& all, const Period& period) {
+  std::vector<Struck> images = all;
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t count = images.size();
+    for (std::size_t i = 0; i < count && period.along(k); ++i)
+      for (const double way : {-period.length[k], period.length[k]}) {
+        images.push_back(images[i]);
+        images.back().centre[k] += way;
+      }
+  }
+  return images;
+}
+
 // The least distance (m) between centres that go straight ways within the same time.
 double least_distance(const Vec3& apart, const Vec3& way) {
   const double length = way.squaredNorm();
@@ -82,7 +96,7 @@ class RunOver {
  public:
   RunOver(const RankState& state, const System& system, const std::vector<Struck>& all)
       : state_(state), system_(system), run_over_(all.size(), 0) {
-    ways_.add(all);
+    ways_.add(with_images(all, state.world.period));
   }
 
   // Finds, for each body of the list, whether it runs over something, on any rank. Collective.
@@ -100,13 +114,14 @@ class RunOver {
     if (shape.kind == ShapeKind::particle) return;
     const bool fixed = world.is_static(static_cast<Slot>(i));
     const Vec3 way = fixed ? Vec3(state_.step() * world.velocity[i]) : way_of(state_, system_, i);
-    const Proxy proxy = make_proxy(world, i, state_.collide_settings);
+    Proxy proxy = make_proxy(world, i, state_.collide_settings);
+    if (shape.kind != ShapeKind::plane) proxy.position = world.period.wrapped(proxy.position);
     const double radius = shape.kind == ShapeKind::plane ? HUGE_VAL : proxy.radius + way.norm();
-    ways_.for_each_near(world.position[i], radius, [&](const Struck& s) {
+    ways_.for_each_near(proxy.position, radius, [&](const Struck& s) {
       if (s.id == world.id[i] || (s.group >= 0 && s.group == proxy.group)) return;
       const double inner = s.half_size + proxy.half_size - share * std::min(s.half_size, proxy.half_size);
       const bool meet = fixed ? is_inside(s, proxy, way)
-                              : least_distance(s.centre - world.position[i], s.way - way) < inner && !is_known(s.id, world.id[i]);
+                              : least_distance(s.centre - proxy.position, s.way - way) < inner && !is_known(s.id, world.id[i]);
       if (meet) run_over_[static_cast<std::size_t>(s.number)] = 1;
     });
   }
@@ -162,7 +177,7 @@ bool find_struck(RankState& state, const System& system) {
     s.reach += state.step() * (std::min(s.speed, most) - s.speed), s.speed = std::min(s.speed, most);
     struck.push_back(s);
   }
-  state.collide_settings.struck.add(struck);
+  state.collide_settings.struck.add(with_images(struck, state.world.period));
   return !struck.empty();
 }
 

@@ -26,17 +26,18 @@ inline Vec3 own_turn(const World& world, Slot a, Slot b, const Vec3& n) {
   return n * n.dot(own_motion(world, a).w + own_motion(world, b).w);
 }
 
-// The velocity of a body's surface at `point` relative to the body, across the unit normal n. m/s
-inline Vec3 own_surface_velocity(const World& world, Slot slot, const Vec3& point, const Vec3& n) {
+// The velocity of a body's surface relative to the body, across the unit normal n, at the end of an arm (m) from the body's
+// centre. m/s
+inline Vec3 own_surface_velocity(const World& world, Slot slot, const Vec3& arm, const Vec3& n) {
   const OwnMotion own = own_motion(world, slot);
-  const Vec3 v = own.v + own.w.cross(point - world.position[static_cast<std::size_t>(slot)]);
+  const Vec3 v = own.v + own.w.cross(arm);
   return v - n * n.dot(v);
 }
 
 // The same of the surface of b relative to that of a: where the two stick, a moves so against b.
-inline Vec3 surface_velocity_between(const World& world, Slot a, Slot b, const Vec3& point, const Vec3& n) {
+inline Vec3 surface_velocity_between(const World& world, Slot a, const Vec3& arm_a, Slot b, const Vec3& arm_b, const Vec3& n) {
   if (world.surface_motions.empty()) return Vec3::Zero();
-  return own_surface_velocity(world, b, point, n) - own_surface_velocity(world, a, point, n);
+  return own_surface_velocity(world, b, arm_b, n) - own_surface_velocity(world, a, arm_a, n);
 }
 
 }  // namespace unibody

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "world/period.hpp"
 #include "world/properties.hpp"
 #include "world/surface_motion.hpp"
 
@@ -15,6 +16,7 @@ namespace unibody {
 
 struct World {
   std::size_t homes = 0, guests = 0;
+  Period period;              // of the scene
   bool has_rotations = true;  // false: nothing turns, and the two arrays of rotation are empty
 
   std::vector<Id> id;

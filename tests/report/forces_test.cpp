@@ -16,7 +16,7 @@ namespace {
 using Row = std::map<std::string, double>;
 
 Row take_frame(Experiment& run, MPI_Comm comm, int steps = 1) {
-  Probes probes(run.scene->probes, steps * run.h());
+  Probes probes(run.scene->probes, steps * run.h(), run.scene->period);
   probes.start_frame(run.world());
   StepRequest request;
   request.impulses = probes.wants_impulses();

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "partition/balance.hpp"
@@ -16,7 +17,7 @@ namespace {
 using Row = std::map<std::string, double>;
 
 Row take_frame(Experiment& run, MPI_Comm comm, int steps = 1) {
-  Probes probes(run.scene->probes, steps * run.h());
+  Probes probes(run.scene->probes, steps * run.h(), run.scene->period);
   probes.start_frame(run.world());
   run.steps(steps);
   Row row;
@@ -47,6 +48,33 @@ TEST(Probes, AFlowIsCountedBothWays) {
     EXPECT_NEAR(row.at("gate_momentum (kg m/s)"), momenta[k], 1e-12) << k;
     EXPECT_EQ(row.at("trains_count (1)"), k >= 1 && k <= 3 ? -1 : 0) << k;
   }
+}
+
+// A ball passes the images of a disc in a cell of 0.25 m: one in each frame in which it goes 0.25 m, and four in one of a metre.
+TEST(Probes, ImagesOfPeriodicScenesCount) {
+  const std::string text =
+      "gravity: [0, 0, 0]\ntime: {frame: 0.125, substeps: 2}\nperiodic: {x: [0, 0.25]}\nbodies:\n"
+      "  - {shape: {sphere: {radius: 0.01}}, mass: 2, position: [0.2, 0.5, 0], velocity: [0.5, 0, 0]}\n"
+      "probes:\n"
+      "  - {name: all, flow: {point: [0.25, 0, 0], normal: [1, 0, 0]}}\n"
+      "  - {name: near, flow: {point: [0.25, 0.5, 0], normal: [1, 0, 0], radius: 0.1}}\n"
+      "  - {name: beside, flow: {point: [0.25, 0, 0], normal: [1, 0, 0], radius: 0.1}}\n"
+      "  - {name: across, flow: {point: [0, 0.6, 0], normal: [0, 1, 0]}}\n"
+      "  - {name: border, box: {low: [0.2, 0, -1], high: [0.3, 1, 1]}}\n";
+  Experiment run(scene_from_text(text)), far(scene_from_text(text));
+  for (int k = 0; k < 8; ++k) {
+    const double from = 0.2 + 0.0625 * k, to = from + 0.0625;
+    const double passed = std::floor(to / 0.25) - std::floor(from / 0.25);
+    Row row = take_frame(run, MPI_COMM_SELF, 2);
+    EXPECT_EQ(row.at("all_count (1)"), passed) << k;
+    EXPECT_EQ(row.at("near_mass (kg)"), 2 * passed) << k;
+    EXPECT_EQ(row.at("beside_count (1)") + row.at("across_count (1)"), 0) << k;
+    const double place = to - 0.25 * std::floor(to / 0.25);
+    EXPECT_EQ(row.at("border_count (1)"), place >= 0.2 || place < 0.05) << k;
+  }
+  Row row = take_frame(far, MPI_COMM_SELF, 32);
+  EXPECT_EQ(row.at("all_count (1)"), 4);
+  EXPECT_EQ(row.at("near_mass (kg)"), 8);
 }
 
 TEST(Probes, ABoxCountsWhatIsInIt) {
