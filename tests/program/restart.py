@@ -57,6 +57,25 @@ CLOTH = """
     threads:
       - {points: [[-0.5, 0, 0.8], [0.5, 0, 0.8]], segments: 30, radius: 0.02, mass: 0.1}
 """
+# Bodies that come in and slide down through a cell that repeats itself, over a bump at its border, and a probe of their flow.
+PERIODIC = """
+    time: {frame: 0.016, frames: 60, substeps: 2}
+    output: {every: 20, checkpoint_every: 30}
+    periodic: {x: [0, 0.6], y: [-0.3, 0.3]}
+    gravity: [4, 1, -9]
+    bodies:
+      - {shape: {plane: {normal: [0, 0, 1]}}}
+      - {shape: {sphere: {radius: 0.05}}, motion: fixed, position: [0.01, 0, 0]}
+      - {name: balls, lattice: {count: 24, columns: [4, 4], spacing: [0.15, 0.15, 0.12], height: 0.07, jitter: 0.02},
+         shape: {sphere: {radius: 0.05}}, mass: 1}
+      - {name: boxes, inlet: {count: 20, rate: 30, box: {low: [-0.2, -0.2, 0.4], high: [0.2, 0.2, 0.5]},
+         mix: [{shape: {box: {size: [0.08, 0.07, 0.06]}}}]}, density: 2000}
+      - {name: links, shape: {box: {size: [0.04, 0.03, 0.03]}}, mass: 0.2,
+         chain: {count: 6, from: [0.45, 0.2, 0.3], to: [0.75, 0.2, 0.3], joint: {type: ball}}}
+    probes:
+      - {name: flux, flow: {point: [0.3, 0, 0], normal: [1, 0, 0]}}
+"""
+
 
 # A cloth in the wind, held by a body that turns and tied to one that swings, until they are let go after the checkpoint.
 TIED = """
@@ -149,6 +168,12 @@ class Restart(ProgramTest):
 
     def test_tied_bodies_in_the_wind(self):
         self.check(text=TIED, change="wind=[1, 0, 2.1]")
+
+    def test_a_periodic_scene(self):
+        self.check(text=PERIODIC, change="bodies[1].position=[0.01, 0.01, 0]")
+
+    def test_another_period_is_refused(self):
+        self.check_refused(PERIODIC, ("periodic.x=[0, 0.7]", "periodic.x=[0.1, 0.7]"))
 
     def test_jointed_bodies(self):
         self.check(text=JOINTED, change="joints[0].motor.max_torque=5.1")

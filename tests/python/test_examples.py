@@ -70,6 +70,15 @@ def test_silo_pressure_is_that_of_janssen(tmp_path):
         assert os.path.getsize(tmp_path / "plot.png") > 10000
 
 
+def test_incline_flow_weighs_on_the_ground(tmp_path):
+    lines = run(tmp_path, "incline_flow.py", "--quick", "--plot", tmp_path / "plot.png")
+    angle, slope, along, across, _, left = [float(word) for word in lines[1].split()]
+    assert angle == 24 and abs(across - 1) < 0.01  # no grain rises or sinks in the mean
+    assert 0.9 * slope < along < slope  # the flow still gains speed
+    assert left < 0.1
+    assert os.path.getsize(tmp_path / "plot.png") > 10000
+
+
 def test_grain_environment_as_a_script(tmp_path):
     assert len(run(tmp_path, "grain_environment.py")) == 4
 
