@@ -103,8 +103,8 @@ class Impacts {
   bool may_be_struck(Slot slot) const {
     const auto& struck = state_.collide_settings.struck;
     const auto i = static_cast<std::size_t>(slot);
-    if (struck.empty() || !moves(slot)) return false;
-    return struck.speed_at(world_.period.wrapped(world_.position[i]), bounding_radius(world_.properties[i].shape)) > 0;
+    return !struck.empty() && moves(slot) &&
+           struck.speed_at(world_.period.wrapped(world_.position[i]), bounding_radius(world_.properties[i].shape)) > 0;
   }
 
   void index_bodies() {
@@ -198,10 +198,9 @@ class Impacts {
     const Manifold& m = contacts_.manifolds[pair.manifold];
     touch.normal = m.normal;
     const Vec3 at_a = place(pair.a, t), at_b = place_of_b(pair, t);
-    const bool a_round = round(pair.a);
     if (both_round(pair) && (at_a - at_b).norm() > 0) touch.normal = (at_a - at_b).normalized();
-    if (a_round || round(pair.b)) {
-      const Vec3 point = a_round ? Vec3(at_a - radius(pair.a) * touch.normal) : Vec3(at_b + radius(pair.b) * touch.normal);
+    if (round(pair.a) || round(pair.b)) {
+      const Vec3 point = round(pair.a) ? Vec3(at_a - radius(pair.a) * touch.normal) : Vec3(at_b + radius(pair.b) * touch.normal);
       touch.points[touch.count++] = {point - at_a, point - at_b, 0};
       return touch;
     }
