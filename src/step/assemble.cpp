@@ -8,6 +8,7 @@
 #include "solve/centre_constraints.hpp"
 #include "solve/colouring.hpp"
 #include "solve/free_motion.hpp"
+#include "step/adhesion.hpp"
 #include "step/attach.hpp"
 #include "step/impacts.hpp"
 #include "step/islands.hpp"
@@ -150,6 +151,7 @@ void predict(const RankState& state, System& system) {
     system.bodies[i].inverse_inertia = 0;
   }
   if (state.drag.any()) state.drag.apply(world, state.step(), world.homes, system.bodies);
+  if (state.traits.adheres) attract(state, system);
 }
 
 void assemble(RankState& state, System& system, std::span<double> geometric_stiffness) {
@@ -163,7 +165,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
     batch.start_step();
   });
   state.exchange.finish_step();
-  if (state.drag.any()) state.exchange.refresh(system.bodies);
+  if (state.drag.any() || state.traits.adheres) state.exchange.refresh(system.bodies);
   state.impacts = resolve_impacts(state, system);
   steady_by_stiffness(state, system, geometric_stiffness);
 

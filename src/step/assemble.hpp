@@ -11,7 +11,7 @@ namespace unibody {
 BuildContext build_context(RankState& state, const System& system);
 
 // v~ = v + h W f, into the system's bodies: of homes, and of guests as well, from the same states to the same bits. What the air
-// does comes on top, for homes alone; assemble() tells the guests.
+// and the attraction of what touches do comes on top, for homes alone; assemble() tells the guests.
 void predict(const RankState& state, System& system);
 
 // Lays out this step's constraints: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow

@@ -2,6 +2,7 @@
 
 #include "collide/collide.hpp"
 #include "solve/batches.hpp"
+#include "step/adhesion.hpp"
 #include "step/rank_state.hpp"
 
 namespace unibody {
@@ -13,12 +14,14 @@ bool moves_freely(const World& world, Slot slot) { return world.properties[stati
 void add_bodies(const RankState& state, const ContactBatch& batch, std::vector<ContactImpulse>& out) {
   const World& world = state.world;
   const auto total = batch.total_impulses();
+  const std::vector<double> adhesive = adhesive_impulses(state);
   for (const Manifold& m : state.contacts.manifolds) {
     if (!counts_here(world, m)) continue;
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const auto& [along_n, along_s, along_t] = total[p];
-      const Vec3 impulse = along_n * m.normal + along_s * s + along_t * t;
+      const double net = adhesive.empty() ? along_n : along_n - adhesive[p];
+      const Vec3 impulse = net * m.normal + along_s * s + along_t * t;
       add_impulse(world, m, state.contacts.points[p].position, m.normal, impulse, out);
     }
   }

@@ -162,7 +162,9 @@ class Impacts {
            (t - 0.5 * step_) * (acceleration(pair.a) - acceleration(pair.b));
   }
   bool counts(const Pair& pair, double closing) const {
-    return closing > (pair.fast ? 1e-9 : std::max(1e-12, 2 * step_ * state_.traits.gravity));
+    double g = state_.traits.gravity;  // or what else two bodies that lie on each other close by
+    if (state_.traits.adheres) g = std::max(g, (acceleration(pair.a) - acceleration(pair.b)).norm());
+    return closing > (pair.fast ? 1e-9 : std::max(1e-12, 2 * step_ * g));
   }
 
   // The time of the pair's next impact that counts (s), or `never` where the step has none.
@@ -292,8 +294,7 @@ class Impacts {
                                   (turn_b * touch.points[l].arm_b.cross(f)).cross(touch.points[k].arm_b));
         }
     }
-    const bool has_friction = acts_in_solve(state_.scene.solver.friction);
-    blow.solve(pair.restitution, has_friction ? contacts_.manifolds[pair.manifold].friction : 0);
+    blow.solve(pair.restitution, acts_in_solve(state_.scene.solver.friction) ? contacts_.manifolds[pair.manifold].friction : 0);
     Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;
     for (std::uint32_t k = 0; k < touch.count; ++k) {
       const Vec3 f = axes * blow.impulse[k];
@@ -330,8 +331,7 @@ class Impacts {
     const std::size_t first = world_.homes, end = world_.first_static();
     std::vector<SolverBody> before(system_.bodies.begin() + static_cast<std::ptrdiff_t>(first),
                                    system_.bodies.begin() + static_cast<std::ptrdiff_t>(end));
-    state_.exchange.refresh(std::span<SolverBody>(system_.bodies));
-    state_.exchange.refresh(std::span(clock_));
+    state_.exchange.refresh(std::span<SolverBody>(system_.bodies)), state_.exchange.refresh(std::span(clock_));
     state_.exchange.refresh(std::span(state_.displaced)), state_.exchange.refresh(std::span(state_.turned));
     for (std::size_t i = first; i < end; ++i) {
       const SolverBody &was = before[i - first], &is = system_.bodies[i];

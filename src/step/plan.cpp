@@ -87,7 +87,9 @@ void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, const
   plan.tolerance = plan.aim = tolerance_of(settings, traits, facts);
   if (settings.accuracy && plan.tolerance > 0)
     plan.aim = std::min(plan.tolerance, automatic_tolerance_of(traits, aim_of_accuracy));
-  plan.margin = settings.margin.value_or(std::min(most_automatic_margin, automatic_margin * size));
+  // What attracts must be found as far as it does.
+  plan.margin =
+      std::max(settings.margin.value_or(std::min(most_automatic_margin, automatic_margin * size)), traits.adhesion_range);
   const double toss = traits.gravity > 0 ? std::sqrt(2 * traits.gravity * (automatic_toss * size)) : HUGE_VAL;
   plan.recovery_speed = settings.recovery_speed.value_or(std::min(most_automatic_recovery_speed, toss));
   // A time of the step's own would take penetration out the faster the finer the steps are: piles would shake.

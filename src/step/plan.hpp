@@ -19,6 +19,8 @@ struct SceneTraits {
   bool only_links = false;                                         // all of these are links
   bool has_joints = false;
   bool has_attachments = false;   // to dynamic bodies
+  bool adheres = false;           // some pair of materials
+  double adhesion_range = 0;      // m, the largest that a pair of materials says
   std::int64_t lasting_work = 0;  // ns an iteration (partition/work.hpp), of joints and constraints between centres
 
   SceneTraits of_free_islands() const;  // of what the bodies would be without those constraints

@@ -23,6 +23,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   traits.frame = scene.time.frame, traits.step = whole_step;
   traits.gravity = scene.gravity_in_time ? scene.gravity_in_time->largest() : scene.gravity.norm(), gravity = scene.gravity;
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
+  traits.adheres = scene.pairs.any(PairValue::adhesion) || scene.pairs.any(PairValue::surface_energy);
+  if (traits.adheres) traits.adhesion_range = std::ranges::max(scene.pairs[PairValue::adhesion_range]);
   for (const Joint& joint : scene.joints) tied.insert(tied.end(), joint.ids.begin(), joint.ids.end());
   for (const Attachment& attachment : scene.attachments) tied.push_back(attachment.node), tied.push_back(attachment.body);
   std::ranges::sort(tied);

@@ -9,7 +9,7 @@
 
 namespace unibody {
 
-enum class PairValue { restitution, rolling, spinning, stiction, stiction_speed };
+enum class PairValue { restitution, rolling, spinning, stiction, stiction_speed, adhesion, surface_energy, adhesion_range };
 
 struct PairValueType {
   const char *key, *unit;  // in the scene file
@@ -19,12 +19,16 @@ struct PairValueType {
   const char *mark, *about;  // in the text by which a checkpoint knows its scene; in the reference
 };
 
-inline constexpr std::array<PairValueType, 5> pair_value_types{
+inline constexpr std::array<PairValueType, 8> pair_value_types{
     {{"restitution", "", 0, 1, false, true, "bounce", "speed after an impact over that before it"},
      {"rolling_friction", "m", 0, 1e308, true, false, "roll", "torque that resists rolling, over the normal force"},
      {"spinning_friction", "m", 0, 1e308, true, false, "spin", "torque that resists spinning, over the normal force"},
      {"stiction", "", 0, 1e308, true, true, "stick", "how much more friction there is at rest, over that in motion"},
-     {"stiction_speed", "m/s", 0.001, 1e308, true, true, "stick below", "sliding speed at which that is down to 1/e"}}};
+     {"stiction_speed", "m/s", 0.001, 1e308, true, true, "stick below", "sliding speed at which that is down to 1/e"},
+     {"adhesion", "N", 0, 1e308, true, true, "adhere", "force that pulls two bodies apart"},
+     {"surface_energy", "J/m^2", 0, 1e308, true, true, "adhere by", "work of adhesion, where one of two bodies is round"},
+     {"adhesion_range", "m", 0, 1e308, true, true, "adhere within",
+      "gap up to which that acts; 0: 0.01 of the smaller body's size"}}};
 
 struct MaterialPairs {
   using Values = std::vector<double>;  // materials x materials, row major, symmetric

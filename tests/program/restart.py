@@ -15,7 +15,7 @@ PILE = """
     time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
     gravity: [{sine: {amplitude: 2, frequency: 1.5}}, 0, -9.81]
-    materials: {stone: {friction: [[0.2, 0.6], [0.7, 0.1]], stiction: 0.3}}
+    materials: {stone: {friction: [[0.2, 0.6], [0.7, 0.1]], stiction: 0.3, adhesion: 2, surface_energy: 1}}
     bodies:
       - container: {size: [1, 1]}
       - shape: {box: {size: [0.2, 0.9, 0.2]}}
@@ -203,6 +203,7 @@ class Restart(ProgramTest):
 
     def test_other_bodies_are_refused(self):
         self.check_refused(PILE, ("materials.stone.friction=[[0.2, 0.6], [0.7, 0.2]]", "materials.stone.stiction=0.2",
+                                  "materials.stone.adhesion=3", "materials.stone.adhesion_range=0.001",
                                   "bodies[1].surface_velocity=[0, {expression: \"t > 0.3 ? sin(5 * t) : 0\"}, 0]", "bodies[1].surface_angular_velocity=[0, 0, 1]", "bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].path=[0, 0, [[0.3, 0], [0.7, 0.2]]]",
                                   "bodies[1].shape.box.size=[0.2, 0.9, 0.3]", "bodies[2].force=[0, 0, 1]"))
 
