@@ -13,10 +13,11 @@
 namespace unibody {
 
 // N s, by contact point: what presses its two bodies together in the step. Bodies share their force equally among their points
-// within the range. Empty where the scene's materials do not adhere.
+// within the range. Empty where the scene's materials do not adhere. To be asked when contacts have been found: impacts change
+// their gaps.
 std::vector<double> adhesive_impulses(const RankState& state);
 
-// Changes the predicted velocities of home bodies by it. The same bits on any number of ranks.
+// Changes the predicted velocities of home bodies by RankState::adhesive. The same bits on any number of ranks.
 void attract(const RankState& state, System& system);
 
 }  // namespace unibody

@@ -2,7 +2,6 @@
 
 #include "collide/collide.hpp"
 #include "solve/batches.hpp"
-#include "step/adhesion.hpp"
 #include "step/rank_state.hpp"
 
 namespace unibody {
@@ -14,7 +13,7 @@ bool moves_freely(const World& world, Slot slot) { return world.properties[stati
 void add_bodies(const RankState& state, const ContactBatch& batch, std::vector<ContactImpulse>& out) {
   const World& world = state.world;
   const auto total = batch.total_impulses();
-  const std::vector<double> adhesive = adhesive_impulses(state);
+  const std::vector<double>& adhesive = state.adhesive;
   for (const Manifold& m : state.contacts.manifolds) {
     if (!counts_here(world, m)) continue;
     const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);

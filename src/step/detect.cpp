@@ -11,6 +11,7 @@
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "partition/work.hpp"
+#include "step/adhesion.hpp"
 #include "step/assemble.hpp"
 #include "step/attach.hpp"
 #include "step/build.hpp"
@@ -129,6 +130,7 @@ bool find_contacts(RankState& state) {
   leave_out_attached(state.scene, state.world, state.time(), state.contacts);
   leave_out_jointed(state.scene.joints, state.joints, state.contacts);
   if (!state.collide_settings.stiction.empty()) add_stiction(state.world, state.collide_settings, state.contacts);
+  state.adhesive = adhesive_impulses(state);
   assume([&] { return fault_of(state.contacts, state.world); });
   return crowded;
 }

@@ -61,10 +61,11 @@ struct RankState {
   std::vector<Vec3> turned;                 // rad, the same of its turn
   std::int64_t impacts = 0;                 // of the step, which this rank counts
   std::vector<ContactImpulse> impact_impulses;  // of these
-  std::vector<double> gaps_found;               // m, of contact points, before impacts were taken into them; empty: they were not
-  Form form = Form::incremental;                // in which this step solves constraints between centres
-  ConstraintColours colours{};                  // of each type, over all ranks
-  std::vector<std::int32_t> lasting_counts;     // for the Jacobi solvers, of each slot: constraints of the batches that last
+  std::vector<double> adhesive;              // N s, by contact point, as they were found (adhesion.hpp); empty: nothing adheres
+  std::vector<double> gaps_found;            // m, of contact points, before impacts were taken into them; empty: they were not
+  Form form = Form::incremental;             // in which this step solves constraints between centres
+  ConstraintColours colours{};               // of each type, over all ranks
+  std::vector<std::int32_t> lasting_counts;  // for the Jacobi solvers, of each slot: constraints of the batches that last
 
   CoarseLevel coarse;
 

@@ -171,6 +171,11 @@ class Restart(ProgramTest):
 
     def test_a_periodic_scene(self):
         self.check(text=PERIODIC, change="bodies[1].position=[0.01, 0.01, 0]")
+        with h5py.File(self.folder / "whole/frames.h5") as file:
+            places = file["frames/000060/position"][:]
+            self.assertTrue(((places[:, :2] >= [0, -.3]) & (places[:, :2] <= [.6, .3])).all())
+        with open(self.folder / "whole/report.csv", newline="") as file:
+            self.assertGreater(sum(float(row["flux_count (1)"]) for row in csv.DictReader(file)), 20)
 
     def test_another_period_is_refused(self):
         self.check_refused(PERIODIC, ("periodic.x=[0, 0.7]", "periodic.x=[0.1, 0.7]"))

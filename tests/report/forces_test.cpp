@@ -69,6 +69,33 @@ TEST(Forces, AreWhatChangesMomentum) {
   }
 }
 
+// Forces that pull count as such, and those across the borders of a periodic scene cancel.
+TEST(Forces, OfAdhesionAndAcrossBordersAreWhatChangesMomentum) {
+  const std::string bodies =
+      "periodic: {x: [0, 0.9], y: [0, 0.9]}\ngravity: [2, 0, -9.81]\nmaterials: {m: {friction: 0.4, adhesion: 5}}\n"
+      "bodies:\n  - {name: walls, shape: {plane: {normal: [0, 0, 1]}}}\n"
+      "  - {pile: {count: 40, columns: [3, 3], mix: [{shape: {sphere: {radius: 0.06}}, scale: [0.7, 1.2]}, "
+      "{shape: {box: {size: [0.1, 0.08, 0.06]}}, scale: [0.8, 1.2]}]}, density: 1000, position: [0, 0, 0.1]}\n"
+      "probes:\n  - {name: walls, force: {on: walls}}\n";
+  for (const Way& way : ways) {
+    Experiment run(scene_from_text(settings(way.solver, way.substeps) + bodies));
+    double mass = 0;
+    for (std::size_t i = 0; i < run.world().homes; ++i) mass += run.world().properties[i].mass;
+    for (int frame = 0; frame < 60; ++frame) {
+      const Vec3 before = run.momentum();
+      const Vec3 force = force_of(take_frame(run, MPI_COMM_SELF, way.substeps), "walls");
+      const Vec3 given = (run.momentum() - before) / (way.substeps * run.h()) - mass * run.scene->gravity;
+      EXPECT_LT((given + force).norm(), 1e-9 * mass * 9.81) << way.solver << ' ' << way.substeps << ' ' << frame;
+    }
+  }
+  // A ball hangs from a ceiling, which it pulls down by its weight, whatever the attraction.
+  Experiment hangs(scene_from_text(
+      "materials: {m: {friction: 0.4, adhesion: 50}}\nbodies:\n  - {name: ceiling, shape: {plane: {normal: [0, 0, -1]}}}\n"
+      "  - {shape: {sphere: {radius: 0.1}}, mass: 2, position: [0, 0, -0.1]}\nprobes:\n  - {name: c, force: {on: ceiling}}\n"));
+  hangs.seconds(0.8);
+  EXPECT_LT((force_of(take_frame(hangs, MPI_COMM_SELF), "c") - Vec3(0, 0, -2 * 9.81)).norm(), 1e-3);
+}
+
 // An impact in the middle of the step turns a ball by the friction that acts at the moment of it.
 TEST(Forces, OfAnImpactTurnTheBall) {
   for (const Way& way : ways) {
