@@ -23,17 +23,17 @@ struct Period {
 
   Vec3 shift(const Image& image) const { return {image[0] * length[0], image[1] * length[1], image[2] * length[2]}; }
 
-  // The image of the cell that a place is in.
+  // The cell that a place is in, counted from the first one.
   Image image_of(const Vec3& place) const {
     return each([&](int k) { return std::floor((place[k] - lower[k]) / length[k]); });
   }
-  // By which `other` is moved to be nearest to `place`.
+  // By how many cells `other` must be moved to be as near to `place` as it can be.
   Image nearest(const Vec3& place, const Vec3& other) const {
     return each([&](int k) { return std::round((place[k] - other[k]) / length[k]); });
   }
-  // The image of a place that is in the cell.
+  // The image of a place that lies in the first cell.
   Vec3 wrapped(const Vec3& place) const { return wrapped(place, lower); }
-  // The image that is in a cell whose corner of the least coordinates is another.
+  // The image of a place that lies in the cell which begins at `corner`, the corner of its least coordinates.
   Vec3 wrapped(const Vec3& place, const Vec3& corner) const {
     if (!any()) return place;
     return place - shift(each([&](int k) { return std::floor((place[k] - corner[k]) / length[k]); }));
