@@ -12,8 +12,7 @@ struct Attraction {
   double force, range;  // N, m
 };
 
-// Of the smaller of two round bodies and the other one's: the radius of the one ball that touches a plane as they touch each
-// other (m); 0: neither is round.
+// The radius (m) of the ball that touches a plane as the two bodies touch each other; 0 where neither of them is round.
 double reduced_radius(const Shape& a, const Shape& b) {
   const double of_a = is_round(a) ? 1 / a.size.x() : 0, of_b = is_round(b) ? 1 / b.size.x() : 0;
   return of_a + of_b > 0 ? 1 / (of_a + of_b) : 0;
