@@ -37,7 +37,8 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'bodies': found a list of 0, expected a list of bodies and generators"},
     {"bodies_a_map", "bodies: {mass: 1}\n", "FILE:1: key 'bodies': found a map, expected a list of bodies and generators"},
     {"unknown_section", "title: x\ntmie: {step: 1}\n",
-     "FILE:2: key 'tmie': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, air_density, "
+     "FILE:2: key 'tmie': found an unknown key (did you mean time?), expected title, time, planar, periodic, gravity, wind, "
+     "air_density, "
      "solver, output, "
      "materials, bodies, cloths, threads, solids, joints, probes, outlets or events"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
@@ -48,7 +49,8 @@ const std::vector<BadInput> bad_files{
     {"section_without_value", "time:\n" + ball,
      "FILE:1: key 'time': found nothing, expected a map with the keys frame, frames or substeps"},
     {"key_of_two_lines", "\"a\\nb\": 1\n",
-     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, gravity, wind, air_density, solver, output, "
+     "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, periodic, gravity, wind, air_density, solver, "
+     "output, "
      "materials, bodies, cloths, threads, solids, joints, probes, outlets or events"},
     {"value_missing", "time: {frame: }\n", "FILE:1: key 'time.frame': found nothing, expected a number > 0 (s)"},
 };
@@ -271,7 +273,8 @@ const std::vector<BadInput> bad_overrides{
      {{"time.frmes", "3"}}},
     {"unknown_section",
      ball,
-     "-set tim.step=3: key 'tim': found an unknown key (did you mean time?), expected title, time, planar, gravity, wind, "
+     "-set tim.step=3: key 'tim': found an unknown key (did you mean time?), expected title, time, planar, periodic, gravity, "
+     "wind, "
      "air_density, solver, "
      "output, materials, bodies, cloths, threads, solids, joints, probes, outlets or events",
      {{"tim.step", "3"}}},
