@@ -18,8 +18,8 @@ double reduced_radius(const Shape& a, const Shape& b) {
   return of_a + of_b > 0 ? 1 / (of_a + of_b) : 0;
 }
 
-// The pull-off force of surfaces with energy is that of Johnson, Kendall and Roberts (Proceedings of the Royal Society A 324,
-// 1971), 3/2 pi gamma R, which does not depend on how stiff the bodies are.
+// Where surfaces have energy, two bodies come apart at the force that Johnson, Kendall and Roberts found (Proceedings of the
+// Royal Society A 324, 1971), 3/2 pi gamma R, which does not depend on how stiff the bodies are.
 Attraction attraction_of(const RankState& state, const Manifold& m) {
   const BodyProperties &a = state.world.properties[static_cast<std::size_t>(m.slot_a)],
                        &b = state.world.properties[static_cast<std::size_t>(m.slot_b)];

@@ -1,7 +1,7 @@
 // Directions in which a scene repeats itself: a cell of space, beyond whose borders stand images of what is in it.
 //
 // A body's position is not taken back into the cell: it goes on counting, so that joints, energies and paths know nothing of
-// borders. What compares the places of two bodies takes the image of the second that is nearest to the first.
+// borders. Code that compares the places of two bodies takes the image of the second that is nearest to the first.
 #pragma once
 
 #include <algorithm>

@@ -171,7 +171,7 @@ TEST_P(PeriodicOf, AGasKeepsItsMomentum) {
   EXPECT_NEAR(run.kinetic_energy(), energy, 1e-6 * energy);
 }
 
-// Two balls on a rod go through the border, and meet a third one behind it, as they do where there is none.
+// Two balls on a rod go through the border, and meet a third one behind it, as they do in a scene without borders.
 TEST_P(PeriodicOf, AJointReachesAcrossTheBorder) {
   const auto [solver, substeps] = GetParam();
   const auto scene = [&](const std::string& place, bool repeats) {
@@ -190,18 +190,19 @@ TEST_P(PeriodicOf, AJointReachesAcrossTheBorder) {
   for (const Id id : {0, 1}) EXPECT_NEAR(run.position(id).x(), without.position(id).x(), 1e-9) << id;
 }
 
-// The same motion wherever the borders are, but for what rounding grows to.
-TEST_P(PeriodicOf, NoMotionDependsOnTheBorders) {
-  const auto [solver, substeps] = GetParam();
-  Experiment one(scene_from_text(pile(solver, "{x: [0, 1.2], y: [0, 1.2]}")));
-  Experiment other(scene_from_text(pile(solver, "{x: [-0.43, 0.77], y: [7.31, 8.51]}")));
-  one.steps(steps_alike), other.steps(steps_alike);
-  EXPECT_GT(contact_points(one), 60);
-  for (Id id = 1; id <= 64; ++id) EXPECT_LT((one.position(id) - other.position(id)).norm(), 1e-9) << id;
-}
-
 INSTANTIATE_TEST_SUITE_P(Solvers, PeriodicOf,
                          testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(1, 4)));
+
+// The same motion wherever the borders are, but for what rounding grows to.
+TEST(Periodic, NoMotionDependsOnTheBorders) {
+  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
+    Experiment one(scene_from_text(pile(solver, "{x: [0, 1.2], y: [0, 1.2]}")));
+    Experiment other(scene_from_text(pile(solver, "{x: [-0.43, 0.77], y: [7.31, 8.51]}")));
+    one.steps(steps_alike), other.steps(steps_alike);
+    EXPECT_GT(contact_points(one), 60);
+    for (Id id = 1; id <= 64; ++id) EXPECT_LT((one.position(id) - other.position(id)).norm(), 1e-9) << id;
+  }
+}
 
 // Two cells side by side, each with the same bodies, are one cell twice.
 TEST(Periodic, ACellIsTheSameAsTwo) {
