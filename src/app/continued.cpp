@@ -70,6 +70,10 @@ void check_what_holds_together(const Scene& scene, const std::vector<const Entry
   const Origins origins(scene, matches);
   for (std::size_t j = 0; j < scene.joints.size(); ++j)
     origins.expect_alike(scene.joints[j].ids[0], scene.joints[j].ids[1], "joint " + std::to_string(j));
+  for (std::size_t k = 0; k < scene.couplings.size(); ++k) {
+    const std::array<Id, 4>& ids = scene.couplings[k].ids;
+    origins.expect_alike(ids[0], ids[2], "coupling " + std::to_string(k));
+  }
   for (const Attachment& a : scene.attachments) origins.expect_alike(a.node, a.body, "a tie");
   for (const Pin& pin : scene.pins) origins.expect_alike(pin.id, pin.body, "a pin");
   for (const ConstraintGroup& nodes : scene.constraint_groups) {

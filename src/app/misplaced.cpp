@@ -28,12 +28,14 @@ struct Found {
 
 void find_behind_planes(const Simulation& simulation, std::vector<std::string>& warnings) {
   const World& world = simulation.world;
+  const TouchRules& rules = simulation.scene.touch_rules;
+  const auto may_touch = [&](Id a, Id b) { return !rules.any() || rules.may_touch(a, b); };
   for (std::size_t p = world.first_static(); p < world.size(); ++p) {
     if (world.properties[p].shape.kind != ShapeKind::plane) continue;
     const Vec3 normal = world.orientation_of(p) * Vec3::UnitZ();
     Found behind;
     for (std::size_t i = 0; i < world.homes; ++i)
-      if (normal.dot(world.position[i] - world.position[p]) < 0) behind.add(world.id[i]);
+      if (normal.dot(world.position[i] - world.position[p]) < 0 && may_touch(world.id[i], world.id[p])) behind.add(world.id[i]);
     behind.unite(simulation.comm());
     if (behind.count == 0) continue;
     const bool one = behind.count == 1;

@@ -87,13 +87,18 @@ std::string physics_of(const Scene& scene) {
   for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
   for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
   for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
+  if (scene.touch_rules.any())
+    for (const TouchRules::Class& c : scene.touch_rules.classes())
+      text << "touches " << c.first << ' ' << c.is << ' ' << c.touches << '\n';
   for (const Joint& j : scene.joints) {
     text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
          << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' ' << j.swing << ' '
          << static_cast<int>(j.motor) << ' ' << j.target.text() << ' ' << j.strength << ' ' << j.friction;
     for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
+    if (j.is_sprung()) text << " spring " << j.stiffness << ' ' << j.viscosity << ' ' << j.rest;
     text << '\n';
   }
+  for (const Coupling& c : scene.couplings) text << "coupling " << c.joints[0] << ' ' << c.joints[1] << ' ' << c.ratio << '\n';
   for (const ConstraintGroup& group : scene.constraint_groups)  // all of a group follow one law: two bodies show it
     for (const Id id : {group.first, group.first + group.count / 2}) {
       ConstraintSet constraints;

@@ -75,11 +75,12 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
   const auto pairs = broad_phase_.sort(pairs_, others + edges_.size());
   at_seams_.clear();
   for (const IndexPair& pair : pairs)
-    if (pair.second < bodies) collide_bodies(pair, settings, contacts);
+    if (pair.second < bodies && settings.may_touch(proxies_[pair.first].id, proxies_[pair.second].id))
+      collide_bodies(pair, settings, contacts);
   if (surfaces) {
     SurfaceCollider collider(world, *surfaces, settings, contacts.surface);
     for (const IndexPair& pair : pairs)
-      if (pair.second >= bodies) collide_surface(pair, *surfaces, collider);
+      if (pair.second >= bodies) collide_surface(pair, world, settings, *surfaces, collider);
     collider.finish();
   }
   if (!at_seams_.empty()) mend_seams(settings, surfaces, contacts);
@@ -263,11 +264,14 @@ void Collider::pair_edges(const World& world, const Surfaces& surfaces, const Co
   broad_phase_.find(bounds_, roles_, pairs_, filters_, before);
 }
 
-void Collider::collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider) {
+void Collider::collide_surface(const IndexPair& pair, const World& world, const CollideSettings& settings,
+                               const Surfaces& surfaces, SurfaceCollider& collider) {
   const auto bodies = static_cast<std::int32_t>(proxies_.size());
   const auto edges = bodies + static_cast<std::int32_t>(surfaces.faces.size());
   if (pair.first >= edges) return collider.edge_edge(edges_[pair.first - edges], edges_[pair.second - edges]);
   const Proxy& body = proxies_[pair.first];
+  const Slot of_face = surfaces.faces[static_cast<std::size_t>(pair.second - bodies)].nodes[0];
+  if (!settings.may_touch(body.id, world.id[static_cast<std::size_t>(of_face)])) return;
   surfaces.is_node(body.slot) ? collider.node_face(body.slot, pair.second - bodies)
                               : collider.body_face(body, pair.second - bodies);
 }

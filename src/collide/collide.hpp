@@ -34,7 +34,8 @@ class Collider {
   void pair_edges(const World& world, const Surfaces& surfaces, const CollideSettings& settings);
   void collide_bodies(const IndexPair& pair, const CollideSettings& settings, Contacts& contacts);
   void mend_seams(const CollideSettings& settings, const Surfaces* surfaces, Contacts& contacts);
-  void collide_surface(const IndexPair& pair, const Surfaces& surfaces, SurfaceCollider& collider);
+  void collide_surface(const IndexPair& pair, const World& world, const CollideSettings& settings, const Surfaces& surfaces,
+                       SurfaceCollider& collider);
 
   Period period_;
   std::pmr::vector<Proxy> proxies_;  // in ascending id, in the cell of a periodic scene

@@ -3,6 +3,7 @@
 
 #include "collide/struck_bodies.hpp"
 #include "core/types.hpp"
+#include "world/touch_rules.hpp"
 
 namespace unibody {
 
@@ -22,6 +23,8 @@ struct CollideSettings {
     const auto a = static_cast<std::size_t>(material_a), b = static_cast<std::size_t>(material_b);
     return restitution.empty() ? 0 : restitution[a * material_count + b];
   }
+  const TouchRules* touch_rules = nullptr;  // null: all may touch all
+  bool may_touch(Id a, Id b) const { return touch_rules == nullptr || touch_rules->may_touch(a, b); }
   StruckBodies struck{};  // that the step has found; empty in most
 };
 

@@ -270,7 +270,9 @@ class Mender {
   bool of_second_ = false;
 };
 
-bool may_collide(const Proxy& a, const Proxy& b) { return (a.group < 0 || a.group != b.group) && (a.dynamic || b.dynamic); }
+bool may_collide(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
+  return (a.group < 0 || a.group != b.group) && (a.dynamic || b.dynamic) && settings.may_touch(a.id, b.id);
+}
 
 }  // namespace
 
@@ -290,7 +292,7 @@ void mend_at_seam(PairManifold& m, const std::vector<const Proxy*>& thirds, cons
     const Proxy& body = second ? *m.part_b : *m.part_a;
     if (body.kind == ShapeKind::mesh || body.kind == ShapeKind::plane) continue;
     for (const Proxy* third : thirds)
-      if (third->id != body.id && may_collide(body, *third)) mender.look(second, *third);
+      if (third->id != body.id && may_collide(body, *third, settings)) mender.look(second, *third);
   }
   mender.mend();
 }

@@ -95,7 +95,9 @@ struct BatchDefaults {
   static constexpr bool alternates = false;         // every second sweep of Gauss-Seidel takes its colours backwards
   static constexpr bool follows = false;            // each of its colours is relaxed right after that of the batch before it
   static constexpr bool pushes_wrenches = false;    // relax() acts by way of SolveState::wrenches
-  static constexpr int relaxations = 1;             // of each colour, in an iteration of Gauss-Seidel
+  // How many of the numbers of a constraint's history, the first ones, are impulses, which follow the length of the step.
+  static constexpr std::size_t remembered_impulses = static_cast<std::size_t>(-1);
+  static constexpr int relaxations = 1;  // of each colour, in an iteration of Gauss-Seidel
 
   // A colour that needs all shared bodies up to date, not those of its own constraints alone.
   bool needs_all(std::size_t) const { return true; }

@@ -41,8 +41,12 @@ struct Joint {
   TimeValue target;     // rad/s, m/s, rad or m
   double strength = 0;  // N m or N, the most that the motor gives
   double friction = 0;  // N m or N, the most that dry friction gives
+  // Of a spring and a damper about a hinge's angle or along a slider's offset.
+  double stiffness = 0, viscosity = 0;  // N m/rad and N m s/rad, or N/m and N s/m
+  double rest = 0;                      // rad or m, where the spring is at rest
 
   bool is_limited() const { return lower > -infinity || upper < infinity; }
+  bool is_sprung() const { return stiffness > 0 || viscosity > 0; }
   bool has_cone() const { return swing < infinity; }
   bool has_span() const { return ties_points(kind); }
   bool has_coordinate() const { return kind == JointKind::hinge || kind == JointKind::slider; }
@@ -55,9 +59,9 @@ struct Joint {
 inline bool turns_about_axis(JointKind kind) { return kind == JointKind::hinge || kind == JointKind::ball; }
 
 // Impulses (N s or N m s) of a joint in the last step: of its own rows, six at most, of limits, motor and friction; of a ball's
-// cone behind its three rows.
+// cone behind its three rows, and of the spring of a hinge or slider behind its five.
 struct JointImpulses {
-  static constexpr std::size_t cone = 3, limits = 6, motor = 7, friction = 8;
+  static constexpr std::size_t cone = 3, spring = 5, limits = 6, motor = 7, friction = 8;
   std::array<double, 9> value{};
 };
 

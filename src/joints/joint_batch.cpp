@@ -135,14 +135,6 @@ void JointBatch::remember(History& history, double) const {
         part.type, [&]<class T>() { std::copy_n(part.lambda.begin(), T::rows, history[part.joint].value.begin() + part.first); });
 }
 
-// After the step at these velocities: the same turn as finish_motion() makes, but where it holds the energy.
-JointEnd JointBatch::end_of(const Side& side, const SolverBody& body, double step) {
-  const Vec3 half = 0.5 * step * spin_of(body);
-  const Mat3 axes = (Quat(1, half.x(), half.y(), half.z()) * side.axes).normalized().toRotationMatrix();
-  const Vec3 centre = side.centre + step * velocity_of(body);
-  return {centre, axes, centre + axes * side.arm};
-}
-
 // At the start of the step.
 template <class T>
 JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const SolverBody> bodies) {
@@ -180,10 +172,10 @@ JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const
   return rows;
 }
 
-// The value at which a joint's own rows are at rest: a spring's length.
+// The value at which a joint's own rows are at rest, or where a spring is.
 template <class T>
 double JointBatch::rest_of(const Part& part) {
-  return std::is_same_v<T, Span> ? part.upper : 0;
+  return T::rows == 1 ? part.upper : 0;
 }
 
 // What the velocity level leaves for later steps of a row's error at the start of this one.
@@ -206,10 +198,12 @@ std::array<double, T::rows> JointBatch::residual_of(const Part& part, const Rows
   for (std::size_t k = 0; k < T::rows; ++k) {
     const double rate = at.linear[k].dot(along) + at.angular[k].dot(spin_a) + at.angular_b[k].dot(spin_b);
     const double compliance = k + T::angles < T::rows ? part.compliance : part.turning;
+    double open = at.value[k] - rest_of<T>(part);
+    if (T::rows == 1 && T::angles == 1) open = std::remainder(open, 2 * M_PI);
     if (part.law == Law::equal)
-      r[k] = (at.value[k] - rest_of<T>(part) + compliance * lambda[k] / step_ + part.damping * rate) / (step_ + part.damping);
+      r[k] = (open + compliance * lambda[k] / step_ + part.damping * rate) / (step_ + part.damping);
     else if (part.law == Law::rate)
-      r[k] = rate - part.lower;
+      r[k] = rate - part.lower + compliance * lambda[k] / (step_ * step_);
     else if (T::angles > 0)
       r[k] = std::remainder(at.value[k] - part.lower, 2 * M_PI) / step_;
     else

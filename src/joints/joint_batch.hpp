@@ -28,7 +28,9 @@
 #include <vector>
 
 #include "constraints/batch.hpp"
+#include "joints/coupling.hpp"
 #include "joints/joint.hpp"
+#include "joints/joint_side.hpp"
 #include "joints/joint_trees.hpp"
 #include "joints/joint_type.hpp"
 #include "world/world.hpp"
@@ -48,6 +50,11 @@ struct JointInput {
   const std::vector<JointSlots>* slots;  // of each of these, where their bodies have slots
   std::int32_t colours = 0;              // of all joints of the scene
   bool any_tree = false;                 // some of the scene's joints are solved as trees
+
+  std::span<const Coupling> couplings = {};                    // of the scene
+  const JointList* couplings_here = nullptr;                   // their numbers
+  const std::vector<CouplingSlots>* coupling_slots = nullptr;  // of each of these
+  std::int32_t coupling_colours = 0;
 };
 
 inline constexpr double most_turn_of_rows = 0.5;  // rad in a step, up to which rows are taken as curved as they are
@@ -103,14 +110,7 @@ class JointBatch : public BatchDefaults {
 
  private:
   enum class Law : std::uint8_t { equal, within, rate, place };
-  // One side at the start of the step.
-  struct Side {
-    Slot slot;
-    double inverse_mass, share;  // 1/kg; how many constraints share the mass
-    Vec3 centre, arm;            // m; the arm in the joint's axes
-    Quat axes;
-    Mat3 inverse_inertia;  // 1/(kg m^2), world frame
-  };
+  using Side = JointSide;
   struct Part {
     Side side[2];
     std::uint32_t joint;  // in build()'s list
@@ -119,7 +119,7 @@ class JointBatch : public BatchDefaults {
     Law law;
     bool counted;
     double compliance, turning, damping, lever;
-    double lower, upper;              // within: m or rad; rate, place: the target, and N m or N
+    double lower, upper;  // within: m or rad; rate, place: the target, and N m or N; equal: upper, where a spring is at rest
     std::array<double, 6> lambda, y;  // N s or N m s
   };
   template <class T>
@@ -141,8 +141,8 @@ class JointBatch : public BatchDefaults {
   template <class T>
   double push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const;
   void add_parts(const Joint& joint, const Part& common, double time);
+  void add_spring(const Joint& joint, const Part& common);
   void limit_approach(Part& part, JointKind kind, double from, double rate) const;
-  static JointEnd end_of(const Side& side, const SolverBody& body, double step);
   template <class T>
   static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies);
   template <class T>

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <map>
 #include <numeric>
-#include <tuple>
 
 #include "joints/joint_batch.hpp"
 #include "joints/joint_types.hpp"
@@ -40,7 +39,7 @@ void JointBatch::count(const BuildContext& context, std::span<std::int32_t> coun
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Joint& joint = joints[static_cast<std::size_t>(list[i])];
     const std::int32_t beside = (joint.is_limited() ? 1 : 0) + (joint.has_cone() ? 1 : 0) + (joint.motor != Motor::none ? 1 : 0) +
-                                (joint.friction > 0 ? 1 : 0);
+                                (joint.friction > 0 ? 1 : 0) + (joint.is_sprung() ? 1 : 0);
     for (const Slot slot : {slots[i].a, slots[i].b}) {
       const auto s = static_cast<std::size_t>(slot);
       counts[s] += beside;
@@ -92,6 +91,18 @@ void JointBatch::add_parts(const Joint& joint, const Part& common, double time) 
     limit_approach(parts_.back(), joint.kind, from, (to - from) / step_);
   }
   if (joint.friction > 0) add_row(JointImpulses::friction, Law::rate, 0, joint.friction);
+  if (joint.is_sprung()) add_spring(joint, part);
+}
+
+// A damper alone is a drive at no speed whose multiplier gives way: over the step it acts as a spring of stiffness damping / h.
+void JointBatch::add_spring(const Joint& joint, const Part& common) {
+  Part part = common;
+  const bool is_stiff = joint.stiffness > 0;
+  part.type = coordinate_of(joint.kind), part.first = JointImpulses::spring, part.law = is_stiff ? Law::equal : Law::rate;
+  part.compliance = part.turning = is_stiff ? 1 / joint.stiffness : step_ / joint.viscosity;
+  part.damping = is_stiff ? joint.viscosity / joint.stiffness : 0;
+  part.lower = 0, part.upper = is_stiff ? joint.rest : std::numeric_limits<double>::infinity();
+  parts_.push_back(part);
 }
 
 // A motor comes to its place no faster than half of its strength can brake by then, so that it stops there: by what the two
@@ -145,10 +156,8 @@ void JointBatch::build(const BuildContext& context) {
   const std::vector<JointSlots>& slots = *context.elements.joints->slots;
   const std::int32_t colours = context.elements.joints->colours;
   const World& world = context.world;
-  const auto& [bodies, inertia, isotropic, counts] =
-      std::tie(context.state.bodies, context.state.inertia, context.state.isotropic, context.state.counts);
+  const std::span<const SolverBody> bodies = context.state.bodies;
   const bool by_colour = context.by_colour;
-  const double scaling = context.settings.scaling;
   step_ = context.state.step, stabilisation_ = context.state.stabilisation, any_tree_ = context.elements.joints->any_tree;
   parts_.clear(), colour_end_.clear(), trees_.clear();
   std::vector<std::uint32_t> order(list.size());
@@ -156,22 +165,13 @@ void JointBatch::build(const BuildContext& context) {
   const auto joint_at = [&](std::uint32_t i) -> const Joint& { return joints[static_cast<std::size_t>(list[i])]; };
   if (by_colour)
     std::stable_sort(order.begin(), order.end(), [&](auto i, auto j) { return joint_at(i).colour < joint_at(j).colour; });
-  const auto side_of = [&](const Joint& joint, std::size_t end, Slot slot) {
-    const auto s = static_cast<std::size_t>(slot);
-    Side side{slot, bodies[s].inverse_mass, counts.empty() ? 1 : std::max(1.0, scaling * counts[s]), Vec3::Zero(), {}, {}, {}};
-    Quat attitude = Quat::Identity();
-    if (s < world.size()) side.centre = world.position[s], attitude = world.orientation_of(s);
-    side.axes = attitude * joint.frame[end], side.arm = joint.frame[end].conjugate() * joint.anchor[end];
-    side.inverse_inertia = inverse_inertia_of(bodies, inertia, isotropic, s);
-    return side;
-  };
   std::size_t next = 0;
   for (std::int32_t colour = 0; colour < (by_colour ? colours : 1); ++colour) {
     for (; next < order.size() && (!by_colour || joint_at(order[next]).colour == colour); ++next) {
       const Joint& joint = joint_at(order[next]);
       const JointSlots& ends = slots[order[next]];
       Part part{};
-      part.side[0] = side_of(joint, 0, ends.a), part.side[1] = side_of(joint, 1, ends.b);
+      part.side[0] = joint_side(context, joint, 0, ends.a), part.side[1] = joint_side(context, joint, 1, ends.b);
       part.joint = order[next], part.counted = ends.counted, part.lever = joint.lever;
       part.link = -1;
       const std::size_t own = parts_.size();

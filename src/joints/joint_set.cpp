@@ -184,6 +184,7 @@ JointState joint_state(const Joint& joint, const JointSlots& slots, const World&
   });
   state.limit = impulses.value[JointImpulses::limits] / step, state.motor = impulses.value[JointImpulses::motor] / step;
   state.friction = impulses.value[JointImpulses::friction] / step;
+  if (joint.is_sprung()) state.spring = impulses.value[JointImpulses::spring] / step;
   return state;
 }
 

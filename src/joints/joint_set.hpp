@@ -40,11 +40,12 @@ double turning_stiffness(const Joint& joint, std::size_t end, const JointImpulse
 
 // What a joint does now, and how far it is from closed.
 struct JointState {
-  double drift = 0, turn = 0;                 // m, rad: of its own rows, and of what passes its limits
-  double coordinate = 0;                      // rad or m: angle, offset or length; of a ball with limits its swing
-  Vec3 force = Vec3::Zero();                  // N, of its own rows on the first body, at its anchor
-  Vec3 torque = Vec3::Zero();                 // N m, about the anchor
-  double limit = 0, motor = 0, friction = 0;  // N m or N, along the coordinate; of a ball the length of its limits' torque
+  double drift = 0, turn = 0;  // m, rad: of its own rows, and of what passes its limits
+  double coordinate = 0;       // rad or m: angle, offset or length; of a ball with limits its swing
+  Vec3 force = Vec3::Zero();   // N, of its own rows on the first body, at its anchor
+  Vec3 torque = Vec3::Zero();  // N m, about the anchor
+  double limit = 0, motor = 0, friction = 0,
+         spring = 0;  // N m or N, along the coordinate; of a ball the length of its limits' torque
 };
 JointState joint_state(const Joint& joint, const JointSlots& slots, const World& world, const JointImpulses& impulses,
                        double step);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "scene/body_mass.hpp"
 #include "scene/flexible.hpp"
 #include "scene/joints.hpp"
 #include "scene/random.hpp"

@@ -4,10 +4,13 @@
 #include <cmath>
 #include <sstream>
 
+#include "scene/body_mass.hpp"
 #include "scene/generators.hpp"
 #include "scene/in_time.hpp"
 #include "scene/presence.hpp"
 #include "scene/shape_files.hpp"
+#include "scene/touching.hpp"
+#include "world/compound.hpp"
 #include "world/shape_type.hpp"
 
 namespace unibody {
@@ -36,36 +39,6 @@ const Keys& moving_keys() {
        keys::vector_in_time("force", "N", "[0, 0, 0]", "force at the centre of each dynamic body"),
        keys::vector_in_time("torque", "N m", "[0, 0, 0]", "torque on each dynamic body, world axes")}};
   return table;
-}
-
-const Keys& inertia_keys() {
-  static const Keys table{"inertia",
-                          "",
-                          {keys::numbers("inertia", 3, "kg m^2", positive, "that of the solid",
-                                         "principal moments of inertia, none larger than the sum of the others")}};
-  return table;
-}
-
-Vec3 read_inertia(const Value& value) {
-  const Key& key = inertia_keys().at("inertia");
-  const Vec3 moments = value.vector(key.range, key.unit);
-  if (!(2 * moments.maxCoeff() <= moments.sum() * (1 + 1e-12)))
-    value.fail_expected("three principal moments (kg m^2), none larger than the sum of the other two");
-  return moments;
-}
-
-void refuse(const Value& entry, std::initializer_list<const char*> names, const std::string& where) {
-  for (const char* name : names)
-    if (const Value* value = entry.find(name)) value->fail_expected("no such key " + where);
-}
-
-void read_amount(const KeyedMap& entry, BodyTemplate& body) {
-  if (!body.properties.is_dynamic())
-    return refuse(entry.value(), {"mass", "density", "inertia", "force", "torque"}, "for a fixed or kinematic body");
-  entry.only_one_of({"mass", "density"});
-  body.mass = entry.number_if("mass"), body.density = entry.number_if("density");
-  if (!body.mass && !body.density) entry.value().fail_missing("mass", "a mass (kg) or a density (kg/m^3)");
-  if (const Value* moments = entry.value().find("inertia")) body.inertia = read_inertia(*moments);
 }
 
 int read_material(const Value& value, const Scene& scene) { return static_cast<int>(value.choice(scene.materials)); }
@@ -140,12 +113,12 @@ BodyTemplate read_template(const KeyedMap& entry, const Shape& shape, const Scen
   BodyTemplate body;
   body.properties.shape = shape;
   if (shape.kind == ShapeKind::particle)
-    refuse(entry.value(), {"inertia", "angular_velocity", "torque"}, "for a particle: it does not turn");
+    entry.none_of({"inertia", "angular_velocity", "torque"}, "for a particle: it does not turn");
   if (shape.kind == ShapeKind::particle)
-    refuse(entry.value(), {"surface_velocity", "surface_angular_velocity"}, "for a particle: a point has no surface");
+    entry.none_of({"surface_velocity", "surface_angular_velocity"}, "for a particle: a point has no surface");
   read_motion(entry, body, scene);
   read_surface_motion(entry, body, scene);
-  read_amount(entry, body);
+  read_amount(entry, body, scene);
   read_load(entry, body, scene);
   if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
   return body;
@@ -169,7 +142,7 @@ Keys make_keys(const GeneratorType* type) {
       {name_key(), material_key(),
        keys::vector("position", "m", "[0, 0, 0]",
                     "where the centre of mass is, a point of a plane, or the origin of a mesh or generator"),
-       orientation_key("how the body, or all that is generated, is turned; not of a plane"),
+       orientation_key("how the body, or all that is generated, is turned; not of a plane"), collide_key(),
        keys::choice("start", {start_names.begin(), start_names.end()}, "present",
                     "what the bodies are until an event changes it: absent ones are not in the scene, held ones stay where "
                     "they are")}};
@@ -224,7 +197,7 @@ Generated read_generated(const KeyedMap& entry, BodyTemplate& body, const Genera
     if (type && (solid.kind == ShapeKind::plane || solid.kind == ShapeKind::mesh))
       shape.fail("a " + shape.children[0].first + " in a " + type->key.name, "a shape that can move");
     body = read_template(entry, solid, scene);
-    check_mass(entry.value(), body, solid);
+    check_mass(entry.value(), body, body.properties.shape);
   } else if (takes == Takes::no_shape) {
     body = read_template(entry, Shape{}, scene);
   } else {
@@ -313,7 +286,7 @@ Body make_body(const BodyTemplate& body, const Shape& shape, const Vec3& positio
   result.properties = body.properties;
   result.properties.shape = shape;
   if (body.properties.is_dynamic()) {
-    result.properties.mass = body.mass ? *body.mass : *body.density * volume(shape);
+    result.properties.mass = body.mass ? *body.mass : body.density ? *body.density * volume(shape) : own_mass(shape);
     result.properties.inertia = body.inertia ? *body.inertia : inertia(shape, result.properties.mass);
   }
   const bool given = shape.kind != ShapeKind::hull && shape.kind != ShapeKind::compound;  // in its principal axes
@@ -336,15 +309,6 @@ Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit
 
 Vec3 read_vector(const KeyedMap& map, std::string_view name, const Scene& scene, bool rotation) {
   return read_vector(map.need(name), scene, map.key(name).unit, rotation);
-}
-
-void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape) {
-  if (!body.properties.is_dynamic()) return;
-  const BodyProperties p = make_body(body, shape, Vec3::Zero()).properties;
-  const double moment = shape.kind == ShapeKind::particle ? p.mass : p.inertia.minCoeff();
-  if (std::min(p.mass, moment) > 0 && std::isfinite(p.mass) && p.inertia.allFinite()) return;
-  const Value* amount = entry.find(body.mass ? "mass" : "density");
-  (amount ? *amount : entry).fail_expected("a mass and an inertia > 0 and finite for a body of this size");
 }
 
 void check_room(const Value& value, const Scene& scene, Id count, bool is_static) {

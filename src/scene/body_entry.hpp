@@ -38,9 +38,6 @@ Vec3 read_vector(const Value& value, const Scene& scene, const std::string& unit
 // The same of a key that must be there, in the unit that its table says.
 Vec3 read_vector(const KeyedMap& map, std::string_view name, const Scene& scene, bool rotation = false);
 
-// Mass and inertia of this shape must be numbers > 0; fails on `entry` where they overflow or vanish.
-void check_mass(const Value& entry, const BodyTemplate& body, const Shape& shape);
-
 // Fails on `value` where the scene has no room for `count` bodies more.
 void check_room(const Value& value, const Scene& scene, Id count, bool is_static = false);
 

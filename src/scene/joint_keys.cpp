@@ -37,6 +37,26 @@ const Keys& sliding_motor_keys() {
   return table;
 }
 
+const Keys& turning_spring_keys() {
+  static const Keys table{
+      "turning_spring",
+      "A spring and a damper that turn a hinge.",
+      {keys::number("stiffness", "N m/rad", not_negative, 0, "torque of the spring for each radian away from its rest"),
+       keys::number("damping", "N m s/rad", not_negative, 0, "torque against the motion, for each rad/s"),
+       keys::number("rest", "degrees", {-180, 180}, 0, "angle at which the spring is at rest")}};
+  return table;
+}
+
+const Keys& sliding_spring_keys() {
+  static const Keys table{
+      "sliding_spring",
+      "A spring and a damper along a slider.",
+      {keys::number("stiffness", "N/m", not_negative, 0, "force of the spring for each metre away from its rest"),
+       keys::number("damping", "N s/m", not_negative, 0, "force against the motion, for each m/s"),
+       keys::number("rest", "m", any_number, 0, "offset at which the spring is at rest")}};
+  return table;
+}
+
 // How a joint behaves, beside where it is.
 std::vector<Key> behaviour_keys(JointKind kind) {
   const bool turns = turns_about_axis(kind);
@@ -53,6 +73,8 @@ std::vector<Key> behaviour_keys(JointKind kind) {
     keys.push_back(keys::map("motor", turns ? turning_motor_keys : sliding_motor_keys, "a map", "none", "its motor"));
     keys.push_back(
         keys::number("friction", turns ? "N m" : "N", not_negative, 0, "the most that dry friction gives against its motion"));
+    keys.push_back(keys::map("spring", turns ? turning_spring_keys : sliding_spring_keys, "a map", "none",
+                             "a spring and a damper about a hinge's angle or along a slider's offset"));
   }
   if (kind == JointKind::ball) {
     keys.push_back(keys::number("swing_limit", "degrees", {0, 180, true}, "none",
@@ -161,6 +183,7 @@ Keys all_of(const char* name, const char* about, const std::vector<KeysOf>& tabl
 
 }  // namespace
 
+const Keys& joint_spring_keys(bool turns) { return turns ? turning_spring_keys() : sliding_spring_keys(); }
 const Keys& motor_keys(bool turns) { return turns ? turning_motor_keys() : sliding_motor_keys(); }
 const Keys& joint_keys_of(JointKind kind) { return tables_of<entry_keys>()[static_cast<std::size_t>(kind)](); }
 const Keys& joint_template_keys_of(JointKind kind) { return tables_of<template_keys>()[static_cast<std::size_t>(kind)](); }

@@ -12,5 +12,6 @@ const Keys& joint_keys_of(JointKind kind);
 const Keys& joint_template_keys_of(JointKind kind);
 // Of a motor that turns, or that slides.
 const Keys& motor_keys(bool turns);
+const Keys& joint_spring_keys(bool turns);
 
 }  // namespace unibody

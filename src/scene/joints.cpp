@@ -42,6 +42,15 @@ void read_motor(const Value& value, const Scene& scene, Joint& joint) {
   joint.strength = map.number(strength_key);
 }
 
+void read_joint_spring(const Value& value, Joint& joint) {
+  const bool angle = turns_about_axis(joint.kind);
+  const KeyedMap map(value, joint_spring_keys(angle));
+  joint.stiffness = map.number("stiffness"), joint.viscosity = map.number("damping");
+  if (!joint.is_sprung()) value.fail("neither stiffness nor damping", "one of the two > 0");
+  if (joint.stiffness == 0) map.none_of({"rest"}, "of a damper alone");
+  joint.rest = (angle ? degree : 1) * map.number("rest");
+}
+
 // A body as the entry of a joint names it.
 struct Named {
   std::optional<Body> body;  // none: the world
@@ -201,6 +210,7 @@ void read_joint_behaviour(const KeyedMap& map, const Scene& scene, Joint& joint)
   if (may_have("twist_limits")) read_limits(map, "twist_limits", joint);
   if (may_have("swing_limit")) joint.swing = degree * map.number("swing_limit");
   if (may_have("motor")) read_motor(map.need("motor"), scene, joint);
+  if (may_have("spring")) read_joint_spring(map.need("spring"), joint);
   if (may_have("friction")) joint.friction = map.number("friction");
 }
 

@@ -171,7 +171,7 @@ void KeyedMap::only_one_of(std::initializer_list<const char*> names) const {
 
 void KeyedMap::none_of(std::initializer_list<const char*> names, const std::string& where) const {
   for (const char* name : names)
-    if (const Value* given = find(name)) given->fail_expected("no such key " + where);
+    if (const Value* given = value_->find(name)) given->fail_expected("no such key " + where);
 }
 
 double KeyedMap::number(std::string_view name) const {

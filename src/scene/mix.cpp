@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "scene/body_mass.hpp"
+#include "world/compound.hpp"
+
 namespace unibody {
 
 namespace {
@@ -28,6 +31,7 @@ Mix::Ingredient Mix::read_ingredient(const Value& value, const BodyTemplate& bod
   const ShapeKind kind = ingredient.shape.kind;
   if (kind == ShapeKind::plane || kind == ShapeKind::mesh)
     shape.fail("a " + shape.children[0].first + " in a mix", "a shape that can move");
+  if (own_mass(ingredient.shape) > 0) shape.fail("densities of parts in a mix", "the density or mass of the entry alone");
   ingredient.share = map.number("share");
   if (const Value* scale = map.find("scale")) {
     ingredient.sizes = SizeDistribution::read(*scale);

@@ -4,8 +4,10 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "joints/coupling_set.hpp"
 #include "joints/joint_set.hpp"
 #include "scene/body_entry.hpp"
+#include "scene/couplings.hpp"
 #include "scene/events.hpp"
 #include "scene/flexible.hpp"
 #include "scene/in_time.hpp"
@@ -18,6 +20,7 @@
 #include "scene/sections.hpp"
 #include "scene/settings.hpp"
 #include "scene/stiffness.hpp"
+#include "scene/touching.hpp"
 
 namespace unibody {
 
@@ -156,6 +159,7 @@ const std::vector<Section>& sections() {
       {list_key("threads", thread_keys, "threads"), read_threads},
       {list_key("solids", solid_keys, "soft solids"), read_solids},
       {list_key("joints", joint_keys, "joints between bodies"), read_joints},
+      {list_key("couplings", coupling_keys, "joints whose angles or offsets go with each other, as by gears"), read_couplings},
       {list_key("probes", probe_keys, "what report.csv measures beside its usual columns"), read_probes},
       {list_key("outlets", outlet_keys, "boxes in which bodies leave the scene"), read_outlets},
       {list_key("events", event_keys, "what happens at a time, or when something else has happened"), read_events},
@@ -218,11 +222,13 @@ Scene read_root(const Value& root, const std::string& path, const Room& room) {
   read_sections(root, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
   check_starts(root, scene);
+  read_touching(root, scene);
   check_periodic(root, scene);
   check_resolution(scene);
   check_form(root, scene);
   const auto is_static = [&](Id id) { return scene.group_of(id).is_static; };
   scene.joint_colours = colour_joints(scene.joints, is_static);
+  scene.coupling_colours = colour_couplings(scene.couplings, is_static);
   if (scene.solver.joints == JointSolve::direct) scene.joint_trees = plant_trees(scene.joints, is_static);
   if (scene.solver.name == "newton") check_newton(*root.find("solver")->find("name"), scene);
   return scene;

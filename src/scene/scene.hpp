@@ -14,6 +14,7 @@
 
 #include "constraints/solver_settings.hpp"
 #include "core/time_value.hpp"
+#include "joints/coupling.hpp"
 #include "joints/joint.hpp"
 #include "scene/event.hpp"
 #include "scene/friction_in_time.hpp"
@@ -24,6 +25,7 @@
 #include "world/material_pairs.hpp"
 #include "world/period.hpp"
 #include "world/surface.hpp"
+#include "world/touch_rules.hpp"
 
 namespace unibody {
 
@@ -154,6 +156,7 @@ struct Scene {
   MaterialPairs pairs;                // what else each pair has
   std::optional<FrictionInTime> friction_in_time;  // where some of it changes
   std::vector<BodyGroup> groups;                   // in the order of the file; ids run on from group to group
+  TouchRules touch_rules;                          // which of them touch each other
 
   std::vector<ConstraintGroup> constraint_groups;
   std::vector<Pin> pins;                // ascending ids
@@ -162,6 +165,8 @@ struct Scene {
   std::vector<Joint> joints;
   std::map<std::string, std::vector<std::size_t>> joints_named;  // their places in `joints`, of those that have a name
   std::int32_t joint_colours = 0, joint_trees = 0;
+  std::vector<Coupling> couplings;
+  std::int32_t coupling_colours = 0;
   std::vector<Probe> probes;
   std::vector<Event> events;
   std::vector<Outlet> outlets;

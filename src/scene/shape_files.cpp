@@ -17,6 +17,7 @@
 #include "scene/made_meshes.hpp"
 #include "scene/mesh_keys.hpp"
 #include "scene/shape_entry.hpp"
+#include "world/compound_mass.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
@@ -61,10 +62,12 @@ SolidMoments check_closed(TriangleMesh& mesh, const Value& value, const std::str
 }
 
 const Keys& compound_part_keys() {
-  static const Keys table{"compound_part",
-                          "A convex shape of a compound.",
-                          {shape_key(needed), keys::vector("position", "m", "[0, 0, 0]", "where it is in the compound's axes"),
-                           orientation_key("how it is turned in the compound's axes")}};
+  static const Keys table{
+      "compound_part",
+      "A convex shape of a compound.",
+      {shape_key(needed), keys::vector("position", "m", "[0, 0, 0]", "where it is in the compound's axes"),
+       keys::number("density", "kg/m^3", positive, "that of the body", "its density; with one part all have theirs"),
+       orientation_key("how it is turned in the compound's axes")}};
   return table;
 }
 
@@ -77,6 +80,16 @@ Compound::Part read_compound_part(const Value& value, const Scene& scene) {
   if (map.has("position")) part.place = read_vector(map, "position", scene);
   if (const Value* turn = map.find("orientation")) part.turn = read_orientation(*turn, scene);
   return part;
+}
+
+// kg/m^3, of each part; empty where none has one.
+std::vector<double> read_densities(const Value& list) {
+  std::vector<double> densities;
+  for (const Value& part : list.entries)
+    if (const auto density = KeyedMap(part, compound_part_keys()).number_if("density")) densities.push_back(*density);
+  if (densities.empty() || densities.size() == list.entries.size()) return densities;
+  const auto without = [](const Value& part) { return part.find("density") == nullptr; };
+  std::ranges::find_if(list.entries, without)->fail_missing("density", "a density (kg/m^3), since other parts have one");
 }
 
 // Where a mesh comes from that has no file.
@@ -160,8 +173,9 @@ const Keys& compound_keys() {
   static const Keys table{
       "compound",
       "Convex shapes that move as one; its centre of mass comes to the entry's position.",
-      {keys::list_of_maps("parts", compound_part_keys, "a list of shapes with positions", "a mesh",
-                          "convex shapes; mass that overlaps counts twice"),
+      {keys::list_of_maps("parts", compound_part_keys, "a list of shapes with positions", "a mesh", "convex shapes"),
+       keys::choice("overlap", {"twice", "once"}, "twice",
+                    "how mass counts where parts overlap: that of each, or that of the first of them"),
        surface_file("mesh", "parts", "OBJ or STL file of a closed surface, its path from the scene's folder"), keys::scale(),
        keys::weld(),
        keys::integer("pieces", 1, 32, 6,
@@ -214,8 +228,15 @@ Shape read_compound(const Value& value, const Scene& scene) {
   if (list) {
     map.none_of({"scale", "weld", "pieces"}, "beside parts");
     for (const Value& part : list->list("shapes with positions")) parts.push_back(read_compound_part(part, scene));
-    return shape_library().add(make_compound(parts));
+    const std::vector<double> densities = read_densities(*list);
+    const auto overlap = static_cast<Overlap>(map.choice("overlap"));
+    if (densities.empty() && overlap == Overlap::twice) return shape_library().add(make_compound(parts));
+    const CompoundMass mass = compound_mass(parts, densities.empty() ? std::vector<double>(parts.size(), 1) : densities, overlap);
+    Compound compound = make_compound(parts, moments_of(mass.volume, mass.centre, mass.second));
+    compound.mass = densities.empty() ? 0 : mass.mass;
+    return shape_library().add(std::move(compound));
   }
+  map.none_of({"overlap"}, "beside a mesh");
   std::string path;
   TriangleMesh mesh = read_mesh(map, "mesh", scene, path);
   const double share = read_weld(map, "mesh");

@@ -16,6 +16,7 @@
 #include "constraints/contact_batch.hpp"
 #include "constraints/rolling_batch.hpp"
 #include "constraints/surface_batch.hpp"
+#include "joints/coupling_batch.hpp"
 #include "joints/joint_batch.hpp"
 
 // A header that defines UNIBODY_MORE_BATCHES, the names of further batches: for programs that add kinds of their own.
@@ -52,7 +53,7 @@ struct BatchesOfTypes<TypeList<C...>> {
 using BatchTypes = JoinedLists<
     BatchList<ContactBatch, RollingBatch, SurfaceBatch, AttachmentBatch>,
     BatchesOfTypes<ConstraintTypes>::List,
-    BatchList<JointBatch>
+    BatchList<JointBatch, CouplingBatch>
 #ifdef UNIBODY_MORE_BATCHES
     , BatchList<UNIBODY_MORE_BATCHES>
 #endif

@@ -159,6 +159,12 @@ void SurfaceGuard::find_pairs() {
     for (const SurfaceEdge& e : surfaces_.edges) add(e.nodes, kept(e.nodes[0]));
   leave_out_distant();
   broad_phase_.find(bounds_, roles_, pairs_, filters_);
+  if (settings_.touch_rules == nullptr) return;
+  std::erase_if(pairs_, [&](const IndexPair& pair) {
+    const Candidate both = candidate(pair);
+    const auto id = [&](std::size_t k) { return world_.id[static_cast<std::size_t>(both.ends[k])]; };
+    return !settings_.may_touch(id(0), id(both.point ? 1 : 2));
+  });
 }
 
 // Leaves out the features that touch no cell which something that has moved touches.

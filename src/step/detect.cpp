@@ -10,6 +10,7 @@
 #include "core/assume.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "joints/coupling_set.hpp"
 #include "partition/work.hpp"
 #include "step/adhesion.hpp"
 #include "step/assemble.hpp"
@@ -22,6 +23,7 @@ namespace unibody {
 void make_constraints(RankState& state) {
   state.constraints = build_constraints(state.scene, state.world);
   state.joints = joints_here(state.scene.joints, state.world);
+  state.couplings = couplings_here(state.scene.couplings, state.world);
   state.attachments = attachments_here(state.world, state.scene.attachments);
   for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
     if constexpr (KeyedBatch<B>) {
@@ -39,6 +41,7 @@ void make_constraints(RankState& state) {
   if (state.needs_surfaces()) add(state.surfaces.partners(state.world));
   if (state.traits.has_attachments) add(partners(state.world, state.scene.attachments));
   if (state.traits.has_joints) add(partners(state.scene.joints, state.joints, state.world));
+  add(partners(state.scene.couplings, state.couplings, state.world));
   state.halo.reset(state.world, wanted);
   state.colours = {};
   for_each_type(state.constraints, [&](auto type, const auto& list) {
@@ -72,6 +75,8 @@ void refresh_guests(RankState& state) {
 void build_lasting(RankState& state, System& system) {
   if (state.traits.has_joints)
     state.joint_slots = joint_slots(state.scene.joints, state.joints, state.world, static_cast<Slot>(state.world.size()));
+  state.coupling_slots =
+      coupling_slots(state.scene.couplings, state.couplings, state.world, static_cast<Slot>(state.world.size()));
   const BuildContext context = build_context(state, system);
   state.exchange.start_lasting();
   state.lasting_counts.clear();

@@ -88,7 +88,7 @@ void set_step_length(RankState& state, double step) {
   for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
     if constexpr (KeyedBatch<B> && !std::is_same_v<B, JointBatch>)
       for (auto& multipliers : state.history.of<B>())
-        for (double& x : multipliers) x *= ratio;
+        for (std::size_t k = 0; k < std::min(multipliers.size(), B::remembered_impulses); ++k) multipliers[k] *= ratio;
   });
   for (JointImpulses& joint : state.history.joints())
     for (double& x : joint.value) x *= ratio;

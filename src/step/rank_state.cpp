@@ -13,7 +13,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
       shares_memory(in_shared_memory),
       whole_step(scene.time.frame / scene.time.substeps),
       solver(find_solver(scene.solver.name)),
-      joint_input{scene.joints, &joints, &joint_slots, scene.joint_colours, scene.joint_trees > 0},
+      joint_input{scene.joints,    &joints,    &joint_slots,    scene.joint_colours,   scene.joint_trees > 0,
+                  scene.couplings, &couplings, &coupling_slots, scene.coupling_colours},
       surfaces(scene.surfaces),
       drag(scene),
       form(scene.solver.form),
@@ -46,6 +47,7 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
     collide_settings.stiction_speed = scene.pairs[PairValue::stiction_speed];
   }
   collide_settings.material_count = scene.materials.size();
+  if (scene.touch_rules.any()) collide_settings.touch_rules = &scene.touch_rules;
 }
 
 bool RankState::is_tied(Id id) const {

@@ -48,6 +48,8 @@ struct RankState {
   ConstraintSet constraints;  // all that touch this rank's home bodies
   JointList joints;           // the same
   std::vector<JointSlots> joint_slots;
+  JointList couplings;  // of joints, the same
+  std::vector<CouplingSlots> coupling_slots;
   const JointInput joint_input;
   std::vector<Id> tied;                        // bodies of joints and attachments, ascending
   std::vector<std::array<Id, 2>> attachments;  // that touch this rank's home bodies: the node and the dynamic body, ascending

@@ -119,6 +119,7 @@ class RunOver {
     const double radius = shape.kind == ShapeKind::plane ? HUGE_VAL : proxy.radius + way.norm();
     ways_.for_each_near(proxy.position, radius, [&](const Struck& s) {
       if (s.id == world.id[i] || (s.group >= 0 && s.group == proxy.group)) return;
+      if (!state_.collide_settings.may_touch(s.id, world.id[i])) return;
       const double inner = s.half_size + proxy.half_size - share * std::min(s.half_size, proxy.half_size);
       const bool meet = fixed ? is_inside(s, proxy, way)
                               : least_distance(s.centre - proxy.position, s.way - way) < inner && !is_known(s.id, world.id[i]);

@@ -24,7 +24,8 @@ Vec3 no_inertia(const Shape&, double) { return Vec3::Zero(); }
 
 Vec3 centre(const Shape&, const Vec3&) { return Vec3::Zero(); }
 void centre_feature(const Shape&, const Vec3&, SupportFeature& f) { f.add(Vec3::Zero()); }
-constexpr ConvexFunctions ball{radius_of, centre, centre_feature};
+bool ball_contains(const Shape& s, const Vec3& p) { return p.squaredNorm() <= s.size.x() * s.size.x(); }
+constexpr ConvexFunctions ball{radius_of, centre, centre_feature, ball_contains};
 
 Vec3 disc_extents(const Shape& s, const Mat3& rotation) {
   const Vec3 axis = rotation.col(1);
@@ -60,7 +61,8 @@ void box_feature(const Shape& s, const Vec3& d, SupportFeature& f) {
   }
   f.normal = side * Vec3::Unit(k);
 }
-constexpr ConvexFunctions box{none, box_support, box_feature};
+bool box_contains(const Shape& s, const Vec3& p) { return (p.cwiseAbs().array() <= s.size.array()).all(); }
+constexpr ConvexFunctions box{none, box_support, box_feature, box_contains};
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 double infinite(const Shape&) { return infinity; }

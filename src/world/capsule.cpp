@@ -36,7 +36,10 @@ void feature(const Shape& s, const Vec3&, SupportFeature& f) {
   f.add({0, 0, -half_segment(s)});
   f.add({0, 0, half_segment(s)});
 }
-constexpr ConvexFunctions convex{radius, support, feature};
+bool contains(const Shape& s, const Vec3& p) {
+  return Vec3(p.x(), p.y(), std::max(0.0, std::abs(p.z()) - half_segment(s))).norm() <= radius(s);
+}
+constexpr ConvexFunctions convex{radius, support, feature, contains};
 
 }  // namespace
 

@@ -3,25 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "world/compound_mass.hpp"
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
 
 namespace unibody {
 
 Compound make_compound(std::span<const Compound::Part> parts) {
-  double sum = 0;
-  Vec3 centre = Vec3::Zero();
-  for (const auto& p : parts) sum += volume(p.shape), centre += volume(p.shape) * p.place;
-  centre /= sum;
-  Mat3 second = Mat3::Zero();  // of the mass about the centre, per mass
-  for (const auto& p : parts) {
-    const double share = volume(p.shape) / sum;
-    const Mat3 turn = (p.turn * frame_of(p.shape)).toRotationMatrix();
-    const Vec3 own = p.shape.kind == ShapeKind::particle ? Vec3(Vec3::Zero()) : inertia(p.shape, 1);
-    const Vec3 spread = Vec3::Constant(0.5 * own.sum()) - own, d = p.place - centre;
-    second += share * (turn * spread.asDiagonal() * turn.transpose() + d * d.transpose());
-  }
-  return make_compound(parts, moments_of(sum, centre, second));
+  const std::vector<double> densities(parts.size(), 1);
+  const CompoundMass mass = compound_mass(parts, densities, Overlap::twice);
+  return make_compound(parts, moments_of(mass.volume, mass.centre, mass.second));
 }
 
 Compound make_compound(std::span<const Compound::Part> parts, const SolidMoments& moments) {
@@ -39,6 +30,22 @@ Compound make_compound(std::span<const Compound::Part> parts, const SolidMoments
   c.smallest = 2 * c.size.minCoeff();
   return c;
 }
+
+Compound with_moments(const Shape& shape, const SolidMoments& moments) {
+  std::vector<Compound::Part> parts;
+  if (shape.kind == ShapeKind::compound) {
+    const Compound& given = shape_library().compounds[shape.data];
+    for (const Compound::Part& part : given.parts)
+      parts.push_back({part.shape, given.centre + given.frame * part.place,
+                       (given.frame * part.turn * frame_of(part.shape).conjugate()).normalized()});
+  } else {
+    const bool is_hull = shape.kind == ShapeKind::hull;
+    parts.push_back({shape, is_hull ? shape_library().hulls[shape.data].centre : Vec3(Vec3::Zero()), Quat::Identity()});
+  }
+  return make_compound(parts, moments);
+}
+
+double own_mass(const Shape& shape) { return shape.kind == ShapeKind::compound ? shape_library().compounds[shape.data].mass : 0; }
 
 namespace {
 

@@ -63,7 +63,8 @@ void feature(const Shape& s, const Vec3& d, SupportFeature& f) {
   for (const double side : {-1.0, 1.0}) f.add(on_rim(s, d.x(), d.y(), side * s.size.z()));
   f.normal = Vec3(d.x(), d.y(), 0).normalized();
 }
-constexpr ConvexFunctions convex{sharp, support, feature};
+bool contains(const Shape& s, const Vec3& p) { return std::hypot(p.x(), p.y()) <= s.size.x() && std::abs(p.z()) <= s.size.z(); }
+constexpr ConvexFunctions convex{sharp, support, feature, contains};
 
 }  // namespace
 

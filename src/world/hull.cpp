@@ -218,7 +218,13 @@ void feature(const Shape& s, const Vec3& d, SupportFeature& f) {
   for (std::uint32_t k = 0; k < best->count; ++k) f.add(scale * hull.corners[hull.face_corners[best->first + k]]);
   f.normal = best->normal;
 }
-constexpr ConvexFunctions convex{sharp, support, feature};
+bool contains(const Shape& s, const Vec3& p) {
+  const Hull& hull = hull_of(s);
+  const Vec3 at = p / scale_of(s);
+  return std::ranges::all_of(
+      hull.faces, [&](const Hull::Face& face) { return face.normal.dot(at - hull.corners[hull.face_corners[face.first]]) <= 0; });
+}
+constexpr ConvexFunctions convex{sharp, support, feature, contains};
 
 }  // namespace
 

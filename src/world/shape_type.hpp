@@ -25,6 +25,7 @@ struct ConvexFunctions {
   double (*rounding)(const Shape& shape);                                               // m, the radius
   Vec3 (*support)(const Shape& shape, const Vec3& direction);                           // m, the core's furthest point
   void (*feature)(const Shape& shape, const Vec3& direction, SupportFeature& feature);  // of the core
+  bool (*contains)(const Shape& shape, const Vec3& point);                              // m, body frame; the solid, not the core
 };
 
 // A length of a shape by its key in the scene file (m, > 0), and what it is.

@@ -1,0 +1,95 @@
+// The couplings of joints of a step on this rank.
+//
+// A coupling's row is c = (q_0 - ratio q_1) - C, with C what q_0 - ratio q_1 was when the coupling was first seen: like a joint's
+// rows, c is taken at the bodies' places and attitudes after the step, and its gradient at those at its start, so that momentum
+// is kept. r = c / h; the multiplier is an impulse (N m s or N s) of the first coordinate. The gradient is that of the two
+// coordinates, which act between the two bodies of each joint: a carrier that turns, as of a planetary gear, gets its share.
+// An angle is known up to whole turns; the history has it with them, so that gears go on through any number of turns, in steps in
+// which each turns by less than half of one. Where a joint turns by more than most_turn_of_rows in a step, less of the row's
+// curve is taken into account, as of joints' own rows; what that leaves is closed by the next step.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "constraints/batch.hpp"
+#include "joints/coupling.hpp"
+#include "joints/joint_batch.hpp"
+#include "joints/joint_side.hpp"
+
+namespace unibody {
+
+class CouplingBatch : public BatchDefaults {
+ public:
+  // Of each coupling that is here: its impulse; the two coordinates at the start of the step, whole turns included; C; and 1 once
+  // they are known.
+  using History = std::vector<std::array<double, 5>>;
+  using Key = std::array<Id, 1>;  // the coupling's number
+  static constexpr std::string_view name = "couplings";
+  static constexpr bool stencils_last = true;
+  static constexpr std::size_t remembered_impulses = 1;
+
+  template <class F>
+  static void for_each_element(const Elements& elements, F&& f) {
+    if (elements.joints == nullptr || elements.joints->couplings.empty()) return;
+    for (const std::int64_t number : *elements.joints->couplings_here)
+      f(Key{number}, std::span<const Id>(elements.joints->couplings[static_cast<std::size_t>(number)].ids));
+  }
+
+  template <class F>
+  static void for_each_stencil(const BuildContext& context, F&& f) {
+    for_each_tie(context, [&](std::int32_t colour, std::span<const Slot> bodies) { f(colour, bodies); });
+  }
+  static void count(const BuildContext& context, std::span<std::int32_t> counts) {
+    count_stencils<CouplingBatch>(context, counts);
+  }
+
+  void build(const BuildContext& context);
+
+  std::size_t colours() const { return colour_end_.size(); }
+  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
+  double relax(std::size_t colour, bool backwards, SolveState& state);
+  template <class F>
+  void for_each_unknown(F&& f) {
+    for (Row& row : rows_) f(std::span(&row.lambda, 1));
+  }
+  double residual(const SolveState& state) const;  // the largest |c| (m); an angle counts by its joint's lever
+  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;
+  std::size_t bytes() const { return rows_.capacity() * sizeof(Row); }
+
+  void start_from(const History& history, const WarmStart& warm);
+  void add_impulses(SolveState& state, const WarmStart& warm, double) const;
+  void remember(History& history, double) const;
+
+ private:
+  // One body's part of the row: the side of its joint, and the row's gradient by its place and turn, the ratio included.
+  struct End {
+    JointSide side;
+    Vec3 linear, angular;
+  };
+  struct Row {
+    std::array<End, 4> ends;  // of the first joint, then of the second
+    std::array<std::uint8_t, 2> types;
+    std::array<double, 2> factor;      // 1 and -ratio
+    std::array<double, 2> coordinate;  // rad or m, at the start of the step; from start_from() on with whole turns
+    double constant, open;             // C; c at the start of the step
+    double lever;                      // m, what one unit of the first coordinate counts as
+    double mobility, shared_mobility;  // P, and with the bodies' shares (Jacobi)
+    std::size_t number;                // in the history
+    bool counted;
+    double lambda, y;
+  };
+  static void for_each_tie(const BuildContext& context, const std::function<void(std::int32_t, std::span<const Slot>)>& f);
+  static double mobility_of(const Row& row, bool shared);
+  double open_after(const Row& row, std::span<const SolverBody> bodies, bool as_it_is) const;  // c
+  static void push(const Row& row, double impulse, std::span<Wrench> wrenches);
+
+  std::vector<Row> rows_;
+  std::vector<std::size_t> colour_end_;
+  double step_ = 0.016, stabilisation_ = -1;
+};
+
+}  // namespace unibody
