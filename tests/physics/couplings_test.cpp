@@ -126,7 +126,7 @@ TEST(RanksCoupling, StepsHaveTheSameBits) {
       const std::string name = "w" + std::to_string(k), on = "a" + std::to_string(k);
       text += wheel(name, 1 + 0.1 * k, 0.2, 0.5 * k, k == 0 ? ", torque: [0, 0, 1]" : "");
       joints += axle(on, name, "world", 0.5 * k);
-      if (k > 0) couplings += "  - {joints: [" + on + ", a" + std::to_string(k - 1) + "], ratio: -1.5}\n";
+      if (k > 0) couplings += "  - {joints: [" + on + ", a" + std::to_string(k - 1) + "], ratio: -0.8}\n";
     }
     const std::string scene = text + joints + couplings + settings(solver, 0.01);
     Experiment alone(scene_from_text(scene)), together(scene_from_text(scene), MPI_COMM_WORLD);

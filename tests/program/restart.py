@@ -112,6 +112,27 @@ JOINTED = """
       - {type: slider, bodies: [box, world], anchor: [0, 0, -1.2], axis: [1, 0, 0], limits: [-1, 0.1]}
 """
 
+# A motor that turns a wheel, and by it, through several turns, another one and a rack, all of which springs hold back; on the rack
+# lies a ball, through which another one falls.
+GEARED = """
+    time: {frame: 0.016, frames: 60}
+    output: {every: 20, checkpoint_every: 30}
+    solver: {iterations: 30}
+    bodies:
+      - {name: rack, shape: {box: {size: [2, 0.3, 0.1]}}, mass: 3, position: [0, 0, 0], inertia: [0.1, 1, 1, 0.01, 0, 0.02], centre_of_mass: [0.1, 0, 0]}
+      - {name: pinion, shape: {cylinder: {radius: 0.3, length: 0.1}}, mass: 5, position: [0, 3, 0]}
+      - {name: wheel, shape: {cylinder: {radius: 0.3, length: 0.1}}, mass: 5, position: [0, 5, 0]}
+      - {name: load, shape: {sphere: {radius: 0.1}}, mass: 1, position: [0.2, 0, 0.15]}
+      - {name: ghost, shape: {sphere: {radius: 0.1}}, mass: 1, position: [0.2, 0, 0.4], collide: {with: []}}
+    joints:
+      - {name: axle, type: hinge, bodies: [pinion, world], anchor: [0, 3, 0], axis: [0, 0, 1], motor: {speed: [[0.2, 40], [0.8, -20]], max_torque: 50}}
+      - {name: shaft, type: hinge, bodies: [wheel, world], anchor: [0, 5, 0], axis: [0, 0, 1], spring: {damping: 0.1}}
+      - {name: guide, type: slider, bodies: [rack, world], anchor: [0, 0, 0], axis: [1, 0, 0], spring: {stiffness: 20, damping: 2, rest: 0.1}}
+    couplings:
+      - {joints: [shaft, axle], ratio: -0.7}
+      - {joints: [guide, axle], ratio: 0.01}
+"""
+
 
 def frame_of(checkpoint):
     with h5py.File(checkpoint, "r") as file:
@@ -182,6 +203,13 @@ class Restart(ProgramTest):
 
     def test_jointed_bodies(self):
         self.check(text=JOINTED, change="joints[0].motor.max_torque=5.1")
+
+    def test_geared_bodies(self):
+        self.check(text=GEARED, change="couplings[0].ratio=-0.71")
+        self.check_refused(GEARED, ("joints[1].spring.damping=0.2", "bodies[4].collide.with=[load]", "bodies[0].centre_of_mass=[0.2, 0, 0]"))
+
+    def test_geared_bodies_by_gauss_seidel(self):
+        self.check("-set", "solver.name=gauss_seidel", text=GEARED, change="joints[2].spring.rest=0.2", ranks=(3,))
 
     def test_jointed_bodies_by_gauss_seidel(self):
         self.check("-set", "solver.name=gauss_seidel", text=JOINTED, change="joints[0].friction=1.1", ranks=(3,))

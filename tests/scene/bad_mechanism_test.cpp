@@ -1,0 +1,98 @@
+// Faults of couplings, springs of joints, `collide` and of how mass lies in bodies: one message each.
+#include "scene/scene_text.hpp"
+
+namespace unibody::bad_mechanism_test {
+namespace {
+
+const std::string joints =
+    "bodies:\n  - {name: a, shape: {sphere: {radius: 0.1}}, mass: 1}\n"
+    "joints:\n"
+    "  - {name: axle, type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n"
+    "  - {name: rail, type: slider, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n"
+    "  - {name: socket, type: ball, bodies: [a, world], anchor: [0, 0, 0]}\n"
+    "  - {name: axles, type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n"
+    "  - {name: axles, type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1]}\n";
+std::string with_coupling(const std::string& coupling) { return joints + "couplings:\n  - {" + coupling + "}\n"; }
+std::string with_spring(const std::string& spring) {
+  return "bodies:\n  - {name: a, shape: {sphere: {radius: 0.1}}, mass: 1}\njoints:\n"
+         "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1], spring: {" +
+         spring + "}}\n";
+}
+std::string with_body(const std::string& body) { return "bodies:\n  - {name: a, " + body + "}\n"; }
+const std::string ball = "shape: {sphere: {radius: 0.1}}, mass: 1, ";
+
+struct Fault {
+  const char* name;
+  std::string text, message;
+};
+void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
+
+class MechanismRefuses : public testing::TestWithParam<Fault> {};
+
+TEST_P(MechanismRefuses, WithThisMessage) { EXPECT_EQ(fault_of(GetParam().text), GetParam().message); }
+
+const std::vector<Fault> faults{
+    {"unknown_joint", with_coupling("joints: [axel, rail], ratio: 1"),
+     "FILE:10: key 'couplings[0].joints[0]': found axel, a name that no joint has (did you mean axle?), expected the name of a "
+     "hinge or slider"},
+    {"joint_without_coordinate", with_coupling("joints: [axle, socket], ratio: 1"),
+     "FILE:10: key 'couplings[0].joints[1]': found socket, a joint of type ball, expected the name of a hinge or slider"},
+    {"name_of_two_joints", with_coupling("joints: [axle, axles], ratio: 1"),
+     "FILE:10: key 'couplings[0].joints[1]': found axles, the name of 2 joints, expected a name of one joint"},
+    {"same_joint_twice", with_coupling("joints: [axle, axle], ratio: 1"),
+     "FILE:10: key 'couplings[0].joints': found the same joint twice, expected two joints"},
+    {"one_joint", with_coupling("joints: [axle], ratio: 1"),
+     "FILE:10: key 'couplings[0].joints': found [axle], expected a list of 2 names of hinges or sliders"},
+    {"no_ratio", with_coupling("joints: [axle, rail]"),
+     "FILE:10: key 'couplings[0].ratio': found nothing, expected a number (rad/rad, m/rad, rad/m or m/m)"},
+    {"ratio_of_nought", with_coupling("joints: [axle, rail], ratio: 0"),
+     "FILE:10: key 'couplings[0].ratio': found 0, expected a number other than 0"},
+    {"spring_without_force", with_spring("rest: 10"),
+     "FILE:4: key 'joints[0].spring': found neither stiffness nor damping, expected one of the two > 0"},
+    {"rest_of_a_damper", with_spring("damping: 1, rest: 10"),
+     "FILE:4: key 'joints[0].spring.rest': found 10, expected no such key of a damper alone"},
+    {"negative_stiffness", with_spring("stiffness: -1"),
+     "FILE:4: key 'joints[0].spring.stiffness': found -1, expected a number >= 0 (N m/rad)"},
+    {"collide_with_nobody", with_body(ball + "collide: {}"),
+     "FILE:2: key 'bodies[0].collide.with': found nothing, expected a list of names of entries, or without: one"},
+    {"collide_with_and_without", with_body(ball + "collide: {with: [a], without: [a]}"),
+     "FILE:2: key 'bodies[0].collide.without': found without beside with, expected only one of with and without"},
+    {"collide_with_unknown", with_body(ball + "collide: {with: [b]}"),
+     "FILE:2: key 'bodies[0].collide.with[0]': found b, a name that no entry has, expected the name of an entry of bodies, "
+     "cloths, "
+     "threads or solids"},
+    {"collide_with_no_list", with_body(ball + "collide: {with: a}"),
+     "FILE:2: key 'bodies[0].collide.with': found a, expected a list of names of entries, which may be empty"},
+    {"densities_of_some_parts",
+     with_body("shape: {compound: {parts: [{shape: {sphere: {radius: 1}}, density: 1}, {shape: {sphere: {radius: 1}}}]}}"),
+     "FILE:2: key 'bodies[0].shape.compound.parts[1].density': found nothing, expected a density (kg/m^3), since other parts "
+     "have "
+     "one"},
+    {"density_beside_densities",
+     with_body("density: 1, shape: {compound: {parts: [{shape: {sphere: {radius: 1}}, density: 1}]}}"),
+     "FILE:2: key 'bodies[0].density': found a density beside densities of the parts, expected the one or the other, or a mass"},
+    {"no_mass", with_body("shape: {compound: {parts: [{shape: {sphere: {radius: 1}}}]}}"),
+     "FILE:2: key 'bodies[0].mass': found nothing, expected a mass (kg) or a density (kg/m^3)"},
+    {"densities_in_a_mix",
+     with_body("density: 1, pile: {count: 1, columns: [1, 1], mix: [{shape: {compound: {parts: [{shape: {sphere: {radius: 1}}, "
+               "density: 1}]}}}]}"),
+     "FILE:2: key 'bodies[0].pile.mix[0].shape': found densities of parts in a mix, expected the density or mass of the entry "
+     "alone"},
+    {"centre_without_inertia", with_body(ball + "centre_of_mass: [0, 0, 1]"),
+     "FILE:2: key 'bodies[0].inertia': found nothing, expected moments about the centre of mass (kg m^2), beside centre_of_mass"},
+    {"impossible_moments", with_body(ball + "inertia: [1, 1, 1, 1, 0, 0]"),
+     "FILE:2: key 'bodies[0].inertia': found [1, 1, 1, 1, 0, 0], expected six moments (kg m^2) whose principal ones are > 0, "
+     "none "
+     "larger than the sum of the other two"},
+    {"centre_of_what_is_fixed", with_body("shape: {sphere: {radius: 0.1}}, motion: fixed, centre_of_mass: [0, 0, 1]"),
+     "FILE:2: key 'bodies[0].centre_of_mass': found [0, 0, 1], expected no such key for a fixed or kinematic body"},
+    {"centre_in_a_plane", "planar: true\n" + with_body(ball + "centre_of_mass: [0, 0, 1], inertia: [1, 1, 1]"),
+     "FILE:3: key 'bodies[0].centre_of_mass': found [0, 0, 1], expected no such key in a planar scene"},
+    {"centre_of_a_particle", with_body("shape: {particle: {radius: 0.1}}, mass: 1, centre_of_mass: [0, 0, 1]"),
+     "FILE:2: key 'bodies[0].centre_of_mass': found [0, 0, 1], expected no such key for a particle: it does not turn"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Faults, MechanismRefuses, testing::ValuesIn(faults), [](const auto& each) { return each.param.name; });
+
+}  // namespace
+}  // namespace unibody::bad_mechanism_test
