@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/types.hpp"
+#include "joints/joint.hpp"
 
 namespace unibody {
 
@@ -17,6 +19,15 @@ struct Coupling {
   std::array<Id, 4> ids{};               // the two bodies of each joint; the second of each may be -1: the world
   std::int32_t colour = 0;               // two couplings of a colour share no moving body
 };
+
+// The same with the bodies of its joints.
+inline Coupling with_bodies(Coupling coupling, std::span<const Joint> joints) {
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Joint& joint = joints[static_cast<std::size_t>(coupling.joints[k])];
+    coupling.ids[2 * k] = joint.ids[0], coupling.ids[2 * k + 1] = joint.ids[1];
+  }
+  return coupling;
+}
 
 // The bodies of a coupling on this rank.
 struct CouplingSlots {

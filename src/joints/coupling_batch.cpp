@@ -174,10 +174,14 @@ double CouplingBatch::residual(const SolveState& state) const {
 }
 
 void CouplingBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
-  for (const Row& row : rows_)
-    if (row.mobility > 0)
-      visit(row.lever * std::abs(open_after(row, state.bodies, true)),
-            std::array{row.ends[0].side.slot, row.ends[1].side.slot, row.ends[2].side.slot, row.ends[3].side.slot});
+  for (const Row& row : rows_) {
+    if (!(row.mobility > 0)) continue;
+    std::array<Slot, 4> bodies;
+    for (std::size_t k = 0; k < bodies.size(); ++k) bodies[k] = row.ends[k].side.slot;
+    std::ranges::sort(bodies);
+    const auto end = std::unique(bodies.begin(), bodies.end());
+    visit(row.lever * std::abs(open_after(row, state.bodies, true)), std::span<const Slot>(bodies.begin(), end));
+  }
 }
 
 }  // namespace unibody

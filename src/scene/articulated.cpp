@@ -60,10 +60,13 @@ void read_ball(const Value& value, const Scene& scene, Chain& chain) {
   check_mass(value, chain.ball, chain.ball.properties.shape);
 }
 
-// Bodies of one group do not touch each other: those of articulated number `i` of an entry whose first body has id `first`.
+}  // namespace
+
 std::int32_t group_without_contacts(Id first, Id i) {
   return static_cast<std::int32_t>((Id{1} << 30) + (first + i) % (Id{1} << 29));
 }
+
+namespace {
 
 void need_density(const Value& value, const BodyTemplate& body, const char* what) {
   if (!body.properties.is_dynamic()) value.fail(std::string(what) + " that are not dynamic", "no motion");

@@ -12,4 +12,7 @@ Generated read_chain(const Value& value, const BodyTemplate& body, const Scene& 
 Generated read_tree(const Value& value, const BodyTemplate& body, const Scene& scene);
 Generated read_ragdolls(const Value& value, const BodyTemplate& body, const Scene& scene);
 
+// Bodies of one group do not touch each other: those of articulated number `i` of an entry whose first body has id `first`.
+std::int32_t group_without_contacts(Id first, Id i);
+
 }  // namespace unibody

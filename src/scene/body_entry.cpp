@@ -147,7 +147,7 @@ Keys make_keys(const GeneratorType* type) {
                     "what the bodies are until an event changes it: absent ones are not in the scene, held ones stay where "
                     "they are")}};
   const Takes takes = type ? type->takes : Takes::shape;
-  if (takes != Takes::nothing) table = table.with(moving_keys());
+  if (takes == Takes::shape || takes == Takes::no_shape) table = table.with(moving_keys());
   if (takes == Takes::shape) table = table.with({"", "", {shape_key(needed)}}).with(inertia_keys());
   if (type) return table.with({"", "", {type->key}});
   for (const GeneratorType& other : generator_types()) table.keys.push_back(other.key);
@@ -201,7 +201,7 @@ Generated read_generated(const KeyedMap& entry, BodyTemplate& body, const Genera
   } else if (takes == Takes::no_shape) {
     body = read_template(entry, Shape{}, scene);
   } else {
-    body.properties.motion = Motion::fixed;
+    if (takes == Takes::nothing) body.properties.motion = Motion::fixed;
     if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
   }
   return type ? type->read(entry.need(type->key.name), body, scene) : read_single(entry.value(), body, scene);
@@ -224,6 +224,24 @@ const Value& count_of(const Value& entry, const GeneratorType* type) {
   for (const char* key : {"count", "courses", "levels"})
     if (const Value* count = generator ? generator->find(key) : nullptr) return *count;
   return generator ? *generator : entry;
+}
+
+// The joints between the bodies of an entry, and between them and the world, and what couples these.
+void add_joints(const Generated& generated, const BodyGroup& group, const Vec3& position, const Quat& orientation, Scene& scene) {
+  const std::size_t first = scene.joints.size();
+  for (Joint joint : generated.joints) {
+    if (joint.ids[1] < 0)
+      joint.anchor[1] = position + orientation * joint.anchor[1], joint.frame[1] = orientation * joint.frame[1];
+    for (Id& id : joint.ids)
+      if (id >= 0) id += group.first;
+    scene.joints.push_back(joint);
+  }
+  for (std::size_t j = 0; j < generated.joint_names.size(); ++j)
+    scene.joints_named[group.name + "/" + generated.joint_names[j]].push_back(first + j);
+  for (Coupling coupling : generated.couplings) {
+    for (std::int64_t& joint : coupling.joints) joint += static_cast<std::int64_t>(first);
+    scene.couplings.push_back(with_bodies(coupling, scene.joints));
+  }
 }
 
 void read_entry(const Value& entry, Scene& scene) {
@@ -262,13 +280,10 @@ void read_entry(const Value& entry, Scene& scene) {
   // An entry has bodies of one kind, or boxes, or a chain's ball at the end.
   group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle ||
                   group.make(group.count - 1).properties.shape.kind != ShapeKind::particle;
-  for (Joint joint : generated.joints) {
-    if (joint.ids[1] < 0)
-      joint.anchor[1] = position + orientation * joint.anchor[1], joint.frame[1] = orientation * joint.frame[1];
-    for (Id& id : joint.ids)
-      if (id >= 0) id += group.first;
-    scene.joints.push_back(joint);
-  }
+  add_joints(generated, group, position, orientation, scene);
+  group.names = generated.names;
+  for (const Id k : generated.untouched) group.untouched.push_back(group.first + k);
+  scene.notes.insert(scene.notes.end(), generated.notes.begin(), generated.notes.end());
   if (const std::string note = note_of(body.properties.shape); !note.empty()) scene.notes.push_back(note);
   scene.groups.push_back(std::move(group));
 }

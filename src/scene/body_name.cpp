@@ -42,6 +42,9 @@ Body read_body_name(const Value& to, const Scene& scene, const std::string& expe
   Id number = 0;
   const auto bracket = name.find('[');
   const bool counted = bracket != std::string::npos && name.back() == ']';
+  const auto slash = name.find('/');
+  std::string part;  // as a link of a robot
+  if (slash != std::string::npos) part = name.substr(slash + 1), name.resize(slash);
   if (counted) {
     const char *first = name.data() + bracket + 1, *last = name.data() + name.size() - 1;
     const auto result = std::from_chars(first, last, number);
@@ -49,7 +52,12 @@ Body read_body_name(const Value& to, const Scene& scene, const std::string& expe
     name.resize(bracket);
   }
   const BodyGroup& group = named_entry(to, name, scene, expected);
-  if (!counted && group.count > 1)
+  if (!part.empty()) {
+    const auto found = std::ranges::find(group.names, part);
+    if (found == group.names.end())
+      to.fail(to.found() + ", a name that no part of " + name + " has" + did_you_mean(part, group.names), expected);
+    number = found - group.names.begin();
+  } else if (!counted && group.count > 1)
     to.fail(to.found() + ", an entry of " + std::to_string(group.count) + " bodies", "one of them, as " + name + "[0]");
   if (number < 0 || number >= group.count)
     to.fail(to.found() + " of " + std::to_string(group.count), "a number below " + std::to_string(group.count));

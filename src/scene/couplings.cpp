@@ -31,15 +31,11 @@ Coupling read_coupling(const Value& value, const Scene& scene) {
   const Value& joints = entry.need("joints");
   if (joints.kind != Value::Kind::list || joints.entries.size() != 2) joints.fail_expected(entry.key("joints").words);
   Coupling coupling;
-  for (std::size_t k = 0; k < 2; ++k) {
-    coupling.joints[k] = read_joint_name(joints.entries[k], scene);
-    const Joint& joint = scene.joints[static_cast<std::size_t>(coupling.joints[k])];
-    coupling.ids[2 * k] = joint.ids[0], coupling.ids[2 * k + 1] = joint.ids[1];
-  }
+  for (std::size_t k = 0; k < 2; ++k) coupling.joints[k] = read_joint_name(joints.entries[k], scene);
   if (coupling.joints[0] == coupling.joints[1]) joints.fail("the same joint twice", "two joints");
   coupling.ratio = entry.number("ratio");
   if (coupling.ratio == 0) entry.need("ratio").fail_expected("a number other than 0");
-  return coupling;
+  return with_bodies(coupling, scene.joints);
 }
 
 }  // namespace

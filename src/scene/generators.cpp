@@ -7,6 +7,7 @@
 #include "scene/mix.hpp"
 #include "scene/random.hpp"
 #include "scene/static_parts.hpp"
+#include "scene/urdf.hpp"
 
 namespace unibody {
 
@@ -242,6 +243,7 @@ const std::vector<GeneratorType>& generator_types() {
       {key("chain", chain_keys, "generates links in a line, jointed one to the next"), Takes::shape, read_chain},
       {key("tree", tree_keys, "generates links that branch at their ends"), Takes::no_shape, read_tree},
       {key("ragdolls", ragdolls_keys, "generates figures of eleven parts"), Takes::no_shape, read_ragdolls},
+      {key("urdf", urdf_keys, "generates a robot from a URDF file"), Takes::material, read_urdf_robot},
       {key("inlet", inlet_keys, "generates bodies that come in while the scene runs"), Takes::no_shape, read_inlet},
   };
   return types;

@@ -10,10 +10,17 @@ struct Generated {
   Id count = 0;
   std::function<Body(Id k)> make;
   std::vector<Joint> joints = {};  // between its bodies by their numbers here, and the world, all in the entry's frame
+  // The same, of the joints by their numbers in `joints`; the bodies of couplings are those of their joints.
+  std::vector<std::string> joint_names = {};  // empty: they have none
+  std::vector<Coupling> couplings = {};
+  std::vector<std::string> names = {};           // of bodies; empty: they have numbers alone
+  std::vector<Id> untouched = {};                // bodies that touch nothing, ascending
+  std::vector<std::string> notes = {};           // what a person should know of what was read
   std::shared_ptr<const Inlet> inlet = nullptr;  // by which its bodies come in, in the entry's frame; null: they are there
 };
 
-enum class Takes { shape, no_shape, nothing };  // of the template: all of it; all but the shape; neither (static parts)
+// What an entry takes of the template: all of it; all but the shape; neither, of static parts, or of bodies that move.
+enum class Takes { shape, no_shape, nothing, material };
 
 struct GeneratorType {
   Key key;

@@ -28,6 +28,8 @@ void read_limits(const KeyedMap& map, const char* name, Joint& joint) {
   joint.lower = angle ? degree * pair[0] : pair[0], joint.upper = angle ? degree * pair[1] : pair[1];
 }
 
+}  // namespace
+
 void read_motor(const Value& value, const Scene& scene, Joint& joint) {
   const bool angle = turns_about_axis(joint.kind);
   const char *place_key = angle ? "angle" : "offset", *strength_key = angle ? "max_torque" : "max_force";
@@ -41,6 +43,8 @@ void read_motor(const Value& value, const Scene& scene, Joint& joint) {
   joint.target = speed ? read_in_time(map, "speed", scene) : read_in_time(map, place_key, scene, angle ? degree : 1);
   joint.strength = map.number(strength_key);
 }
+
+namespace {
 
 void read_joint_spring(const Value& value, Joint& joint) {
   const bool angle = turns_about_axis(joint.kind);

@@ -18,6 +18,9 @@ void check_turns(const Value& value, JointKind kind, const Shape& shape);
 // The keys of an entry of `joints` of any type; those of one type are in joint_keys.cpp.
 const Keys& joint_keys();
 
+// A motor of a hinge or slider.
+void read_motor(const Value& value, const Scene& scene, Joint& joint);
+
 void read_joint_behaviour(const KeyedMap& map, const Scene& scene, Joint& joint);
 
 // {type: ball, ...} of a generator whose joints are all alike; the axis (hinge, universal) in the entry's axes.

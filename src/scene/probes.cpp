@@ -61,6 +61,8 @@ IdRange read_named(const Value& value, const Scene& scene) {
     if (result.ec != std::errc() || result.ptr != last || number < 0) value.fail_expected(expected);
     name.resize(bracket);
   }
+  std::string part;  // as a link of a robot
+  if (const auto slash = name.find('/'); slash != std::string::npos) part = name.substr(slash + 1), name.resize(slash);
   const auto is_named = [&](const BodyGroup& g) { return !name.empty() && g.name == name; };
   const auto group = std::ranges::find_if(scene.groups, is_named);
   if (group == scene.groups.end()) {
@@ -70,6 +72,12 @@ IdRange read_named(const Value& value, const Scene& scene) {
   }
   if (const auto others = std::count_if(std::next(group), scene.groups.end(), is_named); others > 0)
     value.fail(value.found() + ", the name of " + std::to_string(others + 1) + " entries", expected);
+  if (!part.empty()) {
+    const auto found = std::ranges::find(group->names, part);
+    if (found == group->names.end())
+      value.fail(value.found() + ", a name that no part of " + name + " has" + did_you_mean(part, group->names), expected);
+    number = found - group->names.begin();
+  }
   if (number >= group->count)
     value.fail(value.found() + " of " + std::to_string(group->count), "a number below " + std::to_string(group->count));
   return number < 0 ? IdRange{group->first, group->first + group->count}

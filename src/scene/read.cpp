@@ -203,6 +203,8 @@ bool Scene::bodies_come_and_go() const {
 
 std::string Scene::body_name(Id id) const {
   const BodyGroup& group = group_of(id);
+  const auto number = static_cast<std::size_t>(id - group.first);
+  if (number < group.names.size()) return group.name + "/" + group.names[number];
   if (group.name.empty()) return "body " + std::to_string(id);
   return group.count == 1 ? group.name : group.name + "[" + std::to_string(id - group.first) + "]";
 }

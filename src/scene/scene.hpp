@@ -85,8 +85,10 @@ struct BodyGroup {
   bool rotates = true;     // false: particles
   bool generated = false;  // by a generator, even if it is one body
   Start start = Start::present;
-  std::string name;  // of the entry; may be empty
-  int line = 0;      // of the entry in the file; 0: it is not from there
+  std::string name;                // of the entry; may be empty
+  std::vector<std::string> names;  // of its bodies, as the links of a robot; empty: they have numbers alone
+  std::vector<Id> untouched;       // ids of those that touch nothing, ascending
+  int line = 0;                    // of the entry in the file; 0: it is not from there
   std::function<Body(Id k)> make;
   std::shared_ptr<const MotionInTime> motion;                 // of kinematic bodies; null: their velocities are constant
   std::shared_ptr<const LoadInTime> load;                     // of dynamic bodies; null: it is constant

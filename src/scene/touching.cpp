@@ -76,16 +76,17 @@ Key collide_key() {
 }
 
 void read_touching(const Value& root, Scene& scene) {
-  const Value* bodies = root.find("bodies");
-  if (bodies == nullptr) return;
+  const std::vector<Value>& entries = root.find("bodies") ? root.find("bodies")->entries : root.entries;
   Names names(scene);
   std::vector<std::uint64_t> touches(scene.groups.size(), ~std::uint64_t{0});
-  bool any = false;
-  for (std::size_t g = 0; g < bodies->entries.size(); ++g)  // each is a group of the scene, in this order
-    if (const Value* collide = bodies->entries[g].find("collide")) touches[g] = read_touched(*collide, names), any = true;
-  if (!any) return;
-  for (std::size_t g = 0; g < scene.groups.size(); ++g)
-    scene.touch_rules.add({scene.groups[g].first, names.bit_of(scene.groups[g].name), touches[g]});
+  for (std::size_t g = 0; g < entries.size(); ++g)  // each is a group of the scene, in this order
+    if (const Value* collide = entries[g].find("collide")) touches[g] = read_touched(*collide, names);
+  for (std::size_t g = 0; g < scene.groups.size(); ++g) {
+    const BodyGroup& group = scene.groups[g];
+    const std::uint64_t own = names.bit_of(group.name);
+    scene.touch_rules.add({group.first, own, touches[g]});
+    for (const Id id : group.untouched) scene.touch_rules.add({id, 0, 0}), scene.touch_rules.add({id + 1, own, touches[g]});
+  }
 }
 
 }  // namespace unibody

@@ -206,6 +206,8 @@ class Restart(ProgramTest):
 
     def test_geared_bodies(self):
         self.check(text=GEARED, change="couplings[0].ratio=-0.71")
+
+    def test_other_gears_are_refused(self):
         self.check_refused(GEARED, ("joints[1].spring.damping=0.2", "bodies[4].collide.with=[load]", "bodies[0].centre_of_mass=[0.2, 0, 0]"))
 
     def test_geared_bodies_by_gauss_seidel(self):
