@@ -269,14 +269,16 @@ Measures LiveSimulation::measures() {
                  static_cast<double>(simulation.bytes()));
 }
 
-std::vector<JointState> LiveSimulation::joint_states() const {
+std::vector<JointState> LiveSimulation::joint_states() {
   check_open();
-  constexpr std::size_t width = 12;
+  constexpr std::size_t width = 13;
   const auto numbers_of_state = [](JointState& s) {
-    return std::array<double*, width>{&s.drift,     &s.turn,      &s.coordinate, &s.force[0], &s.force[1], &s.force[2],
-                                      &s.torque[0], &s.torque[1], &s.torque[2],  &s.limit,    &s.motor,    &s.friction};
+    return std::array<double*, width>{&s.drift,    &s.turn,      &s.coordinate, &s.force[0],  &s.force[1],
+                                      &s.force[2], &s.torque[0], &s.torque[1],  &s.torque[2], &s.limit,
+                                      &s.motor,    &s.friction,  &s.spring};
   };
-  const Simulation& simulation = running_->simulation;
+  Simulation& simulation = running_->simulation;
+  simulation.detect();  // so that the bodies of all joints here are known
   std::vector<std::uint64_t> bits(scene_.joints.size() * width);
   std::vector<JointState> here = simulation.joint_states();
   for (std::size_t i = 0; i < here.size(); ++i) {

@@ -70,7 +70,7 @@ class LiveSimulation {
   // what is in it now, and a force or a stress tells its mean over the last step, which is NaN before the first. Throws
   // InputError where no probe has that name.
   std::vector<std::pair<std::string, double>> probe(const std::string& name) const;
-  std::vector<JointState> joint_states() const;  // of each joint of the scene, after a step
+  std::vector<JointState> joint_states();  // of each joint of the scene; forces are those of the last step
   std::uint64_t state_hash() const;              // of the program's last line
 
   // Sets the velocities (m/s; rad/s, world axes) of moving bodies, and of kinematic ones whose velocity the scene does not give

@@ -126,7 +126,8 @@ std::vector<JointForce> Simulation::joints() const {
   return translated([&] {
     std::vector<JointForce> list;
     for (const JointState& s : data_->live.joint_states()) {
-      JointForce& joint = list.emplace_back(JointForce{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction});
+      JointForce& joint =
+          list.emplace_back(JointForce{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction, s.spring});
       copy(s.force, joint.force), copy(s.torque, joint.torque);
     }
     return list;

@@ -122,6 +122,7 @@ struct JointForce {
   double limit;       // N m or N, of its limit, along the coordinate
   double motor;       // N m or N, of its motor, along the coordinate
   double friction;    // N m or N, of its friction, along the coordinate
+  double spring;      // N m or N, of its spring and damper, along the coordinate
 };
 
 // Energies and momenta of all bodies together, and how deep bodies penetrate each other.

@@ -136,13 +136,13 @@ std::vector<double> vectors_of(const py::object& values, std::size_t count, cons
 struct JointRow {
   double coordinate, drift, turn;
   double force[3], torque[3];
-  double limit, motor, friction;
+  double limit, motor, friction, spring;
 };
 
-py::array_t<JointRow> joint_rows(const LiveSimulation& simulation) {
+py::array_t<JointRow> joint_rows(LiveSimulation& simulation) {
   std::vector<JointRow> rows;
   for (const JointState& s : simulation.joint_states()) {
-    JointRow row{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction};
+    JointRow row{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction, s.spring};
     std::copy_n(s.force.data(), 3, row.force), std::copy_n(s.torque.data(), 3, row.torque);
     rows.push_back(row);
   }
@@ -186,6 +186,11 @@ take the place of those in the scene. Both raise InputError, which names the key
           "body_count", [](const PythonScene& s) { return s.scene.body_count(); },
           "Number of all bodies, fixed ones and nodes of cloths, threads and solids among them: ids run from 0.")
       .def_property_readonly("joint_count", [](const PythonScene& s) { return s.scene.joints.size(); })
+      .def_property_readonly(
+          "joint_names", [](const PythonScene& s) { return s.scene.joints_named; },
+          "The places of joints in the scene, from 0, by their names: a dict of lists, since several may have one name. A "
+          "robot's "
+          "joint is called robot/elbow.")
       .def_property_readonly(
           "frames", [](const PythonScene& s) { return s.scene.time.frames; }, "time.frames of the scene.")
       .def_property_readonly(
@@ -246,10 +251,10 @@ void add_state(py::class_<LiveSimulation, Holder>& simulation) {
           "shares "
           "(of the force, of each body), point (m), normal, force (N, on the first side, the mean over the step) and friction. "
           "Contacts of cloths, threads and solids are among them. Not collective.")
-      .def(
-          "joints", joint_rows,
-          "Each joint's state after a step, in the order of the scene: a structured array with coordinate (rad or m), drift (m), "
-          "turn (rad), force (N), torque (N m), and what limit, motor and friction give (N m or N). Collective.")
+      .def("joints", joint_rows,
+           "Each joint's state, with the forces of the last step, in the order of the scene: a structured array with coordinate "
+           "(rad or m), drift (m), "
+           "turn (rad), force (N), torque (N m), and what limit, motor, friction and spring give (N m or N). Collective.")
       .def("measures", measures_of,
            "A dict: penetration_max and penetration_rms (m), contact_pairs, contacts, kinetic_energy and potential_energy (J), "
            "linear_momentum (kg m/s), angular_momentum (kg m^2/s, about the origin). The same bits on any number of processes. "
@@ -341,7 +346,7 @@ PYBIND11_MODULE(unibody, m) {
   PYBIND11_NUMPY_DTYPE(StepRow, step, iterations, sliding_contacts, impacts, time, natural_residual, converged);
   PYBIND11_NUMPY_DTYPE(ContactRow, body_a, body_b, point, normal, gap, friction);
   PYBIND11_NUMPY_DTYPE(ForceRow, bodies, shares, point, normal, force, friction);
-  PYBIND11_NUMPY_DTYPE(JointRow, coordinate, drift, turn, force, torque, limit, motor, friction);
+  PYBIND11_NUMPY_DTYPE(JointRow, coordinate, drift, turn, force, torque, limit, motor, friction, spring);
   add_errors(m);
   m.def(
       "version", [] { return version_text(); }, "Version and commit, compiler, and the versions of PETSc, MPI, HDF5 and METIS.");

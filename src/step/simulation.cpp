@@ -1,6 +1,7 @@
 #include "step/simulation.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "core/checked.hpp"
 #include "partition/migrate.hpp"
@@ -190,6 +191,7 @@ void Simulation::change_bodies(const BodyChanges& changes) {
 }
 
 std::vector<JointState> Simulation::joint_states() const {
+  if (joint_slots.size() != joints.size()) throw std::logic_error("joint_states() before detect()");
   std::vector<JointState> states;
   for (std::size_t i = 0; i < joints.size(); ++i)
     states.push_back(joint_state(scene.joints[static_cast<std::size_t>(joints[i])], joint_slots[i], world, history.joints()[i],

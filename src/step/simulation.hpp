@@ -43,7 +43,7 @@ class Simulation : public RankState {
   void make_constraints();
 
   bool is_crowded() const { return crowded_; }   // more bodies at one place than can be there, on any rank; after detect()
-  std::vector<JointState> joint_states() const;  // of each of `joints`, after a step
+  std::vector<JointState> joint_states() const;  // of each of `joints`; after detect() or a step
   SolverSettings settings_used() const;          // the scene's, with what "auto" comes to; after resolve_automatic_settings()
   std::size_t bytes() const;                     // all that this rank holds
 

@@ -104,12 +104,29 @@ def test_a_motor_turns_as_fast_as_it_is_set():
         "joints": [{"type": "hinge", "bodies": ["rotor", "world"], "anchor": [0, 0, 0], "axis": [0, 0, 1],
                     "motor": {"speed": 0, "max_torque": 1000}}]})
     with unibody.Simulation(scene) as simulation:
+        assert simulation.joints()["coordinate"][0] == 0  # before the first step, too
         for speed in (2, -1.5, 0):
             simulation.set_motor(0, speed)
             simulation.step(5)
             assert simulation.angular_velocities[0, 2] == pytest.approx(speed, abs=1e-4)
         assert simulation.joints().shape == (1,)
         assert simulation.joints()["coordinate"][0] == pytest.approx(0.5 * 0.05, abs=1e-5)  # (2 - 1.5) rad/s, 0.05 s each
+
+
+def test_a_spring_turns_a_robot_of_a_file(tmp_path):
+    (tmp_path / "arm.urdf").write_text(
+        '<robot name="arm"><link name="base"/><link name="rod"><inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1"/></inertial></link>'
+        '<joint name="pivot" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/><dynamics damping="0.5"/></joint></robot>')
+    (tmp_path / "scene.yaml").write_text("{time: {frame: 0.01}, bodies: [{name: r, urdf: {file: arm.urdf, joints: [{name: pivot, at: 30}]}}]}")
+    scene = unibody.Scene.load(str(tmp_path / "scene.yaml"))
+    assert scene.joint_names == {"r/pivot": [0]}
+    with unibody.Simulation(scene) as simulation:
+        assert simulation.joints()["coordinate"][0] == pytest.approx(np.pi / 6, abs=1e-12)
+        simulation.set_velocity(1, [0, 0, 0], [0, 0, 3])
+        simulation.step(10)
+        after = 3 / (1 + 0.01 * 0.5) ** 10  # by implicit Euler of I w' = -c w, with I = 1 kg m^2
+        assert simulation.angular_velocities[1, 2] == pytest.approx(after, rel=1e-5)
+        assert simulation.joints()["spring"][0] == pytest.approx(-0.5 * after, rel=1e-5)
 
 
 def test_a_box_at_rest_has_four_contacts():
