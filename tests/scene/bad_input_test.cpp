@@ -40,7 +40,7 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'tmie': found an unknown key (did you mean time?), expected title, time, planar, periodic, gravity, wind, "
      "air_density, "
      "solver, output, "
-     "materials, bodies, cloths, threads, solids, joints, probes, outlets or events"},
+     "materials, bodies, cloths, threads, solids, joints, couplings, probes, outlets or events"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected frame, frames or substeps"},
     {"key_twice", "title: a\ntime: {frame: 1}\ntitle: b\n",
@@ -51,7 +51,7 @@ const std::vector<BadInput> bad_files{
     {"key_of_two_lines", "\"a\\nb\": 1\n",
      "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, periodic, gravity, wind, air_density, solver, "
      "output, "
-     "materials, bodies, cloths, threads, solids, joints, probes, outlets or events"},
+     "materials, bodies, cloths, threads, solids, joints, couplings, probes, outlets or events"},
     {"value_missing", "time: {frame: }\n", "FILE:1: key 'time.frame': found nothing, expected a number > 0 (s)"},
 };
 
@@ -250,14 +250,16 @@ const std::vector<BadInput> bad_generators{
     {"planes_in_a_stack", "bodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}, stack: {count: 2}}\n",
      "FILE:2: key 'bodies[0].shape': found a plane in a stack, expected a shape that can move"},
     {"shape_beside_a_pile", with_body("mass: 1\n    pile: {count: 1}"),
-     "FILE:2: key 'bodies[0].shape': found an unknown key, expected name, material, position, orientation, start, mass, density, "
+     "FILE:2: key 'bodies[0].shape': found an unknown key, expected name, material, position, orientation, collide, start, mass, "
+     "density, "
      "motion, "
      "velocity, angular_velocity, path, surface_velocity, surface_angular_velocity, force, torque or pile"},
     {"scale_upside_down",
      "bodies:\n  - density: 1\n    pile: {count: 1, columns: [1, 1], mix: [{shape: {sphere: {radius: 1}}, scale: [2, 1]}]}\n",
      "FILE:3: key 'bodies[0].pile.mix[0].scale': found [2, 1], expected the smaller of the two factors first"},
     {"mass_of_a_container", "bodies:\n  - container: {size: [1, 1]}\n    mass: 1\n",
-     "FILE:3: key 'bodies[0].mass': found an unknown key, expected name, material, position, orientation, start or container"},
+     "FILE:3: key 'bodies[0].mass': found an unknown key, expected name, material, position, orientation, collide, start or "
+     "container"},
     {"container_without_size", "bodies:\n  - container: {}\n",
      "FILE:2: key 'bodies[0].container.size': found nothing, expected a list of 2 numbers > 0 (m), in a planar scene of 1"},
     {"narrow_rim", "bodies:\n  - hopper: {opening: [1, 1], rim: [2, 0.5], height: 1, thickness: 0.1}\n",
@@ -276,7 +278,7 @@ const std::vector<BadInput> bad_overrides{
      "-set tim.step=3: key 'tim': found an unknown key (did you mean time?), expected title, time, planar, periodic, gravity, "
      "wind, "
      "air_density, solver, "
-     "output, materials, bodies, cloths, threads, solids, joints, probes, outlets or events",
+     "output, materials, bodies, cloths, threads, solids, joints, couplings, probes, outlets or events",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",
      ball,

@@ -251,7 +251,7 @@ TEST(ReadScene, AllScenesOfTheProjectAreGood) {
         EXPECT_TRUE(body.state.position.allFinite());
         EXPECT_NEAR(body.state.orientation.norm(), 1, 1e-14);
         EXPECT_GT(body.properties.mass, 0);
-        EXPECT_EQ(group.is_static, !body.properties.is_dynamic());
+        EXPECT_EQ(group.is_static, body.properties.is_static());
       }
   }
   EXPECT_GE(scenes, 14);
