@@ -19,7 +19,8 @@ double cost_of(const Joint& joint) {
   const std::size_t own =
       with_joint_type(static_cast<std::uint8_t>(joint.kind), []<class T>() { return static_cast<std::size_t>(T::rows); });
   const std::size_t bounded = std::size_t{joint.is_limited()} + std::size_t{joint.has_cone()} +
-                              std::size_t{joint.motor != Motor::none} + std::size_t{joint.friction > 0} + std::size_t{joint.is_sprung()};
+                              std::size_t{joint.motor != Motor::none} + std::size_t{joint.friction > 0} +
+                              std::size_t{joint.is_sprung()};
   return work::of_a_joint_row * static_cast<double>(own + bounded);
 }
 

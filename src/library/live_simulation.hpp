@@ -71,7 +71,7 @@ class LiveSimulation {
   // InputError where no probe has that name.
   std::vector<std::pair<std::string, double>> probe(const std::string& name) const;
   std::vector<JointState> joint_states();  // of each joint of the scene; forces are those of the last step
-  std::uint64_t state_hash() const;              // of the program's last line
+  std::uint64_t state_hash() const;        // of the program's last line
 
   // Sets the velocities (m/s; rad/s, world axes) of moving bodies, and of kinematic ones whose velocity the scene does not give
   // in time: three numbers a body. An empty list leaves them as they are.
