@@ -1,5 +1,6 @@
 // A coupling of two joints, as by gears, a rack, a screw or a belt: the coordinate of the first, a hinge's angle or a slider's
-// offset, is `ratio` times that of the second and a constant, q_0 = ratio q_1 + offset. Angles count on through whole turns.
+// offset, is `ratio` times that of the second and a constant, which is what it is at the start. Angles count on through whole
+// turns.
 #pragma once
 
 #include <array>
@@ -15,7 +16,6 @@ namespace unibody {
 struct Coupling {
   std::array<std::int64_t, 2> joints{};  // their numbers in Scene::joints
   double ratio = 1;                      // of the unit of the first (rad or m) over that of the second
-  double offset = 0;                     // rad or m
   std::array<Id, 4> ids{};               // the two bodies of each joint; the second of each may be -1: the world
   std::int32_t colour = 0;               // two couplings of a colour share no moving body
 };

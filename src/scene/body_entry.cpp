@@ -281,7 +281,7 @@ void read_entry(const Value& entry, Scene& scene) {
   group.rotates = group.make(0).properties.shape.kind != ShapeKind::particle ||
                   group.make(group.count - 1).properties.shape.kind != ShapeKind::particle;
   add_joints(generated, group, position, orientation, scene);
-  group.names = generated.names;
+  group.names = generated.names, group.other_names = generated.other_names;
   for (const Id k : generated.untouched) group.untouched.push_back(group.first + k);
   scene.notes.insert(scene.notes.end(), generated.notes.begin(), generated.notes.end());
   if (const std::string note = note_of(body.properties.shape); !note.empty()) scene.notes.push_back(note);

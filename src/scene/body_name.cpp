@@ -53,10 +53,9 @@ Body read_body_name(const Value& to, const Scene& scene, const std::string& expe
   }
   const BodyGroup& group = named_entry(to, name, scene, expected);
   if (!part.empty()) {
-    const auto found = std::ranges::find(group.names, part);
-    if (found == group.names.end())
-      to.fail(to.found() + ", a name that no part of " + name + " has" + did_you_mean(part, group.names), expected);
-    number = found - group.names.begin();
+    const std::optional<Id> found = group.number_of(part);
+    if (!found) to.fail(to.found() + ", a name that no part of " + name + " has" + did_you_mean(part, group.names), expected);
+    number = *found;
   } else if (!counted && group.count > 1)
     to.fail(to.found() + ", an entry of " + std::to_string(group.count) + " bodies", "one of them, as " + name + "[0]");
   if (number < 0 || number >= group.count)

@@ -13,9 +13,10 @@ struct Generated {
   // The same, of the joints by their numbers in `joints`; the bodies of couplings are those of their joints.
   std::vector<std::string> joint_names = {};  // empty: they have none
   std::vector<Coupling> couplings = {};
-  std::vector<std::string> names = {};           // of bodies; empty: they have numbers alone
-  std::vector<Id> untouched = {};                // bodies that touch nothing, ascending
-  std::vector<std::string> notes = {};           // what a person should know of what was read
+  std::vector<std::string> names = {};                       // of bodies; empty: they have numbers alone
+  std::vector<std::pair<std::string, Id>> other_names = {};  // of these bodies, by which they are found as well
+  std::vector<Id> untouched = {};                            // bodies that touch nothing, ascending
+  std::vector<std::string> notes = {};                       // what a person should know of what was read
   std::shared_ptr<const Inlet> inlet = nullptr;  // by which its bodies come in, in the entry's frame; null: they are there
 };
 

@@ -73,10 +73,10 @@ IdRange read_named(const Value& value, const Scene& scene) {
   if (const auto others = std::count_if(std::next(group), scene.groups.end(), is_named); others > 0)
     value.fail(value.found() + ", the name of " + std::to_string(others + 1) + " entries", expected);
   if (!part.empty()) {
-    const auto found = std::ranges::find(group->names, part);
-    if (found == group->names.end())
+    const std::optional<Id> found = group->number_of(part);
+    if (!found)
       value.fail(value.found() + ", a name that no part of " + name + " has" + did_you_mean(part, group->names), expected);
-    number = found - group->names.begin();
+    number = *found;
   }
   if (number >= group->count)
     value.fail(value.found() + " of " + std::to_string(group->count), "a number below " + std::to_string(group->count));

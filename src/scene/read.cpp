@@ -176,6 +176,12 @@ const Keys& scene_keys() {
   return table;
 }
 
+std::optional<Id> BodyGroup::number_of(const std::string& part) const {
+  if (const auto found = std::ranges::find(names, part); found != names.end()) return found - names.begin();
+  const auto other = std::ranges::find(other_names, part, &std::pair<std::string, Id>::first);
+  return other == other_names.end() ? std::nullopt : std::optional(other->second);
+}
+
 const BodyGroup& Scene::group_of(Id id) const {
   if (id < 0 || id >= body_count())
     throw std::out_of_range("body " + std::to_string(id) + " of a scene with " + std::to_string(body_count()));

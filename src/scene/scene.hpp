@@ -85,15 +85,19 @@ struct BodyGroup {
   bool rotates = true;     // false: particles
   bool generated = false;  // by a generator, even if it is one body
   Start start = Start::present;
-  std::string name;                // of the entry; may be empty
-  std::vector<std::string> names;  // of its bodies, as the links of a robot; empty: they have numbers alone
-  std::vector<Id> untouched;       // ids of those that touch nothing, ascending
-  int line = 0;                    // of the entry in the file; 0: it is not from there
+  std::string name;                                     // of the entry; may be empty
+  std::vector<std::string> names;                       // of its bodies, as the links of a robot; empty: they have numbers alone
+  std::vector<std::pair<std::string, Id>> other_names;  // by which its bodies, by their numbers, are found as well
+  std::vector<Id> untouched;                            // ids of those that touch nothing, ascending
+  int line = 0;                                         // of the entry in the file; 0: it is not from there
   std::function<Body(Id k)> make;
   std::shared_ptr<const MotionInTime> motion;                 // of kinematic bodies; null: their velocities are constant
   std::shared_ptr<const LoadInTime> load;                     // of dynamic bodies; null: it is constant
   std::shared_ptr<const SurfaceMotionInTime> surface_motion;  // null: their surfaces do not move along themselves
   std::shared_ptr<const Inlet> inlet;  // by which they come in; null: they are there, or an event adds them
+
+  // The number of the body of this name; none where no body has it.
+  std::optional<Id> number_of(const std::string& part) const;
 };
 
 // The patch of neighbours that a node belongs to, where nothing is known of its neighbours: a run of numbers.

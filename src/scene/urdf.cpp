@@ -1,6 +1,7 @@
 // The generator `urdf`: the bodies and joints of a robot's file.
 #include "scene/urdf.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -61,6 +62,12 @@ struct RobotBody {
   }
 };
 
+// Whether no principal moment is larger than the sum of the other two.
+bool is_of_a_solid(const Mat3& inertia) {
+  const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
+  return 2 * moments.maxCoeff() <= moments.sum() * (1 + 1e-9);
+}
+
 class Robot {
  public:
   Robot(const KeyedMap& map, const Scene& scene)
@@ -91,9 +98,15 @@ class Robot {
       zeros->back().id = bodies->back().id = static_cast<Id>(b);
       if (b == 0 && is_held) bodies->back().properties.motion = Motion::pinned;
     }
+    result.other_names = other_names_;
     result.count = static_cast<Id>(bodies->size());
     result.make = [bodies](Id k) { return (*bodies)[static_cast<std::size_t>(k)]; };
     add_joints(*zeros, result);
+    for (const UrdfLink& link : urdf_.links)
+      if (link.mass > 0 && !is_of_a_solid(link.inertia))
+        result.notes.push_back(path_ + ": link " + link.name +
+                               " has moments of inertia that no solid has, one larger than the sum of the others; they are taken "
+                               "as they are");
     if (!urdf_.unused.empty()) result.notes.push_back(path_ + ": left out " + urdf_.unused);
     return result;
   }
@@ -147,6 +160,7 @@ class Robot {
   // Adds a link, and all that hangs on it, to bodies. zero, start: where it is; in_body: in the frame of its body.
   void place(std::size_t link, const Pose& zero, const Pose& start, std::size_t body, const Pose& in_body) {
     add_link(urdf_.links[link], bodies_[body], in_body);
+    if (urdf_.links[link].name != bodies_[body].name) other_names_.emplace_back(urdf_.links[link].name, static_cast<Id>(body));
     for (std::size_t j = 0; j < urdf_.joints.size(); ++j) {
       const UrdfJoint& joint = urdf_.joints[j];
       if (joint.parent != link) continue;
@@ -296,6 +310,7 @@ class Robot {
   std::vector<Wish> wishes_;  // of each joint of the file
   std::vector<RobotBody> bodies_;
   std::vector<Tie> ties_;
+  std::vector<std::pair<std::string, Id>> other_names_;  // of links that are fixed to others
 };
 
 }  // namespace

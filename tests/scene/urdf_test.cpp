@@ -83,6 +83,29 @@ TEST(Urdf, BodiesHaveTheMassOfTheirLinks) {
   EXPECT_NE(scene.notes[0].find("left out gazebo (2), transmission (1)"), std::string::npos) << scene.notes[0];
 }
 
+// A link that is fixed to another names the same body: here in a joint and in a probe.
+TEST(Urdf, FixedLinksNameTheirBody) {
+  const TextFile file(arm, ".urdf");
+  const Scene scene = scene_from(entry(file) +
+                                 "joints:\n  - {type: ball, bodies: [r/tool, world], anchor: [0, 0, 0]}\nprobes:\n  - {name: f, "
+                                 "force: {on: r/tool, by: r/lower}}\n");
+  EXPECT_EQ(scene.joints.back().ids[0], 2);
+  EXPECT_EQ(scene.body_name(2), "r/lower");
+  EXPECT_EQ(
+      fault_of(entry(file) + "joints:\n  - {type: ball, bodies: [r/tol, world], anchor: [0, 0, 0]}\n"),
+      "FILE:4: key 'joints[0].bodies[0]': found r/tol, a name that no part of r has, expected the name of a body, as door or "
+      "pile[3], its entry's place in the list, or world");
+}
+
+TEST(Urdf, MomentsThatNoSolidHasAreTold) {
+  const TextFile file(
+      "<robot name=\"m\">\n" + link("m", inertial(1, "xyz=\"0 0 0\"", "ixx=\"1\" iyy=\"1\" izz=\"3\"")) + "</robot>\n", ".urdf");
+  const Scene scene = scene_from(entry(file, ", base: free"));
+  ASSERT_EQ(scene.notes.size(), 1U);
+  EXPECT_NE(scene.notes[0].find("link m has moments of inertia that no solid has"), std::string::npos) << scene.notes[0];
+  EXPECT_NEAR(scene.body(0).properties.inertia.maxCoeff(), 3, 1e-12);
+}
+
 // x = l1 sin q1 + ... of both hinges about y, from where the entry places the base.
 TEST(Urdf, JointsStartWhereTheEntrySays) {
   const TextFile file(arm, ".urdf");
