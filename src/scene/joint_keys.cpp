@@ -41,7 +41,7 @@ const Keys& turning_spring_keys() {
   static const Keys table{
       "turning_spring",
       "A spring and a damper that turn a hinge.",
-      {keys::number("stiffness", "N m/rad", not_negative, 0, "torque of the spring for each radian away from its rest"),
+      {keys::number("stiffness", "N m/rad", not_negative, "none", "torque of the spring for each radian away from its rest"),
        keys::number("damping", "N m s/rad", not_negative, 0, "torque against the motion, for each rad/s"),
        keys::number("rest", "degrees", {-180, 180}, 0, "angle at which the spring is at rest")}};
   return table;
@@ -51,7 +51,7 @@ const Keys& sliding_spring_keys() {
   static const Keys table{
       "sliding_spring",
       "A spring and a damper along a slider.",
-      {keys::number("stiffness", "N/m", not_negative, 0, "force of the spring for each metre away from its rest"),
+      {keys::number("stiffness", "N/m", not_negative, "none", "force of the spring for each metre away from its rest"),
        keys::number("damping", "N s/m", not_negative, 0, "force against the motion, for each m/s"),
        keys::number("rest", "m", any_number, 0, "offset at which the spring is at rest")}};
   return table;

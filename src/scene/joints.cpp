@@ -49,7 +49,7 @@ namespace {
 void read_joint_spring(const Value& value, Joint& joint) {
   const bool angle = turns_about_axis(joint.kind);
   const KeyedMap map(value, joint_spring_keys(angle));
-  joint.stiffness = map.number("stiffness"), joint.viscosity = map.number("damping");
+  joint.stiffness = map.number_if("stiffness").value_or(0), joint.viscosity = map.number("damping");
   if (!joint.is_sprung()) value.fail("neither stiffness nor damping", "one of the two > 0");
   if (joint.stiffness == 0) map.none_of({"rest"}, "of a damper alone");
   joint.rest = (angle ? degree : 1) * map.number("rest");
