@@ -48,7 +48,7 @@ Shape read_own_moments(const KeyedMap& entry, const Shape& shape, double mass, c
   return shape_library().add(with_moments(shape, moments_of(volume(shape), at, second / mass)));
 }
 
-// Whether its mass lies in another way than that of its shape.
+// Whether the entry gives its bodies a centre of mass or an inertia matrix other than those of a solid of one density.
 bool has_own_moments(const KeyedMap& entry) {
   const Value *centre = entry.value().find("centre_of_mass"), *inertia = entry.value().find("inertia");
   return centre != nullptr || (inertia != nullptr && inertia->entries.size() == 6);

@@ -62,7 +62,7 @@ struct RobotBody {
   }
 };
 
-// Whether no principal moment is larger than the sum of the other two.
+// Whether a solid can have this inertia: none of its principal moments is larger than the sum of the other two.
 bool is_of_a_solid(const Mat3& inertia) {
   const Vec3 moments = Eigen::SelfAdjointEigenSolver<Mat3>(inertia, Eigen::EigenvaluesOnly).eigenvalues();
   return 2 * moments.maxCoeff() <= moments.sum() * (1 + 1e-9);

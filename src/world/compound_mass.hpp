@@ -7,7 +7,7 @@
 
 namespace unibody {
 
-// What counts where parts overlap: the mass of each of them, or that of the first of them in their order.
+// Where parts overlap, `twice` counts the mass of each of them, and `once` counts that of the first part in the list alone.
 enum class Overlap : std::uint8_t { twice, once };
 
 struct CompoundMass {
@@ -17,8 +17,8 @@ struct CompoundMass {
   Mat3 second = Mat3::Zero();  // m^2, of the mass about the centre, per mass
 };
 
-// densities: kg/m^3, of each part. Parts are summed by closed formulas; what overlaps is taken out of the later part by counting
-// the middles of 10^6 cells of the box in which it lies, which is good to some 1e-3 of that overlap.
+// Sums the mass of parts with these densities (kg/m^3) by the closed formulas of their shapes. With Overlap::once, the volume that
+// a part shares with parts before it is found by 10^6 points of the box around it, to some 1e-3 of that volume, and taken away.
 CompoundMass compound_mass(std::span<const Compound::Part> parts, std::span<const double> densities, Overlap overlap);
 
 }  // namespace unibody

@@ -30,7 +30,7 @@ Mat3 box_inertia(double mass, const Vec3& size, const Vec3& from_centre) {
 
 }  // namespace
 
-// A hammer: a handle of wood along z and a head of steel across its end.
+// The body is a hammer: its handle is of wood and lies along z, and its head is of steel and lies across the handle's end.
 TEST(BodyMass, PartsHaveTheirDensities) {
   const std::string parts =
       "shape: {compound: {parts: [{shape: {box: {size: [0.04, 0.02, 0.3]}}, density: 700}, "
