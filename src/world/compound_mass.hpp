@@ -17,8 +17,9 @@ struct CompoundMass {
   Mat3 second = Mat3::Zero();  // m^2, of the mass about the centre, per mass
 };
 
-// Sums the mass of parts with these densities (kg/m^3) by the closed formulas of their shapes. With Overlap::once, the volume that
-// a part shares with parts before it is found by 10^6 points of the box around it, to some 1e-3 of that volume, and taken away.
+// Sums the mass of parts with these densities (kg/m^3) by the closed formulas of their shapes. With Overlap::once, the volume
+// that a part shares with parts before it is found by 10^6 points of the box around it, to some 1e-3 of that volume, and taken
+// away.
 CompoundMass compound_mass(std::span<const Compound::Part> parts, std::span<const double> densities, Overlap overlap);
 
 }  // namespace unibody
