@@ -2,6 +2,7 @@
 
 #include <iterator>
 
+#include "report/breaks.hpp"
 #include "report/changing_bodies.hpp"
 #include "report/joint_report.hpp"
 #include "report/strain.hpp"
@@ -40,6 +41,7 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   if (scene.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
   add(joint_columns(comm, scene.joints, simulation.joints, simulation.joint_slots, simulation.joint_states(),
                     step.residual_of<JointBatch>()));
+  add(break_columns(scene, simulation.history.past));
   if (simulation.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
   if (scene.solver.accuracy) columns.push_back({"estimated_error (m)", report.estimated_error});
   if (from.options.error_estimate > 0) add_error_columns(step, columns);

@@ -95,6 +95,9 @@ std::string physics_of(const Scene& scene) {
          << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' ' << j.swing << ' '
          << static_cast<int>(j.motor) << ' ' << j.target.text() << ' ' << j.strength << ' ' << j.friction;
     for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
+    if (const Strength& s = j.bears; s.any())
+      text << " bears " << s.force << ' ' << s.torque << ' ' << s.tension << ' ' << s.shear << ' ' << s.bending << ' '
+           << s.twisting;
     if (j.is_sprung()) text << " spring " << j.stiffness << ' ' << j.viscosity << ' ' << j.rest;
     text << '\n';
   }

@@ -20,6 +20,7 @@
 #include "app/wishes.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "report/breaks.hpp"
 #include "report/changing_bodies.hpp"
 #include "report/contact_file.hpp"
 #include "report/elastic_energy.hpp"
@@ -162,6 +163,7 @@ class Run {
   std::optional<ReportFile> report_file_;
   std::optional<Output> frames_;
   std::optional<JointFiles> joint_files_;
+  std::optional<BreakFile> break_file_;
   std::optional<ContactFile> contact_file_;
   std::vector<ContactImpulse> contact_impulses_;  // of the frame's last step, where they are to be written
   ContactProblem problem_;
@@ -251,6 +253,7 @@ void Run::open_files() {
                     changing_bodies(scene_));
   report_file_.emplace(comm_, options_.output + "/report.csv", further_columns({}, {}), kept_to);
   if (scene_.output.joints && simulation_.traits.has_joints) joint_files_.emplace(comm_, options_.output, scene_.joints, kept_to);
+  if (scene_.joints_break()) break_file_.emplace(comm_, options_.output, scene_);
   if (scene_.output.contacts > 0) contact_file_.emplace(comm_, options_.output, scene_, kept_to);
 }
 
@@ -260,6 +263,7 @@ void Run::write(std::int64_t frame) {
   if (frames_ && frame % scene_.output.every == 0 && !frames_->holds(frame)) frames_->write(frame, time, simulation_.world);
   if (joint_files_ && frame % std::max(1, scene_.output.every) == 0 && !joint_files_->holds(frame))
     joint_files_->write(frame, time, simulation_.joints, simulation_.joint_slots, simulation_.joint_states());
+  if (break_file_) break_file_->write(simulation_.history.past.breaks);
   if (writes_contacts(frame)) contact_file_->write(frame, time, std::exchange(contact_impulses_, {}), simulation_.whole_step);
 }
 
@@ -311,6 +315,7 @@ void Run::finish() {
   report_file_->close();
   if (frames_) frames_->close();
   if (joint_files_) joint_files_->close();
+  if (break_file_) break_file_->close();
   if (contact_file_) contact_file_->close();
   summary_.state_hash = state_hash(comm_, simulation_.world);
   summary_.solver = simulation_.settings_used(), summary_.overrides = options_.overrides;
@@ -323,6 +328,7 @@ void Run::finish() {
   summary_.files = {"report.csv"};
   if (frames_) summary_.files.insert(summary_.files.end(), {"frames.h5", "frames.xdmf"});
   if (joint_files_) summary_.files.insert(summary_.files.end(), {"joints.csv", "joints.h5"});
+  if (break_file_) summary_.files.push_back("breaks.csv");
   if (contact_file_) summary_.files.insert(summary_.files.end(), {"contacts.h5", "contacts.xdmf"});
   if (scene_.output.checkpoint_every >= 0) summary_.files.push_back("checkpoint.h5");
   if (dumped_) summary_.files.push_back(options_.dump_fclib);

@@ -90,6 +90,7 @@ void RunningScene::fix_scene() {
 
 void RunningScene::write_checkpoint(const std::string& path, std::int64_t frame) {
   fix_scene();
+  simulation.detect();  // the history then knows which joints the last step has broken
   const SceneOutline outline = outline_of(scene_);
   unibody::write_checkpoint(comm_, path, mark_, frame, static_cast<double>(frame) * scene_.time.frame, scene_.body_count(),
                             simulation.elements(), simulation.history, &outline);

@@ -58,7 +58,8 @@ void change_bodies(Simulation& simulation, const Event& event) {
 
 // What an event does to the scene itself. start: s, when it happens.
 void change_laws(Scene& scene, const Event& event, double start) {
-  for (const std::size_t joint : event.joints) scene.joints[joint].target = event.value.later(start);
+  if (event.action == Action::motor)
+    for (const std::size_t joint : event.joints) scene.joints[joint].target = event.value.later(start);
   if (event.action == Action::friction)
     scene.friction_in_time->set(event.materials[0], event.materials[1], event.value.later(start));
 }
@@ -84,6 +85,7 @@ Changed happen(Simulation& simulation, Scene& scene, std::int64_t frame) {
     if (happened == 0 && !event.when && event.time <= now + rounding) happened = frame;
     if (happened != frame) continue;
     change_laws(scene, event, now);
+    if (event.action == Action::release) simulation.release(event.joints);
     if (event.groups.empty()) continue;
     change_bodies(simulation, event);
     changed = event.action == Action::add ? Changed::much : std::max(changed, Changed::little);

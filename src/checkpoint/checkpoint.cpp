@@ -357,7 +357,7 @@ std::vector<Body> Checkpoint::read_bodies(Id first, Id last, bool of_same_scene)
 void Checkpoint::read_histories(const Elements& elements, History& history) const {
   reading(path_, [&] {
     unibody::read_histories(file_, count_, elements, history);
-    read_past(file_, history);
+    read_past(file_, elements.joints == nullptr ? 0 : elements.joints->joints.size(), history);
     if (elements.joints != nullptr) history.joints() = read_joint_impulses(file_, *elements.joints->list);
   });
 }

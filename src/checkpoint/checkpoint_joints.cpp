@@ -12,7 +12,7 @@ namespace unibody {
 
 namespace {
 
-constexpr hsize_t columns = std::tuple_size_v<decltype(JointImpulses::value)>;
+constexpr hsize_t columns = std::tuple_size_v<decltype(JointImpulses::value)> + std::tuple_size_v<decltype(JointImpulses::load)>;
 static_assert(sizeof(JointImpulses) == columns * sizeof(double));
 
 }  // namespace
@@ -41,7 +41,8 @@ JointRowBlock joint_row_block(MPI_Comm comm, const JointInput* joints, std::span
 bool write_joint_rows(hid_t file, const JointRowBlock& block) {
   if (block.count == 0) return true;
   const auto table = h5::create_dataset(file, "joints", H5T_IEEE_F64LE, static_cast<hsize_t>(block.count), columns);
-  h5::write_attribute(table, "columns", std::string("impulse of each row, limit, motor, friction (N s or N m s)"));
+  h5::write_attribute(table, "columns",
+                      std::string("impulse of each row, limit, motor, friction (N s or N m s), mean load (N and N m)"));
   return h5::write_rows(table, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(block.first), block.rows.size(), block.rows.data());
 }
 
@@ -59,9 +60,10 @@ std::vector<JointImpulses> read_joint_impulses(hid_t file, const JointList& list
     h5::read_rows(table, H5T_NATIVE_DOUBLE, static_cast<hsize_t>(first), rows.size(), rows.data());
     for (; i < list.size() && list[i] < first + count; ++i) result[i] = rows[static_cast<std::size_t>(list[i] - first)];
   }
+  const auto is_finite = [](double x) { return std::isfinite(x); };
   for (const JointImpulses& impulses : result)
-    if (!std::all_of(impulses.value.begin(), impulses.value.end(), [](double x) { return std::isfinite(x); }))
-      throw std::runtime_error("an impulse of a joint is not finite");
+    if (!std::ranges::all_of(impulses.value, is_finite) || !std::ranges::all_of(impulses.load, is_finite))
+      throw std::runtime_error("an impulse or load of a joint is not finite");
   return result;
 }
 

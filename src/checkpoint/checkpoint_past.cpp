@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include "core/checked.hpp"
@@ -87,12 +88,14 @@ const Table inlets("inlets", 2, "bodies drawn, placed"), inlet_masses("inlet_mas
 const Table waiting("waiting", 2, "inlet, number of a body that waits for room");
 const Table outlets("outlets", 1, "bodies removed"), outlet_masses("outlet_masses", 1, "mass removed (kg)");
 
+const Table breaks("breaks", 4, "joint that has broken, time (s), force (N), torque (N m) that it bore");
+
 bool is_none(const Past& past) { return past.events.empty() && past.inlets.empty() && past.outlets.empty(); }
 
 bool write_happened(MPI_Comm comm, hid_t file, const Past& past) {
-  if (is_none(past)) return true;
+  if (is_none(past) && past.breaks.empty()) return true;
   std::vector<std::int64_t> drawn, waits, removed;
-  std::vector<double> masses, removed_masses;
+  std::vector<double> masses, removed_masses, broken;
   for (std::size_t i = 0; i < past.inlets.size(); ++i) {
     const InletPast& inlet = past.inlets[i];
     drawn.insert(drawn.end(), {inlet.drawn, inlet.placed});
@@ -100,17 +103,33 @@ bool write_happened(MPI_Comm comm, hid_t file, const Past& past) {
     for (const Id number : inlet.waiting) waits.insert(waits.end(), {static_cast<std::int64_t>(i), number});
   }
   for (const OutletPast& outlet : past.outlets) removed.push_back(outlet.removed), removed_masses.push_back(outlet.removed_mass);
+  for (const Break& one : past.breaks)
+    broken.insert(broken.end(), {static_cast<double>(one.joint), one.time, one.force, one.torque});
   const auto group = h5::create_group(file, "past");
   bool good = events.write(comm, group, past.events);
   good = inlets.write(comm, group, drawn) && good;
   good = inlet_masses.write(comm, group, masses) && good;
   good = waiting.write(comm, group, waits) && good;
   good = outlets.write(comm, group, removed) && good;
+  good = breaks.write(comm, group, broken) && good;
   return outlet_masses.write(comm, group, removed_masses) && good;
 }
 
-void read_happened(hid_t file, Past& past) {
-  if (is_none(past)) return;
+std::vector<Break> read_breaks(hid_t group, std::size_t joints) {
+  const std::vector<double> numbers = breaks.read<double>(group, {});
+  std::vector<Break> result;
+  std::set<std::int64_t> known;
+  for (std::size_t k = 0; k < numbers.size(); k += 4) {
+    if (!(numbers[k] < static_cast<double>(joints)) || numbers[k] != std::floor(numbers[k]))
+      throw std::runtime_error("a joint of past/breaks is none of the scene's");
+    result.push_back({static_cast<std::int64_t>(numbers[k]), numbers[k + 1], numbers[k + 2], numbers[k + 3]});
+    if (!known.insert(result.back().joint).second) throw std::runtime_error("a joint of past/breaks has broken twice");
+  }
+  return result;
+}
+
+void read_happened(hid_t file, std::size_t joints, Past& past) {
+  if (is_none(past) && (joints == 0 || !h5::has_link(file, "past"))) return;
   if (!h5::has_link(file, "past")) throw std::runtime_error("it does not say what has happened of the scene's events and inlets");
   const h5::Handle group(H5Gopen2(file, "past", H5P_DEFAULT), H5Gclose, "open group past");
   past.events = events.read<std::int64_t>(group, past.events.size());
@@ -126,6 +145,7 @@ void read_happened(hid_t file, Past& past) {
       throw std::runtime_error("a body of past/waiting is out of order");
     inlet.waiting.push_back(waits[k + 1]);
   }
+  past.breaks = read_breaks(group, joints);
   const auto removed = outlets.read<std::int64_t>(group, past.outlets.size());
   const auto removed_masses = outlet_masses.read<double>(group, past.outlets.size());
   for (std::size_t o = 0; o < past.outlets.size(); ++o) past.outlets[o] = {removed[o], removed_masses[o]};
@@ -138,9 +158,9 @@ bool write_past(MPI_Comm comm, hid_t file, const History& history) {
   return write_happened(comm, file, history.past);
 }
 
-void read_past(hid_t file, History& history) {
+void read_past(hid_t file, std::size_t joints, History& history) {
   read_accuracy(file, history);
-  read_happened(file, history.past);
+  read_happened(file, joints, history.past);
 }
 
 }  // namespace unibody

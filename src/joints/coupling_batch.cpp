@@ -66,6 +66,7 @@ void CouplingBatch::build(const BuildContext& context) {
     for (std::size_t i = 0; i < input.couplings_here->size(); ++i) {
       const Coupling& coupling = input.couplings[static_cast<std::size_t>((*input.couplings_here)[i])];
       if (context.by_colour && coupling.colour != colour) continue;
+      if (input.is_broken(coupling.joints[0]) || input.is_broken(coupling.joints[1])) continue;
       const CouplingSlots& slots = (*input.coupling_slots)[i];
       Row row{};
       row.factor = {1, -coupling.ratio}, row.number = i, row.counted = slots.counted;

@@ -11,6 +11,7 @@
 
 #include "core/time_value.hpp"
 #include "core/types.hpp"
+#include "joints/strength.hpp"
 
 namespace unibody {
 
@@ -44,6 +45,7 @@ struct Joint {
   // Of a spring and a damper about a hinge's angle or along a slider's offset.
   double stiffness = 0, viscosity = 0;  // N m/rad and N m s/rad, or N/m and N s/m
   double rest = 0;                      // rad or m, where the spring is at rest
+  Strength bears;                       // what it bears before it breaks
 
   bool is_limited() const { return lower > -infinity || upper < infinity; }
   bool is_sprung() const { return stiffness > 0 || viscosity > 0; }
@@ -59,10 +61,11 @@ struct Joint {
 inline bool turns_about_axis(JointKind kind) { return kind == JointKind::hinge || kind == JointKind::ball; }
 
 // Impulses (N s or N m s) of a joint in the last step: of its own rows, six at most, of limits, motor and friction; of a ball's
-// cone behind its three rows, and of the spring of a hinge or slider behind its five.
+// cone behind its three rows, and of the spring of a hinge or slider behind its five. And what it has borne of late.
 struct JointImpulses {
   static constexpr std::size_t cone = 3, spring = 5, limits = 6, motor = 7, friction = 8;
   std::array<double, 9> value{};
+  std::array<double, 6> load{};  // N, N m: mean force and torque on the first body, in its copy of the axes (Strength::duration)
 };
 
 // The joints that touch some bodies, by their numbers in Scene::joints, ascending.

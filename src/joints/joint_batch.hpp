@@ -51,10 +51,16 @@ struct JointInput {
   std::int32_t colours = 0;              // of all joints of the scene
   bool any_tree = false;                 // some of the scene's joints are solved as trees
 
+  const std::vector<std::uint8_t>* broken = nullptr;  // 1 for those of the scene's joints that do nothing; empty: none
+
   std::span<const Coupling> couplings = {};                    // of the scene
   const JointList* couplings_here = nullptr;                   // their numbers
   const std::vector<CouplingSlots>* coupling_slots = nullptr;  // of each of these
   std::int32_t coupling_colours = 0;
+
+  bool is_broken(std::int64_t joint) const {
+    return broken != nullptr && !broken->empty() && (*broken)[static_cast<std::size_t>(joint)] != 0;
+  }
 };
 
 inline constexpr double most_turn_of_rows = 0.5;  // rad in a step, up to which rows are taken as curved as they are

@@ -37,6 +37,7 @@ void JointBatch::count(const BuildContext& context, std::span<std::int32_t> coun
   const std::vector<JointSlots>& slots = *context.elements.joints->slots;
   std::vector<std::uint8_t> in_tree(counts.size(), 0);
   for (std::size_t i = 0; i < list.size(); ++i) {
+    if (context.elements.joints->is_broken(list[i])) continue;
     const Joint& joint = joints[static_cast<std::size_t>(list[i])];
     const std::int32_t beside = (joint.is_limited() ? 1 : 0) + (joint.has_cone() ? 1 : 0) + (joint.motor != Motor::none ? 1 : 0) +
                                 (joint.friction > 0 ? 1 : 0) + (joint.is_sprung() ? 1 : 0);
@@ -168,6 +169,7 @@ void JointBatch::build(const BuildContext& context) {
   std::size_t next = 0;
   for (std::int32_t colour = 0; colour < (by_colour ? colours : 1); ++colour) {
     for (; next < order.size() && (!by_colour || joint_at(order[next]).colour == colour); ++next) {
+      if (context.elements.joints->is_broken(list[order[next]])) continue;
       const Joint& joint = joint_at(order[next]);
       const JointSlots& ends = slots[order[next]];
       Part part{};

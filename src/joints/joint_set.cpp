@@ -53,11 +53,11 @@ std::vector<JointSlots> joint_slots(std::span<const Joint> joints, const JointLi
   return slots;
 }
 
-void leave_out_jointed(std::span<const Joint> joints, const JointList& list, Contacts& contacts) {
+void leave_out_jointed(const JointInput& input, Contacts& contacts) {
   std::vector<std::pair<Id, Id>> pairs;
-  for (const std::int64_t number : list) {
-    const Joint& joint = at(joints, number);
-    if (!joint.collide && joint.ids[1] >= 0) pairs.push_back(std::minmax(joint.ids[0], joint.ids[1]));
+  for (const std::int64_t number : *input.list) {
+    const Joint& joint = at(input.joints, number);
+    if (!input.is_broken(number) && !joint.collide && joint.ids[1] >= 0) pairs.push_back(std::minmax(joint.ids[0], joint.ids[1]));
   }
   if (pairs.empty()) return;
   std::sort(pairs.begin(), pairs.end());

@@ -20,8 +20,8 @@ std::vector<Id> partners(std::span<const Joint> joints, const JointList& list, c
 // is static.
 std::vector<JointSlots> joint_slots(std::span<const Joint> joints, const JointList& list, const World& world, Slot nobody);
 
-// Takes away the contacts between bodies that a joint ties, unless it lets them collide.
-void leave_out_jointed(std::span<const Joint> joints, const JointList& list, Contacts& contacts);
+// Takes away the contacts between bodies that a joint ties, unless it lets them collide or has broken.
+void leave_out_jointed(const JointInput& input, Contacts& contacts);
 
 // Gives each joint the smallest colour that none before it has at its moving bodies. is_static(id): no solver moves the body.
 // Returns how many colours there are.
@@ -45,7 +45,8 @@ struct JointState {
   Vec3 force = Vec3::Zero();   // N, of its own rows on the first body, at its anchor
   Vec3 torque = Vec3::Zero();  // N m, about the anchor
   double limit = 0, motor = 0, friction = 0,
-         spring = 0;  // N m or N, along the coordinate; of a ball the length of its limits' torque
+         spring = 0;    // N m or N, along the coordinate; of a ball the length of its limits' torque
+  bool broken = false;  // it does nothing any more: all else is 0
 };
 JointState joint_state(const Joint& joint, const JointSlots& slots, const World& world, const JointImpulses& impulses,
                        double step);

@@ -55,7 +55,7 @@ std::size_t JointTrees::add(std::int32_t tree, const Side& a, const Side& b, con
 }
 
 // Bodies of each tree from its root outwards. The root is a body that a joint ties to what does not move, or the first body of
-// the tree's first joint.
+// the tree's first joint. Where joints have broken, each piece of a tree is one of its own.
 void JointTrees::find_order() {
   nodes_.clear();
   std::unordered_map<Slot, std::vector<std::int32_t>> at;  // joints of each body, ascending
@@ -68,16 +68,16 @@ void JointTrees::find_order() {
     if (root.emplace(link.tree, i).second) trees.push_back(link.tree);
     if (!link.side[0].moves || !link.side[1].moves) root[link.tree] = i;
   }
-  for (const std::int32_t tree : trees) {
-    Link& first = links_[root[tree]];
+  const auto is_held = [](const Link& link) { return !link.side[0].moves || !link.side[1].moves; };
+  const auto grow = [&](std::size_t from_link) {
+    Link& first = links_[from_link];
     std::vector<std::pair<Slot, std::size_t>> queue;  // a body and its place in nodes_
     const auto reach = [&](Link& link, std::size_t side, std::int32_t from) {
       queue.emplace_back(link.side[side].slot, nodes_.size());
       link.node[side] = static_cast<std::int32_t>(nodes_.size()), link.lower = side;
       nodes_.push_back({from});
     };
-    const bool held = !first.side[0].moves || !first.side[1].moves;
-    reach(first, first.side[0].moves ? 0 : 1, held ? static_cast<std::int32_t>(root[tree]) : -1);
+    reach(first, first.side[0].moves ? 0 : 1, is_held(first) ? static_cast<std::int32_t>(from_link) : -1);
     for (std::size_t next = 0; next < queue.size(); ++next) {
       const auto [slot, node] = queue[next];
       for (const std::int32_t i : at[slot]) {
@@ -88,7 +88,11 @@ void JointTrees::find_order() {
         if (link.side[1 - near].moves) reach(link, 1 - near, i);
       }
     }
-  }
+  };
+  for (const std::int32_t tree : trees) grow(root[tree]);
+  for (const bool held : {true, false})
+    for (std::size_t i = 0; i < links_.size(); ++i)
+      if (links_[i].node[0] < 0 && links_[i].node[1] < 0 && (!held || is_held(links_[i]))) grow(i);
 }
 
 void JointTrees::factor() {

@@ -292,6 +292,7 @@ std::vector<JointState> LiveSimulation::joint_states() {
   for (std::size_t j = 0; j < all.size(); ++j) {
     const auto numbers = numbers_of_state(all[j]);
     for (std::size_t k = 0; k < width; ++k) *numbers[k] = std::bit_cast<double>(bits[j * width + k]);
+    all[j].broken = simulation.joint_input.is_broken(static_cast<std::int64_t>(j));  // every rank knows all that have broken
   }
   return all;
 }

@@ -127,7 +127,7 @@ std::vector<JointForce> Simulation::joints() const {
     std::vector<JointForce> list;
     for (const JointState& s : data_->live.joint_states()) {
       JointForce& joint =
-          list.emplace_back(JointForce{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction, s.spring});
+          list.emplace_back(JointForce{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction, s.spring, s.broken});
       copy(s.force, joint.force), copy(s.torque, joint.torque);
     }
     return list;

@@ -123,6 +123,7 @@ struct JointForce {
   double motor;       // N m or N, of its motor, along the coordinate
   double friction;    // N m or N, of its friction, along the coordinate
   double spring;      // N m or N, of its spring and damper, along the coordinate
+  bool broken;        // it does nothing any more: all else is 0
 };
 
 // Energies and momenta of all bodies together, and how deep bodies penetrate each other.

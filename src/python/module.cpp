@@ -137,12 +137,13 @@ struct JointRow {
   double coordinate, drift, turn;
   double force[3], torque[3];
   double limit, motor, friction, spring;
+  bool broken;
 };
 
 py::array_t<JointRow> joint_rows(LiveSimulation& simulation) {
   std::vector<JointRow> rows;
   for (const JointState& s : simulation.joint_states()) {
-    JointRow row{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction, s.spring};
+    JointRow row{s.coordinate, s.drift, s.turn, {}, {}, s.limit, s.motor, s.friction, s.spring, s.broken};
     std::copy_n(s.force.data(), 3, row.force), std::copy_n(s.torque.data(), 3, row.torque);
     rows.push_back(row);
   }
@@ -254,7 +255,8 @@ void add_state(py::class_<LiveSimulation, Holder>& simulation) {
       .def("joints", joint_rows,
            "Each joint's state, with the forces of the last step, in the order of the scene: a structured array with coordinate "
            "(rad or m), drift (m), "
-           "turn (rad), force (N), torque (N m), and what limit, motor, friction and spring give (N m or N). Collective.")
+           "turn (rad), force (N), torque (N m), what limit, motor, friction and spring give (N m or N), and "
+           "whether it has broken. Collective.")
       .def("measures", measures_of,
            "A dict: penetration_max and penetration_rms (m), contact_pairs, contacts, kinetic_energy and potential_energy (J), "
            "linear_momentum (kg m/s), angular_momentum (kg m^2/s, about the origin). The same bits on any number of processes. "
@@ -346,7 +348,7 @@ PYBIND11_MODULE(unibody, m) {
   PYBIND11_NUMPY_DTYPE(StepRow, step, iterations, sliding_contacts, impacts, time, natural_residual, converged);
   PYBIND11_NUMPY_DTYPE(ContactRow, body_a, body_b, point, normal, gap, friction);
   PYBIND11_NUMPY_DTYPE(ForceRow, bodies, shares, point, normal, force, friction);
-  PYBIND11_NUMPY_DTYPE(JointRow, coordinate, drift, turn, force, torque, limit, motor, friction, spring);
+  PYBIND11_NUMPY_DTYPE(JointRow, coordinate, drift, turn, force, torque, limit, motor, friction, spring, broken);
   add_errors(m);
   m.def(
       "version", [] { return version_text(); }, "Version and commit, compiler, and the versions of PETSc, MPI, HDF5 and METIS.");

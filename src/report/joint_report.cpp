@@ -18,11 +18,11 @@ namespace unibody {
 namespace {
 
 constexpr int tag_states = 181;
-constexpr std::size_t columns = 13;
+constexpr std::size_t columns = 14;
 constexpr const char* column_names =
     "coordinate (rad or m),drift (m),turn (rad),force_x (N),force_y (N),force_z (N),torque_x (N m),torque_y (N m),torque_z (N m),"
     "limit (N m or N),motor (N m or N),friction (N m or N),"
-    "spring (N m or N)";
+    "spring (N m or N),broken (1)";
 
 }  // namespace
 
@@ -121,7 +121,7 @@ void JointFiles::write(std::int64_t frame, double time, const JointList& list, s
     const JointState& s = states[i];
     to[0].push_back({list[i],
                      {s.coordinate, s.drift, s.turn, s.force[0], s.force[1], s.force[2], s.torque[0], s.torque[1], s.torque[2],
-                      s.limit, s.motor, s.friction, s.spring}});
+                      s.limit, s.motor, s.friction, s.spring, s.broken ? 1.0 : 0.0}});
   }
   std::vector<Row> rows;
   for (const auto& from : exchange_all(comm_, to, tag_states)) rows.insert(rows.end(), from.begin(), from.end());

@@ -16,6 +16,7 @@
 #include "core/hash.hpp"
 #include "core/hdf5.hpp"
 #include "core/json.hpp"
+#include "report/breaks.hpp"
 #include "report/changing_bodies.hpp"
 #include "report/plan_json.hpp"
 #include "report/version.hpp"
@@ -120,7 +121,7 @@ void Summary::add(const FrameReport& report) {
 }
 
 std::string told(const Summary& summary, const Scene& scene) {
-  std::string text = told(summary.convergence, scene) + told(summary.past, scene);
+  std::string text = told(summary.convergence, scene) + told(summary.past, scene) + told_breaks(scene, summary.past);
   std::array<char, 256> line{};
   if (const ErrorSamples& e = summary.errors; e.count > 0) {
     std::snprintf(line.data(), line.size(),
@@ -167,6 +168,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
                                  .set("worst", error_json(e.worst_frame, e.worst))
                                  .set("last", error_json(e.last_frame, e.last)));
   if (!scene.events.empty() || scene.bodies_come_and_go()) j.set("changes", json_of(summary.past, scene));
+  if (scene.joints_break()) j.set("broken_joints", static_cast<std::int64_t>(summary.past.breaks.size()));
   j.set("peak_memory", peak_memory(comm));
   if (const CoarseCounts& c = summary.coarse; c.all() > 0)
     j.set("coarse_level", Json::object().set("solved", c.solved).set("touching", c.touching).set("gaining", c.gaining));

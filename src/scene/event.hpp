@@ -31,7 +31,7 @@ struct Event {
     add,       // of bodies that are absent: they are there, as they were at the start
     remove,    // of bodies: they are absent
     fix,       // of dynamic bodies: they are held where they are
-    release,   // of bodies that are held: they move freely, from rest
+    release,   // of bodies that are held: they move freely, from rest; of joints: they do nothing any more
     motor,     // of joints: gives their motors another target
     friction,  // of two materials: gives them another coefficient
   };

@@ -95,7 +95,9 @@ void for_each_name(const Value& value, Read&& read) {
   for (const Value& name : value.list("names")) read(name);
 }
 
-void read_motors(const KeyedMap& entry, const Scene& scene, Event& event) {
+// The joints that the event is about, each of which check(value, joint) may refuse.
+template <class Check>
+void read_joint_names(const KeyedMap& entry, const Scene& scene, Event& event, Check&& check) {
   for_each_name(entry.need("joints"), [&](const Value& value) {
     const std::string name = value.string("the name of a joint");
     const auto named = scene.joints_named.find(name);
@@ -104,10 +106,13 @@ void read_motors(const KeyedMap& entry, const Scene& scene, Event& event) {
       for (const auto& [other, joints] : scene.joints_named) names.push_back(other);
       value.fail(value.found() + ", a name that no joint has" + did_you_mean(name, names), "the name of a joint");
     }
-    for (const std::size_t joint : named->second) {
-      if (scene.joints[joint].motor == Motor::none) value.fail(name + ", a joint without a motor", "a joint with a motor");
-      event.joints.push_back(joint);
-    }
+    for (const std::size_t joint : named->second) check(value, scene.joints[joint]), event.joints.push_back(joint);
+  });
+}
+
+void read_motors(const KeyedMap& entry, const Scene& scene, Event& event) {
+  read_joint_names(entry, scene, event, [](const Value& value, const Joint& joint) {
+    if (joint.motor == Motor::none) value.fail(value.text + ", a joint without a motor", "a joint with a motor");
   });
   const Joint& first = scene.joints[event.joints.front()];
   const auto is_alike = [&](std::size_t joint) {
@@ -146,6 +151,12 @@ void read_groups(const KeyedMap& entry, Scene& scene, Event& event) {
   for_each_name(entry.need("bodies"), [&](const Value& name) { event.groups.push_back(read_group(name, scene, event.action)); });
 }
 
+// Of bodies that are held, of joints, or of both.
+void read_released(const KeyedMap& entry, Scene& scene, Event& event) {
+  if (!entry.has("joints") || entry.has("bodies")) read_groups(entry, scene, event);
+  if (entry.has("joints")) read_joint_names(entry, scene, event, [](const Value&, const Joint&) {});
+}
+
 // In the order of Event::Action.
 const std::array<ActionType, 7>& action_types() {
   static const std::array<ActionType, 7> types{
@@ -153,7 +164,7 @@ const std::array<ActionType, 7>& action_types() {
        {"add", {"bodies"}, read_groups},
        {"remove", {"bodies"}, read_groups},
        {"fix", {"bodies"}, read_groups},
-       {"release", {"bodies"}, read_groups},
+       {"release", {"bodies", "joints"}, read_released},
        {"motor",
         {"joints", "speed", "angle", "offset"},
         [](const KeyedMap& entry, Scene& scene, Event& event) { read_motors(entry, scene, event); }},
@@ -199,10 +210,11 @@ const Keys& event_keys() {
       "What happens once, at the start of a frame.",
       {keys::choice("do", actions, needed, "what happens"),
        keys::map("when", when_keys, "a map with time, or with column and below or above", needed, "when it happens"),
-       keys::other("bodies", "", "the name of an entry of bodies, or a list of names", "needed by add, remove, fix and release",
+       keys::other("bodies", "", "the name of an entry of bodies, or a list of names",
+                   "needed by add, remove, fix and, without joints, by release",
                    "the bodies that are added, removed, fixed or released", name_or_names),
-       keys::other("joints", "", "the name of a joint, or a list of names", "needed by motor", "the joints whose motors change",
-                   name_or_names),
+       keys::other("joints", "", "the name of a joint, or a list of names", "needed by motor",
+                   "the joints whose motors change, or that are released: they do nothing any more", name_or_names),
        keys::number_in_time("speed", "rad/s or m/s", any_number, "as the motor has",
                             "new speed of the motors; times count from the event"),
        keys::number_in_time("angle", "degrees", {-180, 180}, "as the motor has",

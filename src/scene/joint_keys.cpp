@@ -5,6 +5,7 @@
 
 #include "scene/in_time.hpp"
 #include "scene/joints.hpp"
+#include "scene/strength.hpp"
 
 namespace unibody {
 
@@ -67,6 +68,7 @@ std::vector<Key> behaviour_keys(JointKind kind) {
   if (!ties_points(kind) && kind != JointKind::ball)
     keys.push_back(
         keys::number("turning_compliance", "rad/(N m)", not_negative, 0, "of rows that measure an angle: 1 / stiffness"));
+  keys.push_back(strength_key(ties_points(kind) || kind == JointKind::ball ? pull_strength_keys : joint_strength_keys));
   if (kind == JointKind::hinge || kind == JointKind::slider) {
     keys.push_back(keys::numbers("limits", 2, turns ? "degrees" : "m", turns ? Range{-180, 180} : any_number, "none",
                                  "lower and upper limit of a hinge's angle or a slider's offset"));

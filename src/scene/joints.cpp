@@ -9,6 +9,7 @@
 #include "scene/flexible.hpp"
 #include "scene/in_time.hpp"
 #include "scene/joint_keys.hpp"
+#include "scene/strength.hpp"
 
 namespace unibody {
 
@@ -210,6 +211,7 @@ void read_joint_behaviour(const KeyedMap& map, const Scene& scene, Joint& joint)
   joint.collide = map.flag("collide"), joint.compliance = map.number("compliance"), joint.damping = map.number("damping");
   const auto may_have = [&](const char* name) { return map.value().find(name) != nullptr; };  // the type has it, if it is given
   if (may_have("turning_compliance")) joint.turning = map.number("turning_compliance");
+  if (may_have("strength")) joint.bears = read_strength(map.need("strength"), map.key("strength").maps.front()());
   if (may_have("limits")) read_limits(map, "limits", joint);
   if (may_have("twist_limits")) read_limits(map, "twist_limits", joint);
   if (may_have("swing_limit")) joint.swing = degree * map.number("swing_limit");

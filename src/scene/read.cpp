@@ -7,6 +7,7 @@
 #include "joints/coupling_set.hpp"
 #include "joints/joint_set.hpp"
 #include "scene/body_entry.hpp"
+#include "scene/bonds.hpp"
 #include "scene/couplings.hpp"
 #include "scene/events.hpp"
 #include "scene/flexible.hpp"
@@ -159,6 +160,9 @@ const std::vector<Section>& sections() {
       {list_key("threads", thread_keys, "threads"), read_threads},
       {list_key("solids", solid_keys, "soft solids"), read_solids},
       {list_key("joints", joint_keys, "joints between bodies"), read_joints},
+      {list_key("bonds", bond_keys,
+                "fixed joints that may break, between all bodies of some entries that lie next to each other"),
+       read_bonds},
       {list_key("couplings", coupling_keys, "joints whose angles or offsets go with each other, as by gears"), read_couplings},
       {list_key("probes", probe_keys, "what report.csv measures beside its usual columns"), read_probes},
       {list_key("outlets", outlet_keys, "boxes in which bodies leave the scene"), read_outlets},
@@ -205,6 +209,11 @@ bool Scene::bodies_come_and_go() const {
   const auto removes = [](const Event& event) { return event.action == Event::Action::remove; };
   return lacks_bodies || !outlets.empty() || std::ranges::any_of(events, removes) ||
          std::ranges::any_of(groups, [](const BodyGroup& g) { return g.start == Start::absent; });
+}
+
+bool Scene::joints_break() const {
+  const auto releases = [](const Event& event) { return event.action == Event::Action::release && !event.joints.empty(); };
+  return std::ranges::any_of(events, releases) || std::ranges::any_of(joints, [](const Joint& j) { return j.bears.any(); });
 }
 
 std::string Scene::body_name(Id id) const {

@@ -186,6 +186,7 @@ struct Scene {
   const BodyGroup& group_of(Id id) const;  // id in [0, body_count())
   bool has_rotations() const;              // false: all bodies but fixed ones are particles
   bool bodies_come_and_go() const;         // some are absent at the start, or may be later
+  bool joints_break() const;               // some joint does where it bears too much, or is released by an event
   Body body(Id id) const;                  // id in [0, body_count())
   std::string body_name(Id id) const;      // "crate" or "pile[17]"; "body 17" where the entry has no name
   double friction_of(int material_a, int material_b) const {

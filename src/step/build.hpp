@@ -21,8 +21,4 @@ std::vector<Id> partners(const World& world, const ConstraintSet& constraints);
 // velocity that takes it to its point of that body in the step (s) to come; released, it keeps its last one.
 void hold_pinned(const Scene& scene, World& world, double time, double step);
 
-// A world of these home bodies and statics, each in ascending id; no guests yet.
-World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations = true,
-                 const Period& period = {});
-
 }  // namespace unibody

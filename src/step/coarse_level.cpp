@@ -30,8 +30,9 @@ std::vector<std::uint8_t> touched_groups(const RankState& state) {
     for (const Id id : c.ids) touch(id);
   for (const AttachedNode& a : state.attached)
     for (const Id id : a.ids) touch(id);
-  for (const Joint& joint : state.scene.joints)
-    for (const Id id : joint.ids) touch(id);
+  for (std::size_t j = 0; j < state.scene.joints.size(); ++j)
+    if (!state.joint_input.is_broken(static_cast<std::int64_t>(j)))
+      for (const Id id : state.scene.joints[j].ids) touch(id);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, touched.data(), static_cast<int>(touched.size()), MPI_UINT8_T, MPI_MAX, state.comm()));
   return touched;
 }

@@ -133,7 +133,7 @@ bool find_contacts(RankState& state) {
       .collide(state.world, state.collide_settings, state.contacts, state.surfaces.empty() ? nullptr : &state.surfaces,
                state.crowd_ranks);
   leave_out_attached(state.scene, state.world, state.time(), state.contacts);
-  leave_out_jointed(state.scene.joints, state.joints, state.contacts);
+  leave_out_jointed(state.joint_input, state.contacts);
   if (!state.collide_settings.stiction.empty()) add_stiction(state.world, state.collide_settings, state.contacts);
   state.adhesive = adhesive_impulses(state);
   assume([&] { return fault_of(state.contacts, state.world); });

@@ -70,6 +70,7 @@ int parts_of_step(const RankState& state) {
   if (!state.traits.has_joints || !state.world.has_rotations) return least;
   double fastest = 0;
   for (std::size_t i = 0; i < state.joints.size(); ++i) {
+    if (state.joint_input.is_broken(state.joints[i])) continue;
     const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.joints[i])];
     for (const auto& [end, slot] :
          {std::pair(std::size_t{0}, state.joint_slots[i].a), std::pair(std::size_t{1}, state.joint_slots[i].b)})

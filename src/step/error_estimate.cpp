@@ -9,6 +9,7 @@
 #include "solve/friction_postprocess.hpp"
 #include "solve/surface_guard.hpp"
 #include "step/assemble.hpp"
+#include "step/breaking.hpp"
 #include "step/build.hpp"
 #include "step/detect.hpp"
 #include "step/division.hpp"
@@ -186,6 +187,7 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
   set_loads(other);
   make_constraints(other);
   take_history(state, solved, other);
+  know_breaks(other);
   refresh_guests(other);
   build_lasting(other, system);
   find_contacts(other);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/types.hpp"
+#include "joints/strength.hpp"
 #include "solve/batches.hpp"
 
 namespace unibody {
@@ -39,11 +40,13 @@ struct OutletPast {
   double removed_mass = 0;  // kg
 };
 
-// What has happened in a run of the scene's events, inlets and outlets, each in their order in the scene: the same on all ranks.
+// What has happened in a run of the scene's events, inlets and outlets, each in their order in the scene, and of its joints: the
+// same on all ranks.
 struct Past {
   std::vector<std::int64_t> events;  // the frame at whose start each took or takes effect, from 1; 0: it has not happened
   std::vector<InletPast> inlets;
   std::vector<OutletPast> outlets;
+  std::vector<Break> breaks;  // in the order in which joints broke: by time, then by joint
 };
 
 // The multipliers of the last step, of each batch; of the contacts those from which the next velocity stage starts.

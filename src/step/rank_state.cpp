@@ -13,8 +13,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
       shares_memory(in_shared_memory),
       whole_step(scene.time.frame / scene.time.substeps),
       solver(find_solver(scene.solver.name)),
-      joint_input{scene.joints,    &joints,    &joint_slots,    scene.joint_colours,   scene.joint_trees > 0,
-                  scene.couplings, &couplings, &coupling_slots, scene.coupling_colours},
+      joint_input{scene.joints, &joints,         &joint_slots, scene.joint_colours, scene.joint_trees > 0,
+                  &broken,      scene.couplings, &couplings,   &coupling_slots,     scene.coupling_colours},
       surfaces(scene.surfaces),
       drag(scene),
       form(scene.solver.form),
@@ -26,9 +26,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
   traits.adheres = scene.pairs.any(PairValue::adhesion) || scene.pairs.any(PairValue::surface_energy);
   if (traits.adheres) traits.adhesion_range = std::ranges::max(scene.pairs[PairValue::adhesion_range]);
-  for (const Joint& joint : scene.joints) tied.insert(tied.end(), joint.ids.begin(), joint.ids.end());
-  for (const Attachment& attachment : scene.attachments) tied.push_back(attachment.node), tied.push_back(attachment.body);
-  std::ranges::sort(tied);
+  joints_break = std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.bears.any(); });
+  tied = tied_bodies(scene, broken);
   for (const BodyGroup& group : scene.groups)
     if (group.surface_motion) belts.push_back(&group);
   for (const BodyGroup& group : scene.groups)
@@ -48,6 +47,15 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   }
   collide_settings.material_count = scene.materials.size();
   if (scene.touch_rules.any()) collide_settings.touch_rules = &scene.touch_rules;
+}
+
+std::vector<Id> tied_bodies(const Scene& scene, const std::vector<std::uint8_t>& broken) {
+  std::vector<Id> tied;
+  for (std::size_t j = 0; j < scene.joints.size(); ++j)
+    if (broken.empty() || broken[j] == 0) tied.insert(tied.end(), scene.joints[j].ids.begin(), scene.joints[j].ids.end());
+  for (const Attachment& attachment : scene.attachments) tied.push_back(attachment.node), tied.push_back(attachment.body);
+  std::ranges::sort(tied);
+  return tied;
 }
 
 bool RankState::is_tied(Id id) const {
@@ -78,7 +86,7 @@ std::size_t RankState::bytes() const {
          bytes_of(multipliers.manifolds) + bytes_of(multipliers.points) + bytes_of(multipliers.places) +
          bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(attached) +
          bytes_of_pairs + drag.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) +
-         bytes_of(history.joints()) + bytes_of(joint_slots) + bytes_of(lasting_counts) + coarse.bytes();
+         bytes_of(history.joints()) + bytes_of(broken) + bytes_of(joint_slots) + bytes_of(lasting_counts) + coarse.bytes();
 }
 
 }  // namespace unibody

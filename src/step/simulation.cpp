@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "core/checked.hpp"
 #include "partition/migrate.hpp"
 #include "solve/centre_constraints.hpp"
 #include "step/assemble.hpp"
+#include "step/breaking.hpp"
 #include "step/build.hpp"
 #include "step/division.hpp"
 #include "step/move_history.hpp"
@@ -58,6 +60,8 @@ void Simulation::detect() {
   refresh_guests(*this);
   if (built_version_ != halo.version()) build_lasting(*this, system_);
   built_version_ = halo.version();
+  if (std::exchange(loads_are_new_, false)) break_overloaded(*this);
+  know_breaks(*this);
   const PhaseClock::Scope scope(clock, Phase::collide);
   crowded_ = find_contacts(*this);
   detected_ = true;
@@ -102,7 +106,7 @@ StepReport Simulation::take_part(const StepRequest& request) {
     StepRequest asked = request;
     asked.may_be_outrun = tries < most_searches;
     report = take_in_form(asked);
-    if (!report.outrun) finalise(*this, system_);
+    if (!report.outrun) finalise(*this, system_), loads_are_new_ = true;
     system_.clear(&scratch);
     detected_ = false;
     if (!report.outrun) break;
@@ -190,12 +194,20 @@ void Simulation::change_bodies(const BodyChanges& changes) {
   detected_ = false;
 }
 
+void Simulation::release(std::span<const std::size_t> released) {
+  release_joints(*this, released);
+  detected_ = false;
+}
+
 std::vector<JointState> Simulation::joint_states() const {
   if (joint_slots.size() != joints.size()) throw std::logic_error("joint_states() before detect()");
   std::vector<JointState> states;
   for (std::size_t i = 0; i < joints.size(); ++i)
-    states.push_back(joint_state(scene.joints[static_cast<std::size_t>(joints[i])], joint_slots[i], world, history.joints()[i],
-                                 RankState::step()));
+    if (joint_input.is_broken(joints[i]))
+      states.push_back({.broken = true});
+    else
+      states.push_back(joint_state(scene.joints[static_cast<std::size_t>(joints[i])], joint_slots[i], world, history.joints()[i],
+                                   RankState::step()));
   return states;
 }
 

@@ -39,6 +39,9 @@ class Simulation : public RankState {
   };
   void change_bodies(const BodyChanges& changes);
 
+  // Between steps: joints of the scene, by their places, that do nothing from now on. The same on every rank.
+  void release(std::span<const std::size_t> joints);
+
   // All constraints of the bodies that are home here, not yet loaded. detect() does it where nobody has.
   void make_constraints();
 
@@ -55,6 +58,7 @@ class Simulation : public RankState {
 
   System system_{&scratch};  // within step(), but for the batches that last
   bool detected_ = false, constraints_made_ = false, crowded_ = false;
+  bool loads_are_new_ = false;       // what joints bore in the last step has not been compared with what they bear
   std::int64_t built_version_ = -1;  // of the halo, for which the slots of the batches that last hold
 };
 

@@ -153,7 +153,7 @@ class RunOver {
     if (found != manifolds.end() && key_of(*found) == key) return true;
     return std::ranges::any_of(state_.joints, [&](auto j) {
       const Joint& joint = state_.scene.joints[static_cast<std::size_t>(j)];
-      return std::pair<Id, Id>(std::minmax(joint.ids[0], joint.ids[1])) == key;
+      return !state_.joint_input.is_broken(j) && std::pair<Id, Id>(std::minmax(joint.ids[0], joint.ids[1])) == key;
     });
   }
 

@@ -45,7 +45,10 @@ struct Period {
     constexpr double most = 1e9;
     Image image{};
     for (int k = 0; k < 3; ++k)
-      if (along(k)) image[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(std::clamp(number(k), -most, most));
+      if (along(k)) {
+        const double cells = number(k);  // not a number where the place is none, which the run finds out
+        image[static_cast<std::size_t>(k)] = static_cast<std::int32_t>(cells > -most ? std::min(cells, most) : -most);
+      }
     return image;
   }
 };

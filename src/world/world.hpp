@@ -79,4 +79,17 @@ struct World {
   }
 };
 
+// A world of these home bodies and statics, each in ascending id; no guests yet.
+inline World make_world(const std::vector<Body>& homes, const std::vector<Body>& statics, bool has_rotations = true,
+                        const Period& period = {}) {
+  World world;
+  world.period = period;
+  world.has_rotations = has_rotations;
+  world.homes = homes.size();
+  world.resize(homes.size() + statics.size());
+  for (std::size_t i = 0; i < homes.size(); ++i) world.set(i, homes[i]);
+  for (std::size_t i = 0; i < statics.size(); ++i) world.set(homes.size() + i, statics[i]);
+  return world;
+}
+
 }  // namespace unibody

@@ -1,0 +1,77 @@
+#include "step/breaking.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/checked.hpp"
+#include "partition/messages.hpp"
+
+namespace unibody {
+
+namespace {
+
+constexpr int tag_breaks = 191;
+
+// Takes the last step into the mean load of a joint that is here, and returns it as force and torque in the joint's axes.
+std::pair<Vec3, Vec3> add_load(RankState& state, std::size_t place) {
+  const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.joints[place])];
+  const JointSlots& slots = state.joint_slots[place];
+  JointImpulses& history = state.history.joints()[place];
+  const JointState now = joint_state(joint, slots, state.world, history, state.step());
+  const Mat3 to_joint = joint_end(joint, 0, state.world, slots.a).axes.transpose();
+  const double duration = std::max(joint.bears.duration, Strength::least_steps * state.whole_step);
+  const double weight = joint.bears.duration > 0 ? state.step() / duration : 1;  // an impulse counts by its time, however short
+  Eigen::Map<Vec3> force(history.load.data()), torque(history.load.data() + 3);
+  force += weight * (to_joint * now.force - force), torque += weight * (to_joint * now.torque - torque);
+  return {force, torque};
+}
+
+// Every rank's new breaks, in ascending order of the joints.
+std::vector<Break> all_of(MPI_Comm comm, const std::vector<Break>& here) {
+  int size = 1;
+  check_mpi(MPI_Comm_size(comm, &size));
+  std::vector<Break> all;
+  for (const auto& from : exchange_all(comm, std::vector(static_cast<std::size_t>(size), here), tag_breaks))
+    all.insert(all.end(), from.begin(), from.end());
+  std::ranges::sort(all, {}, &Break::joint);
+  return all;
+}
+
+}  // namespace
+
+void know_breaks(RankState& state) {
+  const std::vector<Break>& breaks = state.history.past.breaks;
+  if (breaks.size() == state.breaks_known) return;
+  state.breaks_known = breaks.size();
+  state.broken.assign(breaks.empty() ? 0 : state.scene.joints.size(), 0);
+  for (const Break& one : breaks) state.broken[static_cast<std::size_t>(one.joint)] = 1;
+  for (std::size_t i = 0; i < state.joints.size(); ++i)
+    if (state.joint_input.is_broken(state.joints[i])) state.history.joints()[i] = {};
+  state.tied = tied_bodies(state.scene, state.broken);
+}
+
+void break_overloaded(RankState& state) {
+  if (!state.joints_break) return;
+  std::vector<Break> here;
+  for (std::size_t i = 0; i < state.joints.size(); ++i) {
+    const std::int64_t number = state.joints[i];
+    const Strength& bears = state.scene.joints[static_cast<std::size_t>(number)].bears;
+    if (!bears.any() || state.joint_input.is_broken(number)) continue;
+    const auto [force, torque] = add_load(state, i);
+    if (state.joint_slots[i].counted && load_share(bears, force, torque) > 1)
+      here.push_back({number, state.time(), force.norm(), torque.norm()});
+  }
+  if (!state.any_over_ranks(!here.empty())) return;
+  const std::vector<Break> all = all_of(state.comm(), here);
+  state.history.past.breaks.insert(state.history.past.breaks.end(), all.begin(), all.end());
+}
+
+void release_joints(RankState& state, std::span<const std::size_t> joints) {
+  std::vector<Break>& breaks = state.history.past.breaks;
+  for (const std::size_t joint : joints) {
+    const auto number = static_cast<std::int64_t>(joint);
+    if (std::ranges::find(breaks, number, &Break::joint) == breaks.end()) breaks.push_back({number, state.time()});
+  }
+}
+
+}  // namespace unibody
