@@ -4,6 +4,8 @@
 #include <array>
 #include <map>
 #include <numeric>
+#include <set>
+#include <tuple>
 
 #include "checkpoint/checkpoint.hpp"
 #include "core/agreement.hpp"
@@ -188,6 +190,26 @@ std::vector<std::string> told_of_all(const std::string& start, const Scene& scen
   return told;
 }
 
+// A joint that has broken stays broken, if there is one of its kind between the same bodies. Returns how many do.
+std::size_t break_again(const Scene& scene, const SceneOutline& outline, const std::vector<const Entry*>& matches, Past& past) {
+  using Key = std::tuple<Id, Id, int>;
+  const auto id_before = [&](Id id) -> Id {
+    if (id < 0) return -1;
+    const BodyGroup& group = scene.group_of(id);
+    const Entry* entry = matches[static_cast<std::size_t>(&group - scene.groups.data())];
+    return entry == nullptr || id - group.first >= entry->count ? -2 : entry->first + (id - group.first);
+  };
+  const auto key_of = [](Id a, Id b, int kind) { return Key(std::min(a, b), std::max(a, b), kind); };
+  std::set<Key> broken;
+  for (const auto& joint : outline.broken) broken.insert(key_of(joint.ids[0], joint.ids[1], joint.kind));
+  for (std::size_t j = 0; j < scene.joints.size() && !broken.empty(); ++j) {
+    const Joint& joint = scene.joints[j];
+    if (broken.contains(key_of(id_before(joint.ids[0]), id_before(joint.ids[1]), static_cast<int>(joint.kind))))
+      past.breaks.push_back({static_cast<std::int64_t>(j)});
+  }
+  return past.breaks.size();
+}
+
 // The inlets of entries that go on have done their work.
 void close_inlets(const Scene& scene, const std::vector<const Entry*>& matches, Past& past) {
   std::size_t number = 0;
@@ -201,7 +223,7 @@ void close_inlets(const Scene& scene, const std::vector<const Entry*>& matches, 
 }  // namespace
 
 SceneOutline outline_of(const Scene& scene) {
-  SceneOutline outline{scene.planar, scene.lacks_bodies, scene.materials, {}};
+  SceneOutline outline{scene.planar, scene.lacks_bodies, scene.materials, {}, {}};
   for (const BodyGroup& group : scene.groups) outline.entries.push_back({group.first, group.count, group.name});
   return outline;
 }
@@ -237,10 +259,13 @@ std::vector<std::string> continue_from(MPI_Comm comm, const std::string& path, S
   expect_some(path, scene, outline, all);
   simulation.world = make_world(homes, statics, scene.has_rotations(), scene.period);
   close_inlets(scene, matches, simulation.history.past);
+  const std::size_t broken = break_again(scene, outline, matches, simulation.history.past);
 
   for (const Counts& of : all) scene.lacks_bodies = scene.lacks_bodies || of[gone] > 0;
-  return told_of_all("starts from frame " + std::to_string(checkpoint.frame()) + " of " + path + ", at time 0: ", scene, outline,
-                     matches, all);
+  auto told = told_of_all("starts from frame " + std::to_string(checkpoint.frame()) + " of " + path + ", at time 0: ", scene,
+                          outline, matches, all);
+  if (broken > 0) told.push_back("  " + std::to_string(broken) + " of the scene's joints have broken there, and are so here");
+  return told;
 }
 
 }  // namespace unibody

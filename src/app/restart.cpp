@@ -97,7 +97,7 @@ std::string physics_of(const Scene& scene) {
     for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
     if (const Strength& s = j.bears; s.any())
       text << " bears " << s.force << ' ' << s.torque << ' ' << s.tension << ' ' << s.shear << ' ' << s.bending << ' '
-           << s.twisting;
+           << s.twisting << ' ' << s.duration;
     if (j.is_sprung()) text << " spring " << j.stiffness << ' ' << j.viscosity << ' ' << j.rest;
     text << '\n';
   }

@@ -91,7 +91,11 @@ void RunningScene::fix_scene() {
 void RunningScene::write_checkpoint(const std::string& path, std::int64_t frame) {
   fix_scene();
   simulation.detect();  // the history then knows which joints the last step has broken
-  const SceneOutline outline = outline_of(scene_);
+  SceneOutline outline = outline_of(scene_);
+  for (const Break& one : simulation.history.past.breaks) {
+    const Joint& joint = scene_.joints[static_cast<std::size_t>(one.joint)];
+    outline.broken.push_back({joint.ids, static_cast<int>(joint.kind)});
+  }
   unibody::write_checkpoint(comm_, path, mark_, frame, static_cast<double>(frame) * scene_.time.frame, scene_.body_count(),
                             simulation.elements(), simulation.history, &outline);
 }

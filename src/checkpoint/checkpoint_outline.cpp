@@ -1,5 +1,6 @@
 #include "checkpoint/checkpoint_outline.hpp"
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
@@ -16,6 +17,7 @@ std::string text_of(const SceneOutline& outline) {
   text << "planar " << outline.planar << "\nlacks " << outline.lacks_bodies << '\n';
   for (const std::string& material : outline.materials) text << "material " << material << '\n';
   for (const auto& entry : outline.entries) text << "entry " << entry.first << ' ' << entry.count << ' ' << entry.name << '\n';
+  for (const auto& joint : outline.broken) text << "broken " << joint.ids[0] << ' ' << joint.ids[1] << ' ' << joint.kind << '\n';
   return text.str();
 }
 
@@ -47,6 +49,11 @@ SceneOutline read_outline(hid_t file, Id bodies) {
       words >> outline.lacks_bodies;
     } else if (kind == "material") {
       std::getline(words >> std::ws, outline.materials.emplace_back());
+    } else if (kind == "broken") {
+      SceneOutline::BrokenJoint& joint = outline.broken.emplace_back();
+      words >> joint.ids[0] >> joint.ids[1] >> joint.kind;
+      if (!words || std::ranges::any_of(joint.ids, [&](Id id) { return id < -1 || id >= bodies; }))
+        throw std::runtime_error("its broken joints are none");
     } else {
       SceneOutline::Entry& entry = outline.entries.emplace_back();
       words >> entry.first >> entry.count;

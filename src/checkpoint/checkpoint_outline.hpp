@@ -4,6 +4,7 @@
 
 #include <mpi.h>
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,16 @@ struct SceneOutline {
     Id first = 0, count = 0;
     std::string name;  // may be empty
   };
+  // A joint that has broken: the two bodies, of which the second may be -1, the world; what kind of joint it was.
+  struct BrokenJoint {
+    std::array<Id, 2> ids{-1, -1};
+    int kind = 0;
+  };
   bool planar = false;
   bool lacks_bodies = false;           // since the checkpoint that the scene's run went on from lacked them
   std::vector<std::string> materials;  // by number
   std::vector<Entry> entries;          // ascending ids
+  std::vector<BrokenJoint> broken;
 };
 
 // Writes the outline into a checkpoint that is open for writing. Returns false where the disk fails. Collective.

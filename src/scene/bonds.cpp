@@ -24,7 +24,8 @@ const Keys& beam_keys() {
       {keys::number("radius", "m", positive, "half of the smaller body's size", "radius of the beam"),
        keys::number("youngs_modulus", "Pa", positive, "rigid", "its Young's modulus"),
        keys::number("tensile_strength", "Pa", positive, "infinite", "the most that tension and bending together may pull it by"),
-       keys::number("shear_strength", "Pa", positive, "infinite", "the most that shear and twisting together may load it by")}};
+       keys::number("shear_strength", "Pa", positive, "infinite", "the most that shear and twisting together may load it by"),
+       duration_key()}};
   return table;
 }
 
@@ -113,6 +114,7 @@ std::vector<Neighbours> neighbours_of(const World& world, double gap, bool plana
 
 // Stiffness and strength of a beam (m long) of this radius (m).
 void take_beam(const KeyedMap& beam, double radius, double length, Joint& joint) {
+  joint.bears.duration = beam.number("duration");
   const double area = M_PI * radius * radius, second_moment = area * radius * radius / 4;
   if (const auto modulus = beam.number_if("youngs_modulus"))
     joint.compliance = length / (*modulus * area), joint.turning = length / (*modulus * second_moment);

@@ -226,6 +226,15 @@ std::string Scene::body_name(Id id) const {
 
 namespace {
 
+// What has broken stays so, and whether a joint breaks hangs on what it bears: where the scene leaves the iterations open, they are
+// as many as an accuracy takes.
+void take_care_of_breaking(Scene& scene) {
+  SolverSettings& solver = scene.solver;
+  const bool breaks = std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.bears.any(); });
+  if (breaks && !solver.accuracy && !solver.iterations && !solver.tolerance && solver.name != "newton")
+    solver.accuracy = default_accuracy;
+}
+
 void read_sections(const Value& root, Scene& scene) {
   const KeyedMap map(root, scene_keys());
   for (const Section& section : sections())
@@ -238,6 +247,7 @@ Scene read_root(const Value& root, const std::string& path, const Room& room) {
   scene.room = room;
   read_sections(root, scene);
   if (scene.groups.empty()) root.fail_missing("bodies", "a list of bodies and generators");
+  take_care_of_breaking(scene);
   check_starts(root, scene);
   read_touching(root, scene);
   check_periodic(root, scene);

@@ -1,5 +1,7 @@
 #include "scene/strength.hpp"
 
+#include <algorithm>
+
 #include "core/text.hpp"
 
 namespace unibody {
@@ -23,9 +25,7 @@ Keys keys_of_first(std::size_t count, const char* name, const char* about) {
   for (std::size_t k = 0; k < count; ++k)
     table.keys.push_back(
         keys::number(strength_types[k].name, strength_types[k].unit, positive, "infinite", strength_types[k].about));
-  table.keys.push_back(
-      keys::number("duration", "s", not_negative, Strength::usual_duration,
-                   "loads are means over such a time, in which the past fades exponentially; 0: those of a step"));
+  table.keys.push_back(duration_key());
   return table;
 }
 
@@ -46,6 +46,11 @@ const Keys& bond_strength_keys() {
   return table;
 }
 
+Key duration_key() {
+  return keys::number("duration", "s", not_negative, Strength::usual_duration,
+                      "loads are means over such a time, of five steps at least, in which the past fades; 0: those of a step");
+}
+
 Key strength_key(KeysOf table) {
   return keys::map("strength", table, "a map", "infinite", "the most that it bears: it breaks in a step in which it bears more");
 }
@@ -53,11 +58,12 @@ Key strength_key(KeysOf table) {
 Strength read_strength(const Value& value, const Keys& table) {
   const KeyedMap map(value, table);
   Strength strength;
-  for (const Key& key : table.keys)
-    for (const StrengthKey& type : strength_types)
-      if (key.name == type.name) strength.*type.value = map.number_if(type.name).value_or(Strength::infinity);
+  std::vector<std::string> names;
+  for (const StrengthKey& type : strength_types)
+    if (std::ranges::find(table.keys, type.name, &Key::name) != table.keys.end())
+      names.emplace_back(type.name), strength.*type.value = map.number_if(type.name).value_or(Strength::infinity);
   strength.duration = map.number("duration");
-  if (!strength.any()) value.fail("an empty map", "one of the keys " + one_of(table.names()));
+  if (!strength.any()) value.fail("no force or torque that breaks it", "one of the keys " + one_of(names));
   return strength;
 }
 

@@ -11,6 +11,7 @@ const Keys& pull_strength_keys();
 const Keys& joint_strength_keys();
 const Keys& bond_strength_keys();
 Key strength_key(KeysOf table);
+Key duration_key();
 
 Strength read_strength(const Value& value, const Keys& table);
 

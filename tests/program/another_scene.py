@@ -136,6 +136,27 @@ class AnotherScene(ProgramTest):
         straight = self.good(press, "straight", "-continue_from", checkpoint, "-set", "time.frames=50")
         self.assertEqual(again.state, straight.state)
 
+    # A load whose rope was cut at 0.1 s falls on, although the scene that goes on has the rope whole; another one hangs on.
+    def test_what_has_broken_stays_broken(self):
+        hanging = """
+    time: {frame: 0.01, frames: 30}
+    bodies:
+      - {name: extra, shape: {sphere: {radius: 0.1}}, mass: 1, position: [5, 0, 0]}
+      - {name: cut, shape: {sphere: {radius: 0.1}}, mass: 1}
+      - {name: held, shape: {sphere: {radius: 0.1}}, mass: 1, position: [1, 0, 0]}
+    joints:
+      - {name: string, type: rope, bodies: [cut, world], points: [[0, 0, 0], [0, 0, 1]]}
+      - {name: other, type: rope, bodies: [held, world], points: [[1, 0, 0], [1, 0, 1]]}
+"""
+        cut = hanging + "    events: [{do: release, joints: string, when: {time: 0.1}}]\n"
+        self.good(self.scene(cut, "cut.yaml"), "cut")
+        lines = [line for line in hanging.splitlines() if "extra" not in line]
+        run = self.good(self.scene("\n".join(lines), "on.yaml"), "on", "-continue_from", self.folder / "cut/checkpoint.h5")
+        self.assertIn("1 of the scene's joints have broken there, and are so here", run.out)
+        velocity = states(self.folder / "on", 30)["velocity"][:, 2]
+        self.assertAlmostEqual(velocity[0], -9.81 * 0.5, places=6)
+        self.assertAlmostEqual(velocity[1], 0, places=6)
+
     def test_an_inlet_that_has_done_its_work(self):
         inlet = """
       - name: balls

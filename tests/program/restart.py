@@ -133,6 +133,22 @@ GEARED = """
       - {joints: [guide, axle], ratio: 0.01}
 """
 
+# A wall in mortar, of which some has broken when a ball hits it and more does later; a load on a rope that is cut.
+BREAKING = """
+    time: {frame: 0.016, frames: 60, substeps: 2}
+    output: {every: 20, checkpoint_every: 30, joints: true}
+    solver: {iterations: 30}
+    bodies:
+      - {name: footing, shape: {box: {size: [4, 1, 0.2]}}, motion: fixed, position: [0, 0, -0.1]}
+      - {name: bricks, wall: {bricks: 4, courses: 4, gap: 0}, shape: {box: {size: [0.4, 0.2, 0.2]}}, density: 1800}
+      - {name: early, shape: {sphere: {radius: 0.2}}, mass: 30, position: [0.3, -0.8, 0.5], velocity: [0, 5, 0]}
+      - {name: late, shape: {sphere: {radius: 0.2}}, mass: 30, position: [-0.3, -4.1, 2.7], velocity: [0, 6, 0]}
+      - {name: load, shape: {sphere: {radius: 0.1}}, mass: 2, position: [1.5, 0, 2]}
+    joints: [{name: string, type: rope, bodies: [load, world], points: [[1.5, 0, 2.1], [1.5, 0, 3]]}]
+    bonds: [{name: mortar, bodies: [footing, bricks], strength: {force: 4000, torque: 300}}]
+    events: [{do: release, joints: string, when: {time: 0.3}}]
+"""
+
 
 def frame_of(checkpoint):
     with h5py.File(checkpoint, "r") as file:
@@ -212,6 +228,26 @@ class Restart(ProgramTest):
 
     def test_geared_bodies_by_gauss_seidel(self):
         self.check("-set", "solver.name=gauss_seidel", text=GEARED, change="joints[2].spring.rest=0.2", ranks=(3,))
+
+    def check_breaking(self, *options):
+        self.check(*options, text=BREAKING, change="bonds[0].strength.torque=290")
+        whole = (self.folder / "whole/breaks.csv").read_text()
+        times = [float(line.split(",")[0]) for line in whole.splitlines()[1:]]
+        self.assertGreater(sum(t < 0.48 for t in times), 3)
+        self.assertGreater(sum(t > 0.49 for t in times), 0)
+        self.assertEqual((self.folder / "rest_3/breaks.csv").read_text(), whole)
+        with h5py.File(self.folder / "rest_3/joints.h5") as a, h5py.File(self.folder / "whole/joints.h5") as b:
+            self.assertTrue((a["frames/000060"][:] == b["frames/000060"][:]).all())
+            self.assertEqual(a["frames/000060"][:, 13].sum(), len(times))
+
+    def test_breaking_bonds(self):
+        self.check_breaking()
+
+    def test_breaking_bonds_by_gauss_seidel(self):
+        self.check_breaking("-set", "solver.name=gauss_seidel", "-set", "solver.joints=direct")
+
+    def test_other_bonds_are_refused(self):
+        self.check_refused(BREAKING, ("bonds[0].strength.force=4100", "bonds[0].strength.duration=0.03", "events[0].when.time=0.6"))
 
     def test_jointed_bodies_by_gauss_seidel(self):
         self.check("-set", "solver.name=gauss_seidel", text=JOINTED, change="joints[0].friction=1.1", ranks=(3,))

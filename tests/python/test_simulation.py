@@ -129,6 +129,25 @@ def test_a_spring_turns_a_robot_of_a_file(tmp_path):
         assert simulation.joints()["spring"][0] == pytest.approx(-0.5 * after, rel=1e-5)
 
 
+def test_bonds_that_break(tmp_path):
+    balls = [{"name": name, "shape": {"sphere": {"radius": 0.1}}, "mass": 1, "position": [0, 0, z], **more}
+             for name, z, more in (("top", 0, {"motion": "fixed"}), ("middle", -0.2, {}), ("bottom", -0.4, {}))]
+    scene = unibody.Scene({"time": {"frame": 0.005}, "bodies": balls,
+                           "bonds": [{"bodies": ["top", "middle", "bottom"], "name": "glue", "strength": {"tension": 15}}]})
+    assert scene.joint_names == {"glue": [0, 1]}
+    with unibody.Simulation(scene) as simulation:
+        assert not simulation.joints()["broken"].any()
+        simulation.step(40)  # 2 kg, 19.6 N, hang from the first bond; once it has broken, nothing hangs from the second
+        assert simulation.joints()["broken"].tolist() == [True, False]
+        simulation.checkpoint(str(tmp_path / "c.h5"))
+        simulation.step(10)
+        end = simulation.state_hash()
+        simulation.restore(str(tmp_path / "c.h5"))
+        assert simulation.joints()["broken"].tolist() == [True, False]
+        simulation.step(10)
+        assert simulation.state_hash() == end
+
+
 def test_a_box_at_rest_has_four_contacts():
     scene = unibody.Scene({"bodies": [{"name": "floor", "shape": {"plane": {"normal": [0, 0, 1]}}},
                                       {"shape": {"box": {"size": [1, 1, 1]}}, "density": 1000, "position": [0, 0, 0.5]}]})

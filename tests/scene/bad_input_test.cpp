@@ -40,7 +40,7 @@ const std::vector<BadInput> bad_files{
      "FILE:2: key 'tmie': found an unknown key (did you mean time?), expected title, time, planar, periodic, gravity, wind, "
      "air_density, "
      "solver, output, "
-     "materials, bodies, cloths, threads, solids, joints, couplings, probes, outlets or events"},
+     "materials, bodies, cloths, threads, solids, joints, bonds, couplings, probes, outlets or events"},
     {"unknown_key", "time:\n  frames: 3\n  stp: 1\n",
      "FILE:3: key 'time.stp': found an unknown key, expected frame, frames or substeps"},
     {"key_twice", "title: a\ntime: {frame: 1}\ntitle: b\n",
@@ -51,7 +51,7 @@ const std::vector<BadInput> bad_files{
     {"key_of_two_lines", "\"a\\nb\": 1\n",
      "FILE:1: key 'a?b': found an unknown key, expected title, time, planar, periodic, gravity, wind, air_density, solver, "
      "output, "
-     "materials, bodies, cloths, threads, solids, joints, couplings, probes, outlets or events"},
+     "materials, bodies, cloths, threads, solids, joints, bonds, couplings, probes, outlets or events"},
     {"value_missing", "time: {frame: }\n", "FILE:1: key 'time.frame': found nothing, expected a number > 0 (s)"},
 };
 
@@ -278,7 +278,7 @@ const std::vector<BadInput> bad_overrides{
      "-set tim.step=3: key 'tim': found an unknown key (did you mean time?), expected title, time, planar, periodic, gravity, "
      "wind, "
      "air_density, solver, "
-     "output, materials, bodies, cloths, threads, solids, joints, couplings, probes, outlets or events",
+     "output, materials, bodies, cloths, threads, solids, joints, bonds, couplings, probes, outlets or events",
      {{"tim.step", "3"}}},
     {"place_beyond_the_end",
      ball,

@@ -21,6 +21,17 @@ std::string with_spring(const std::string& spring) {
 std::string with_body(const std::string& body) { return "bodies:\n  - {name: a, " + body + "}\n"; }
 const std::string ball = "shape: {sphere: {radius: 0.1}}, mass: 1, ";
 
+// Two balls that touch, one far away, a plane and a particle.
+const std::string neighbours =
+    "bodies:\n  - {name: a, shape: {sphere: {radius: 0.1}}, mass: 1}\n"
+    "  - {name: b, shape: {sphere: {radius: 0.1}}, mass: 1, position: [0.2, 0, 0]}\n"
+    "  - {name: c, shape: {sphere: {radius: 0.1}}, mass: 1, position: [2, 0, 0]}\n"
+    "  - {name: floor, shape: {plane: {normal: [0, 0, 1]}}, position: [0, 0, -5]}\n"
+    "  - {name: dust, shape: {particle: {radius: 0.1}}, mass: 1, position: [0, 3, 0]}\n";
+std::string with_bond(const std::string& bond) { return neighbours + "bonds:\n  - {" + bond + "}\n"; }
+std::string with_joint(const std::string& joint) { return neighbours + "joints:\n  - {bodies: [a, b], " + joint + "}\n"; }
+std::string with_event(const std::string& event) { return neighbours + "events:\n  - {when: {time: 1}, " + event + "}\n"; }
+
 struct Fault {
   const char* name;
   std::string text, message;
@@ -32,6 +43,45 @@ class MechanismRefuses : public testing::TestWithParam<Fault> {};
 TEST_P(MechanismRefuses, WithThisMessage) { EXPECT_EQ(fault_of(GetParam().text), GetParam().message); }
 
 const std::vector<Fault> faults{
+    {"bond_of_nobody", with_bond("gap: 0.1"),
+     "FILE:8: key 'bonds[0].bodies': found nothing, expected the name of an entry of bodies, or a list of names"},
+    {"bond_of_unknown", with_bond("bodies: [a, bb]"),
+     "FILE:8: key 'bonds[0].bodies[1]': found bb, a name that no entry of bodies has, expected the name of an entry of bodies, "
+     "or a list of names"},
+    {"bond_of_one_twice", with_bond("bodies: [a, a]"),
+     "FILE:8: key 'bonds[0].bodies[1]': found a twice, expected each name once"},
+    {"bond_of_a_plane", with_bond("bodies: [a, floor]"),
+     "FILE:8: key 'bonds[0].bodies[1]': found floor, a plane, expected bodies that are no planes"},
+    {"bond_of_a_particle", with_bond("bodies: [a, dust]"),
+     "FILE:8: key 'bonds[0].bodies[1]': found fixed at a particle, which does not turn, expected a body that turns; ball, rope "
+     "and spring also hold particles"},
+    {"bond_of_far_bodies", with_bond("bodies: [a, c]"),
+     "FILE:8: key 'bonds[0].bodies': found bodies of which no two are next to each other, expected bodies nearer than gap"},
+    {"bond_with_negative_gap", with_bond("bodies: [a, b], gap: -1"),
+     "FILE:8: key 'bonds[0].gap': found -1, expected a number >= 0 (m)"},
+    {"strength_of_nothing", with_bond("bodies: [a, b], strength: {duration: 1}"),
+     "FILE:8: key 'bonds[0].strength': found no force or torque that breaks it, expected one of the keys force, torque, tension, "
+     "shear, bending or twisting"},
+    {"strength_of_nought", with_bond("bodies: [a, b], strength: {tension: 0}"),
+     "FILE:8: key 'bonds[0].strength.tension': found 0, expected a number > 0 (N)"},
+    {"beam_beside_compliance", with_bond("bodies: [a, b], compliance: 1e-6, beam: {radius: 0.1}"),
+     "FILE:8: key 'bonds[0].compliance': found compliance beside beam, expected one of the two"},
+    {"beam_beside_strength", with_bond("bodies: [a, b], strength: {force: 1}, beam: {radius: 0.1}"),
+     "FILE:8: key 'bonds[0].strength': found strength beside beam, expected one of the two"},
+    {"beam_without_radius", with_bond("bodies: [a, b], beam: {radius: 0}"),
+     "FILE:8: key 'bonds[0].beam.radius': found 0, expected a number > 0 (m)"},
+    {"torque_of_a_rope", with_joint("type: rope, points: [[0, 0, 0], [0.2, 0, 0]], strength: {torque: 1}"),
+     "FILE:8: key 'joints[0].strength.torque': found an unknown key, expected force or duration"},
+    {"tension_of_a_joint", with_joint("type: fixed, anchor: [0.1, 0, 0], strength: {tension: 1}"),
+     "FILE:8: key 'joints[0].strength.tension': found an unknown key, expected force, torque or duration"},
+    {"negative_duration", with_joint("type: fixed, anchor: [0.1, 0, 0], strength: {force: 1, duration: -1}"),
+     "FILE:8: key 'joints[0].strength.duration': found -1, expected a number >= 0 (s)"},
+    {"release_of_nothing", with_event("do: release"),
+     "FILE:8: key 'events[0].bodies': found nothing, expected the name of an entry of bodies, or a list of names"},
+    {"release_of_unknown_joint", with_event("do: release, joints: glue"),
+     "FILE:8: key 'events[0].joints': found glue, a name that no joint has, expected the name of a joint"},
+    {"removal_of_joints", with_event("do: remove, bodies: c, joints: j"),
+     "FILE:8: key 'events[0].joints': found joints beside do: remove, expected the keys bodies"},
     {"unknown_joint", with_coupling("joints: [axel, rail], ratio: 1"),
      "FILE:10: key 'couplings[0].joints[0]': found axel, a name that no joint has (did you mean axle?), expected the name of a "
      "hinge or slider"},
