@@ -226,13 +226,15 @@ std::string Scene::body_name(Id id) const {
 
 namespace {
 
-// What has broken stays so, and whether a joint breaks hangs on what it bears: where the scene leaves the iterations open, they are
-// as many as an accuracy takes.
+// What has broken stays so, and whether a joint breaks hangs on what it bears: where the scene leaves the iterations open, they
+// are as many as an accuracy takes. With the coarsest a bar that is loaded at once may swing so far that its joints bear 4 % too
+// much.
 void take_care_of_breaking(Scene& scene) {
+  constexpr double accuracy_of_breaking = named_accuracies[1].share;
   SolverSettings& solver = scene.solver;
   const bool breaks = std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.bears.any(); });
   if (breaks && !solver.accuracy && !solver.iterations && !solver.tolerance && solver.name != "newton")
-    solver.accuracy = default_accuracy;
+    solver.accuracy = accuracy_of_breaking;
 }
 
 void read_sections(const Value& root, Scene& scene) {

@@ -12,16 +12,14 @@ namespace {
 
 constexpr double g = 9.81;
 
-// A solver, and how long its steps are: frames of 10 ms. Sweeps of plain Jacobi stop before the ends of a bar have told each
-// other all, so that a structure which is loaded at once swings: it is to be ten times as accurate.
+// A solver, and how long its steps are: frames of 10 ms.
 struct Way {
   std::string solver, joints;
   int substeps;
   std::string text() const { return solver + ", joints " + joints + ", substeps " + std::to_string(substeps); }
   std::string settings() const {
-    const std::string accuracy = solver == "jacobi" ? ", accuracy: engineering" : "";
-    return "solver: {name: " + solver + ", joints: " + joints + accuracy +
-           "}\ntime: {frame: 0.01, substeps: " + std::to_string(substeps) + "}\n";
+    return "solver: {name: " + solver + ", joints: " + joints + "}\ntime: {frame: 0.01, substeps: " + std::to_string(substeps) +
+           "}\n";
   }
 };
 

@@ -130,8 +130,8 @@ def test_a_spring_turns_a_robot_of_a_file(tmp_path):
 
 
 def test_bonds_that_break(tmp_path):
-    balls = [{"name": name, "shape": {"sphere": {"radius": 0.1}}, "mass": 1, "position": [0, 0, z], **more}
-             for name, z, more in (("top", 0, {"motion": "fixed"}), ("middle", -0.2, {}), ("bottom", -0.4, {}))]
+    balls = [{"name": name, "shape": {"sphere": {"radius": 0.1}}, "position": [0, 0, z], **more}
+             for name, z, more in (("top", 0, {"motion": "fixed"}), ("middle", -0.2, {"mass": 1}), ("bottom", -0.4, {"mass": 1}))]
     scene = unibody.Scene({"time": {"frame": 0.005}, "bodies": balls,
                            "bonds": [{"bodies": ["top", "middle", "bottom"], "name": "glue", "strength": {"tension": 15}}]})
     assert scene.joint_names == {"glue": [0, 1]}
