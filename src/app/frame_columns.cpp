@@ -8,6 +8,7 @@
 #include "report/strain.hpp"
 #include "report/stretch.hpp"
 #include "report/surface_report.hpp"
+#include "step/liquid.hpp"
 
 namespace unibody {
 
@@ -41,6 +42,7 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   if (scene.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
   add(joint_columns(comm, scene.joints, simulation.joints, simulation.joint_slots, simulation.joint_states(),
                     step.residual_of<JointBatch>()));
+  if (simulation.traits.is_wet) columns.push_back({"liquid_bridges (1)", static_cast<double>(count_bridges(simulation))});
   add(break_columns(scene, simulation.history.past));
   if (simulation.traits.has_attachments) columns.push_back({"residual_attachment (m)", step.residual_of<AttachmentBatch>()});
   if (scene.solver.accuracy) columns.push_back({"estimated_error (m)", report.estimated_error});

@@ -14,6 +14,7 @@
 #include "constraints/constraint_batch.hpp"
 #include "constraints/constraint_types.hpp"
 #include "constraints/contact_batch.hpp"
+#include "constraints/liquid_batch.hpp"
 #include "constraints/rolling_batch.hpp"
 #include "constraints/surface_batch.hpp"
 #include "joints/coupling_batch.hpp"
@@ -53,7 +54,7 @@ struct BatchesOfTypes<TypeList<C...>> {
 using BatchTypes = JoinedLists<
     BatchList<ContactBatch, RollingBatch, SurfaceBatch, AttachmentBatch>,
     BatchesOfTypes<ConstraintTypes>::List,
-    BatchList<JointBatch, CouplingBatch>
+    BatchList<JointBatch, CouplingBatch, LiquidBatch>
 #ifdef UNIBODY_MORE_BATCHES
     , BatchList<UNIBODY_MORE_BATCHES>
 #endif

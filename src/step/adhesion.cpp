@@ -1,6 +1,10 @@
 #include "step/adhesion.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "step/liquid.hpp"
 
 namespace unibody {
 
@@ -11,12 +15,6 @@ constexpr double automatic_range = 0.01;  // of the smaller body's size
 struct Attraction {
   double force, range;  // N, m
 };
-
-// The radius (m) of the ball that touches a plane as the two bodies touch each other; 0 where neither of them is round.
-double reduced_radius(const Shape& a, const Shape& b) {
-  const double of_a = is_round(a) ? 1 / a.size.x() : 0, of_b = is_round(b) ? 1 / b.size.x() : 0;
-  return of_a + of_b > 0 ? 1 / (of_a + of_b) : 0;
-}
 
 // Where surfaces have energy, two bodies come apart at the force that Johnson, Kendall and Roberts found (Proceedings of the
 // Royal Society A 324, 1971), 3/2 pi gamma R, which does not depend on how stiff the bodies are.
@@ -49,11 +47,18 @@ std::vector<double> adhesive_impulses(const RankState& state) {
     const Manifold& m = contacts.manifolds[i];
     while (end < contacts.manifolds.size() && contacts.manifolds[end].id_a == m.id_a && contacts.manifolds[end].id_b == m.id_b)
       ++end;
+    const auto pull = [&](double force, double range) {
+      if (!(force > 0)) return;
+      int count = 0;
+      for_each_near(contacts, i, end, range, [&](std::uint32_t) { ++count; });
+      for_each_near(contacts, i, end, range, [&](std::uint32_t p) { impulses[p] += state.step() * force / count; });
+    };
     const Attraction pair = attraction_of(state, m);
-    if (!(pair.force > 0)) continue;
-    int count = 0;
-    for_each_near(contacts, i, end, pair.range, [&](std::uint32_t) { ++count; });
-    for_each_near(contacts, i, end, pair.range, [&](std::uint32_t p) { impulses[p] = state.step() * pair.force / count; });
+    pull(pair.force, pair.range);
+    double gap = std::numeric_limits<double>::infinity();
+    for_each_near(contacts, i, end, gap, [&](std::uint32_t p) { gap = std::min(gap, contacts.points[p].gap); });
+    const BridgePull bridge = bridge_pull(state, m, gap);
+    pull(bridge.force, bridge.reach);
   }
   return impulses;
 }

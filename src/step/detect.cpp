@@ -16,6 +16,7 @@
 #include "step/assemble.hpp"
 #include "step/attach.hpp"
 #include "step/build.hpp"
+#include "step/liquid.hpp"
 #include "world/world_faults.hpp"
 
 namespace unibody {
@@ -135,6 +136,7 @@ bool find_contacts(RankState& state) {
   leave_out_attached(state.scene, state.world, state.time(), state.contacts);
   leave_out_jointed(state.joint_input, state.contacts);
   if (!state.collide_settings.stiction.empty()) add_stiction(state.world, state.collide_settings, state.contacts);
+  renew_bridges(state);
   state.adhesive = adhesive_impulses(state);
   assume([&] { return fault_of(state.contacts, state.world); });
   return crowded;

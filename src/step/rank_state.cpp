@@ -1,9 +1,11 @@
 #include "step/rank_state.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/capacity.hpp"
 #include "core/checked.hpp"
+#include "step/liquid.hpp"
 
 namespace unibody {
 
@@ -26,6 +28,12 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
   traits.adheres = scene.pairs.any(PairValue::adhesion) || scene.pairs.any(PairValue::surface_energy);
   if (traits.adheres) traits.adhesion_range = std::ranges::max(scene.pairs[PairValue::adhesion_range]);
+  traits.is_wet = scene.pairs.any(PairValue::liquid_volume);
+  if (traits.is_wet) {
+    const double volume = std::ranges::max(scene.pairs[PairValue::liquid_volume]),
+                 angle = std::ranges::max(scene.pairs[PairValue::contact_angle]) * M_PI / 180;
+    traits.adheres = true, traits.adhesion_range = std::max(traits.adhesion_range, rupture_distance(volume, angle));
+  }
   joints_break = std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.bears.any(); });
   tied = tied_bodies(scene, broken);
   for (const BodyGroup& group : scene.groups)

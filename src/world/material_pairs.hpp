@@ -9,7 +9,19 @@
 
 namespace unibody {
 
-enum class PairValue { restitution, rolling, spinning, stiction, stiction_speed, adhesion, surface_energy, adhesion_range };
+enum class PairValue {
+  restitution,
+  rolling,
+  spinning,
+  stiction,
+  stiction_speed,
+  adhesion,
+  surface_energy,
+  adhesion_range,
+  liquid_volume,
+  surface_tension,
+  contact_angle
+};
 
 struct PairValueType {
   const char *key, *unit;  // in the scene file
@@ -19,7 +31,7 @@ struct PairValueType {
   const char *mark, *about;  // in the text by which a checkpoint knows its scene; in the reference
 };
 
-inline constexpr std::array<PairValueType, 8> pair_value_types{
+inline constexpr std::array<PairValueType, 11> pair_value_types{
     {{"restitution", "", 0, 1, false, true, "bounce", "speed after an impact over that before it"},
      {"rolling_friction", "m", 0, 1e308, true, false, "roll", "torque that resists rolling, over the normal force"},
      {"spinning_friction", "m", 0, 1e308, true, false, "spin", "torque that resists spinning, over the normal force"},
@@ -28,7 +40,10 @@ inline constexpr std::array<PairValueType, 8> pair_value_types{
      {"adhesion", "N", 0, 1e308, true, true, "adhere", "force that pulls two bodies apart"},
      {"surface_energy", "J/m^2", 0, 1e308, true, true, "adhere by", "work of adhesion, where one of two bodies is round"},
      {"adhesion_range", "m", 0, 1e308, true, true, "adhere within",
-      "gap up to which that acts; 0: 0.01 of the smaller body's size"}}};
+      "gap up to which that acts; 0: 0.01 of the smaller body's size"},
+     {"liquid_volume", "m^3", 0, 1e308, true, true, "wet", "volume of the bridge of liquid between bodies that have touched"},
+     {"surface_tension", "N/m", 0.072, 1e308, true, true, "wet by", "surface tension of that liquid"},
+     {"contact_angle", "degrees", 0, 90, true, true, "wet at", "angle at which that liquid meets the bodies"}}};
 
 struct MaterialPairs {
   using Values = std::vector<double>;  // materials x materials, row major, symmetric
