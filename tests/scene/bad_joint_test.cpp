@@ -47,7 +47,8 @@ const std::vector<Fault> faults{
      "FILE:7: key 'joints[0].axis': found nothing, expected a vector of length 1 (world axes), or axes: a list of 2 in the "
      "bodies' axes"},
     {"limits_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], limits: [0, 1]"),
-     "FILE:7: key 'joints[0].limits': found an unknown key, expected collide, compliance, damping, strength, swing_limit, twist_limits, "
+     "FILE:7: key 'joints[0].limits': found an unknown key, expected collide, compliance, damping, strength, swing_limit, "
+     "twist_limits, "
      "name, type, bodies, anchors, anchor, axis or axes"},
     {"cone_without_axis", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], swing_limit: 30"),
      "FILE:7: key 'joints[0].axis': found nothing, expected a vector of length 1 (world axes), or axes: a list of 2 in the "
@@ -73,7 +74,8 @@ const std::vector<Fault> faults{
     {"motor_without_strength", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1}"),
      "FILE:7: key 'joints[0].motor.max_torque': found nothing, expected a number > 0 (N m)"},
     {"motor_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], motor: {speed: 1, max_torque: 1}"),
-     "FILE:7: key 'joints[0].motor': found an unknown key, expected collide, compliance, damping, strength, swing_limit, twist_limits, "
+     "FILE:7: key 'joints[0].motor': found an unknown key, expected collide, compliance, damping, strength, swing_limit, "
+     "twist_limits, "
      "name, type, bodies, anchors, anchor, axis or axes"},
     {"two_targets",
      with_joint("type: slider, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1, offset: 2, max_force: 1}"),
