@@ -36,7 +36,7 @@ struct BondLaw {
   double gap = -1;              // m; below 0: a share of the smaller body's size
 };
 
-// Of a body next to another one, in the order of ids.
+// Two bodies that lie next to each other, in the order of their ids.
 struct Neighbours {
   Id a, b;
   Vec3 point, normal;  // m, half way between them; unit, from b to a

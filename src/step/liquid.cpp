@@ -16,7 +16,7 @@ struct Liquid {
   double volume = 0, tension = 0, angle = 0, radius = 0;  // m^3, N/m, rad, m
 };
 
-// Of a pair; without volume where it has no liquid or neither body is round.
+// The liquid between two bodies. Its volume is 0 where their materials have none, or where neither body is round.
 Liquid liquid_of(const RankState& state, const Manifold& m) {
   const BodyProperties &a = state.world.properties[static_cast<std::size_t>(m.slot_a)],
                        &b = state.world.properties[static_cast<std::size_t>(m.slot_b)];
