@@ -1,6 +1,7 @@
 #include "step/breaking.hpp"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "core/checked.hpp"
@@ -68,10 +69,11 @@ void break_overloaded(RankState& state) {
 
 void release_joints(RankState& state, std::span<const std::size_t> joints) {
   std::vector<Break>& breaks = state.history.past.breaks;
-  for (const std::size_t joint : joints) {
-    const auto number = static_cast<std::int64_t>(joint);
-    if (std::ranges::find(breaks, number, &Break::joint) == breaks.end()) breaks.push_back({number, state.time()});
-  }
+  std::set<std::int64_t> known;
+  for (const Break& one : breaks) known.insert(one.joint);
+  for (const std::size_t joint : joints)
+    if (const auto number = static_cast<std::int64_t>(joint); known.insert(number).second)
+      breaks.push_back({number, state.time()});
 }
 
 }  // namespace unibody
