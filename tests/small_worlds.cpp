@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "scene/scene_text.hpp"
+#include "shortest_turn.hpp"
 
 namespace unibody::small_worlds {
 
@@ -38,7 +39,7 @@ Body disc(double mass, double radius, const Vec3& position) { return solid(Shape
 Body ground(const Vec3& position, const Vec3& up) {
   Body b = solid(ShapeKind::plane, Vec3::Zero(), 1, position);
   b.properties.motion = Motion::fixed;
-  b.state.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), up);
+  b.state.orientation = shortest_turn(Vec3::UnitZ(), up);
   return b;
 }
 

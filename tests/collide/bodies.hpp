@@ -6,6 +6,7 @@
 
 #include "collide/collide.hpp"
 #include "collide/cores.hpp"
+#include "shortest_turn.hpp"
 
 namespace unibody::samples {
 
@@ -36,7 +37,7 @@ inline Body box(Id id, const Vec3& half, const Vec3& position, const Quat& turn 
 }
 inline Body plane(Id id, const Vec3& position = Vec3::Zero(), const Vec3& up = Vec3::UnitZ()) {
   Body b = body(id, ShapeKind::plane, Vec3::Zero(), position, Motion::fixed);
-  b.state.orientation = Quat::FromTwoVectors(Vec3::UnitZ(), up);
+  b.state.orientation = shortest_turn(Vec3::UnitZ(), up);
   return b;
 }
 

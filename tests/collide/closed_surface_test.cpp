@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "collide/surface_world.hpp"
+#include "shortest_turn.hpp"
 
 namespace unibody::closed_surface_test {
 namespace {
@@ -83,7 +84,7 @@ TEST(ClosedSurface, EdgesInsideOfEachOtherArePushedApart) {
 // A box on its corner, so much deeper than the top of a closed box.
 Contacts corner_in(SurfaceWorld& s, const Vec3& plate, const Vec3& at, double depth) {
   s.add_closed_box(plate, r, Vec3::Zero(), Mat3::Identity());
-  const Quat turn = Quat::FromTwoVectors(-Vec3::Ones(), -Vec3::UnitZ());
+  const Quat turn = shortest_turn(-Vec3::Ones(), -Vec3::UnitZ());
   s.add(box(0, Vec3::Constant(0.2), at + Vec3(0, 0, plate.z() + 0.2 * std::sqrt(3.0) - depth), turn));
   return s.contacts();
 }

@@ -1,7 +1,7 @@
 // A contact problem written out in full, independent of the batch's layout: rows n, s, t of each point over 6 columns a body.
 #pragma once
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "small_worlds.hpp"
@@ -79,11 +79,6 @@ inline std::vector<ContactBatch::Impulse> impulses_of(const Bench& bench) {
 }
 
 // Largest eigenvalue of P^-1 N, P diagonal.
-inline double spectral_radius(const Eigen::MatrixXd& N, const Eigen::VectorXd& inverse_scale) {
-  const Eigen::VectorXd root = inverse_scale.cwiseSqrt();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(root.asDiagonal() * N * root.asDiagonal(), Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .maxCoeff();
-}
+double spectral_radius(const Eigen::MatrixXd& N, const Eigen::VectorXd& inverse_scale);
 
 }  // namespace unibody::small_worlds

@@ -42,7 +42,7 @@ const std::string solvers[] = {"{name: accelerated_jacobi, iterations: 12}",
                                "{name: accelerated_jacobi, iterations: 8, friction: postprocess}",
                                "{name: gauss_seidel, iterations: 8, friction: postprocess}"};
 
-constexpr int looks[] = {1, 10, 45};
+constexpr int looks[] = {1, 10, 30};
 
 std::vector<std::uint64_t> alone(const std::string& text) {
   Experiment run(scene_from_text(text));  // on all ranks: shapes are numbered as they are read

@@ -42,7 +42,7 @@ TEST(RanksCrowds, TheSameBitsOnAnyNumberOfRanks) {
 
 // 2.3 million bodies, a cell of space each: the sum of their weights once passed what METIS adds up in.
 TEST(RanksPartition, MillionsOfCellsAreSharedOut) {
-  if (rank_count() == 1 || rank_count() > 3) return;  // 100 bytes a cell and rank
+  if (rank_count() != 2) return;  // it takes seconds
   const std::int64_t all = 2'300'000, ranks = rank_count(), first = all * rank_here() / ranks,
                      last = all * (rank_here() + 1) / ranks;
   std::vector<Vec3> places;

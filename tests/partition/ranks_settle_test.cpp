@@ -2,6 +2,7 @@
 // ranks. The first rank runs each scene alone as well.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,8 +66,10 @@ void expect_the_state_of_one_rank(const std::string& text, int steps, Look&& loo
 
 }  // namespace
 
+// One rank runs all, and each larger number of ranks one of them.
 TEST(RanksSettle, NoCentreGoesThroughAPlaneAtImpact) {
   for (const int iterations : {4, 10, 20}) {
+    if (rank_count() > 1 && iterations != std::array{4, 10, 20}[static_cast<std::size_t>(rank_count() - 2) % 3]) continue;
     SCOPED_TRACE(iterations);
     expect_the_state_of_one_rank(hail(iterations), 30, [](const World& world, int step) {
       for (std::size_t i = 0; i < world.homes; ++i)
@@ -75,7 +78,7 @@ TEST(RanksSettle, NoCentreGoesThroughAPlaneAtImpact) {
   }
 }
 
-// Each column takes seconds: one rank runs all three, and each larger number of ranks runs one of them.
+// Each column takes seconds: one rank runs all three, and each larger number of ranks runs the first half of one of them.
 TEST(RanksSettle, NoCentreIsEverBehindWhatDoesNotMove) {
   const std::string plane = "shape: {plane: {normal: [0, 0, 1]}}", container = "container: {size: [0.32, 0.58]}";
   const std::vector<std::pair<std::string, std::string>> columns{
@@ -85,7 +88,7 @@ TEST(RanksSettle, NoCentreIsEverBehindWhatDoesNotMove) {
     const auto& [solver, ground] = columns[k];
     SCOPED_TRACE(solver + ", " + ground);
     const bool walls = ground == container;
-    expect_the_state_of_one_rank(column(solver, ground), 40, [walls](const World& world, int step) {
+    expect_the_state_of_one_rank(column(solver, ground), rank_count() > 1 ? 20 : 40, [walls](const World& world, int step) {
       for (std::size_t i = 0; i < world.homes; ++i) {
         const Vec3& x = world.position[i];
         ASSERT_GT(x.z(), 0) << "body " << world.id[i] << " in step " << step;

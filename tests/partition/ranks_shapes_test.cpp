@@ -51,20 +51,20 @@ TEST(RanksShapes, SameBitsOnAnyNumberOfRanks) {
     Experiment run(scene_from_text(text));  // on all ranks: shapes are numbered as they are read
     const auto alone = of_first_rank([&] {
       std::vector<std::uint64_t> hashes;
-      for (int k = 0; k < 3; ++k) run.steps(20), hashes.push_back(state_hash(MPI_COMM_SELF, run.world()));
+      for (int k = 0; k < 3; ++k) run.steps(10), hashes.push_back(state_hash(MPI_COMM_SELF, run.world()));
       EXPECT_TRUE(run.finite());
       return hashes;
     });
     Experiment together(scene_from_text(text), MPI_COMM_WORLD);
     Simulation& s = *together.simulation;
-    for (int step = 1; step <= 60; ++step) {
-      if (step % 20 == 1) {  // scattered at random
+    for (int step = 1; step <= 30; ++step) {
+      if (step % 10 == 1) {  // scattered at random
         s.detect();
         s.move_homes(Balance(MPI_COMM_WORLD, std::uint64_t{5} + static_cast<std::uint64_t>(step), true).homes(parts_of(s)));
       }
       together.step();
-      if (step % 20 == 0) {
-        ASSERT_EQ(alone[static_cast<std::size_t>(step / 20 - 1)], state_hash(MPI_COMM_WORLD, s.world)) << solver << step;
+      if (step % 10 == 0) {
+        ASSERT_EQ(alone[static_cast<std::size_t>(step / 10 - 1)], state_hash(MPI_COMM_WORLD, s.world)) << solver << step;
       }
     }
   }

@@ -114,7 +114,7 @@ TEST(Shapes, NoneOfAHeapThrownOnHillsIsLost) {
       "  - {shape: {plane: {normal: [0, -1, 0]}}, position: [0, 1.4, 0]}\n";
   const std::string heap = R"(
   - pile:
-      count: 200
+      count: 100
       columns: [6, 6]
       gap: 0.01
       seed: 5
@@ -134,7 +134,7 @@ TEST(Shapes, NoneOfAHeapThrownOnHillsIsLost) {
                       walls + heap + "solver: {name: gauss_seidel, iterations: 10}\n"));
   const MeshSurface& hills = shape_library().meshes[run.world().properties[run.slot(0)].shape.data];
   run.steps(60);
-  for (Id k = 5; k < 205; ++k) {
+  for (Id k = 5; k < 105; ++k) {
     const Vec3 x = run.position(k);
     EXPECT_LT(x.head<2>().cwiseAbs().maxCoeff(), 1.4) << k;
     EXPECT_GT(x.z(), height_at(hills, x.x(), x.y()) - 0.05) << k << " at " << x.transpose();  // of 0.1 m and more
