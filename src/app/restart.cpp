@@ -93,7 +93,9 @@ std::string physics_of(const Scene& scene) {
   for (const Joint& j : scene.joints) {
     text << "joint " << static_cast<int>(j.kind) << ' ' << j.collide << ' ' << j.ids[0] << ' ' << j.ids[1] << ' ' << j.compliance
          << ' ' << j.turning << ' ' << j.damping << ' ' << j.length << ' ' << j.lower << ' ' << j.upper << ' ' << j.swing << ' '
-         << static_cast<int>(j.motor) << ' ' << j.target.text() << ' ' << j.strength << ' ' << j.friction;
+         << static_cast<int>(j.motor) << ' ' << j.target.text() << ' ' << j.strength.text() << ' ' << j.friction;
+    if (j.area)
+      for (const PressedArea::Length& length : j.area->lengths) text << " presses on " << length.at_start << ' ' << length.slider;
     for (std::size_t e = 0; e < 2; ++e) text << ' ' << j.anchor[e].transpose() << ' ' << j.frame[e].coeffs().transpose();
     if (const Strength& s = j.bears; s.any())
       text << " bears " << s.force << ' ' << s.torque << ' ' << s.tension << ' ' << s.shear << ' ' << s.bending << ' '

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +24,15 @@ constexpr bool ties_points(JointKind kind) { return kind == JointKind::rope || k
 
 enum class Motor : std::uint8_t { none, speed, position };
 
+// The area on which the motor of a slider presses: the product of two lengths, each of which may grow by the offset of a slider.
+struct PressedArea {
+  struct Length {
+    double at_start = 1;       // m
+    std::int64_t slider = -1;  // the joint's number; -1: the length stays
+  };
+  std::array<Length, 2> lengths;
+};
+
 struct Joint {
   JointKind kind = JointKind::ball;
   bool collide = false;        // its bodies may touch each other
@@ -39,9 +49,10 @@ struct Joint {
   double lower = -std::numeric_limits<double>::infinity(), upper = -lower;  // rad or m, of the angle, twist or offset
   double swing = upper;  // rad, of a ball: the most that the second body's axis z and the first's may part
   Motor motor = Motor::none;
-  TimeValue target;     // rad/s, m/s, rad or m
-  double strength = 0;  // N m or N, the most that the motor gives
-  double friction = 0;  // N m or N, the most that dry friction gives
+  TimeValue target;                         // rad/s, m/s, rad or m
+  TimeValue strength;                       // N m or N, the most that the motor gives; with an area Pa
+  std::shared_ptr<const PressedArea> area;  // null: the strength is not a pressure
+  double friction = 0;                      // N m or N, the most that dry friction gives
   // Of a spring and a damper about a hinge's angle or along a slider's offset.
   double stiffness = 0, viscosity = 0;  // N m/rad and N m s/rad, or N/m and N s/m
   double rest = 0;                      // rad or m, where the spring is at rest

@@ -38,6 +38,14 @@ double within_limits(double lambda, double beyond_lower, double beyond_upper, do
 
 namespace {
 
+// N s: from what a motor that presses starts, which may give `most` and gave `before` in the last step. All that it gave, and
+// where that was nearly all that it may now, all: a pressure that lasts is then right from the first iteration on, however few
+// follow.
+double start_of_press(double most, double before) {
+  constexpr double nearly_all = 0.9;
+  return std::abs(before) >= nearly_all * most ? std::copysign(most, before) : before;
+}
+
 // S of W = S S^T, W symmetric and positive semidefinite.
 Mat3 square_root_of(const Mat3& W) {
   Mat3 S = Mat3::Zero();
@@ -121,7 +129,9 @@ std::size_t JointBatch::bytes() const { return parts_.capacity() * sizeof(Part) 
 void JointBatch::set_impulses(std::span<const JointImpulses> impulses, double share) {
   for (Part& part : parts_) {
     part.lambda.fill(0);
-    if (share > 0 && part.link < 0)
+    if (part.presses)
+      part.lambda[0] = start_of_press(step_ * part.upper, impulses[part.joint].value[part.first]);
+    else if (share > 0 && part.link < 0)
       with_joint_type(part.type, [&]<class T>() {
         for (std::size_t k = 0; k < T::rows; ++k) part.lambda[k] = share * impulses[part.joint].value[part.first + k];
       });
@@ -285,11 +295,12 @@ void add_wrench(const std::array<Vec3, 3>& wrench, Slot a, Slot b, std::span<Wre
 }  // namespace
 
 void JointBatch::add_impulses(SolveState& state, const WarmStart& warm, double) const {
-  if (warm.share <= 0) return;
-  for (const Part& part : parts_)
+  for (const Part& part : parts_) {
+    if (warm.share <= 0 && !part.presses) continue;
     with_joint_type(part.type, [&]<class T>() {
       add_wrench(wrench_of(evaluate<T>(part, state.bodies), part.lambda), part.side[0].slot, part.side[1].slot, state.wrenches);
     });
+  }
 }
 
 void JointBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {

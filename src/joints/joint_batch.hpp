@@ -53,11 +53,20 @@ struct JointInput {
 
   const std::vector<std::uint8_t>* broken = nullptr;  // 1 for those of the scene's joints that do nothing; empty: none
 
+  const std::vector<double>* pressed_areas =
+      nullptr;  // m^2, on which the motor of each of the scene's joints presses; empty: none
+
   std::span<const Coupling> couplings = {};                    // of the scene
   const JointList* couplings_here = nullptr;                   // their numbers
   const std::vector<CouplingSlots>* coupling_slots = nullptr;  // of each of these
   std::int32_t coupling_colours = 0;
 
+  // N m or N, the most that the joint's motor gives over a step.
+  double strength_of(std::int64_t number, double time, double end) const {
+    const Joint& joint = joints[static_cast<std::size_t>(number)];
+    const double strength = joint.strength.mean(time, end);
+    return joint.area ? strength * (*pressed_areas)[static_cast<std::size_t>(number)] : strength;
+  }
   bool is_broken(std::int64_t joint) const {
     return broken != nullptr && !broken->empty() && (*broken)[static_cast<std::size_t>(joint)] != 0;
   }
@@ -124,6 +133,7 @@ class JointBatch : public BatchDefaults {
     std::uint8_t type, first;
     Law law;
     bool counted;
+    bool presses;  // a motor whose strength is a pressure
     double compliance, turning, damping, lever;
     double lower, upper;  // within: m or rad; rate, place: the target, and N m or N; equal: upper, where a spring is at rest
     std::array<double, 6> lambda, y;  // N s or N m s
@@ -146,7 +156,8 @@ class JointBatch : public BatchDefaults {
   Step<T> step_in_tree(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies) const;
   template <class T>
   double push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const;
-  void add_parts(const Joint& joint, const Part& common, double time);
+  // strength: N m or N, the most that its motor gives.
+  void add_parts(const Joint& joint, const Part& common, double time, double strength);
   void add_spring(const Joint& joint, const Part& common);
   void limit_approach(Part& part, JointKind kind, double from, double rate) const;
   template <class T>

@@ -62,7 +62,7 @@ double spin_that_turns(double speed, double step) {
 
 }  // namespace
 
-void JointBatch::add_parts(const Joint& joint, const Part& common, double time) {
+void JointBatch::add_parts(const Joint& joint, const Part& common, double time, double strength) {
   Part part = common;
   part.type = own_type(joint.kind);
   part.law = joint.kind == JointKind::rope ? Law::within : Law::equal;
@@ -84,11 +84,12 @@ void JointBatch::add_parts(const Joint& joint, const Part& common, double time) 
   if (joint.motor == Motor::speed) {
     const bool one_turns = turns_about_axis(joint.kind) && (common.side[0].inverse_mass == 0 || common.side[1].inverse_mass == 0);
     const double speed = joint.target.mean(time, end);
-    add_row(JointImpulses::motor, Law::rate, one_turns ? spin_that_turns(speed, step_) : speed, joint.strength);
+    add_row(JointImpulses::motor, Law::rate, one_turns ? spin_that_turns(speed, step_) : speed, strength);
+    parts_.back().presses = joint.area != nullptr;
   }
   if (joint.motor == Motor::position) {
     const double from = joint.target.at(time), to = joint.target.at(end);
-    add_row(JointImpulses::motor, Law::place, to, joint.strength);
+    add_row(JointImpulses::motor, Law::place, to, strength);
     limit_approach(parts_.back(), joint.kind, from, (to - from) / step_);
   }
   if (joint.friction > 0) add_row(JointImpulses::friction, Law::rate, 0, joint.friction);
@@ -177,7 +178,8 @@ void JointBatch::build(const BuildContext& context) {
       part.joint = order[next], part.counted = ends.counted, part.lever = joint.lever;
       part.link = -1;
       const std::size_t own = parts_.size();
-      add_parts(joint, part, context.time);
+      add_parts(joint, part, context.time,
+                context.elements.joints->strength_of(list[order[next]], context.time, context.time + step_));
       if (joint.tree >= 0) add_to_tree(parts_[own], joint.tree, bodies);
       const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
       if (!is_home(ends.a) && !is_home(ends.b))  // here for its tree alone

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/checked.hpp"
 #include "report/loaded_bodies.hpp"
 
 namespace unibody {
@@ -11,7 +12,8 @@ namespace unibody {
 namespace {
 
 // The sums of one probe. A flow has its count, mass and momentum along its normal; a box its count, mass, momentum, mass times
-// squared speed and volume; a force its impulse and the moment of that; a stress the six sums of impulse times branch.
+// squared speed and volume; a force its impulse and the moment of that; a stress the six sums of impulse times branch; a cell the
+// impulses outwards on its lower plates and on its upper ones, and the volume of what is in it.
 constexpr std::size_t sums_of_one = 7;
 
 bool is_probed(const ProbedBodies& bodies, const World& world, std::size_t slot) {
@@ -105,6 +107,60 @@ void add_stress(const Probe& probe, const Period& period, std::span<const Contac
   }
 }
 
+// What pushes the plates apart: along each axis, of the lower one and of the upper one.
+void add_cell_force(const Probe& probe, std::span<const ContactImpulse> impulses, std::span<ExactSum> sums) {
+  for (const ContactImpulse& contact : impulses)
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!probe.on.holds(contact.ids[k])) continue;
+      const int number = static_cast<int>(contact.ids[k] - probe.on.first);
+      for (int axis = 0; axis < 3; ++axis) {
+        const int plate = number - probe.cell->plates[static_cast<std::size_t>(axis)];
+        if (probe.cell->plates[static_cast<std::size_t>(axis)] < 0 || plate < 0 || plate > 1) continue;
+        const double outwards = (probe.cell->axes * Vec3::Unit(axis)).dot(contact.shares[k] * contact.impulse);
+        sums[static_cast<std::size_t>(2 * axis + plate)] += plate == 1 ? outwards : -outwards;
+      }
+    }
+}
+
+// m: the room between the plates now. Collective.
+Vec3 size_of(const TriaxialCell& cell, const IdRange& plates, MPI_Comm comm, const World& world) {
+  Vec3 moved = Vec3::Zero();  // of the upper plates; each is home on one rank, and the others add zero
+  for (std::size_t i = 0; i < world.homes; ++i) {
+    if (!plates.holds(world.id[i])) continue;
+    const int number = static_cast<int>(world.id[i] - plates.first);
+    const Vec3 place = cell.axes.conjugate() * (world.position[i] - cell.corner);
+    for (int k = 0; k < 3; ++k)
+      if (const int low = cell.plates[static_cast<std::size_t>(k)]; low >= 0 && number == low + 1)
+        moved[k] = place[k] - world.properties[i].shape.size[k];
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, moved.data(), 3, MPI_DOUBLE, MPI_SUM, comm));
+  for (int k = 0; k < 3; ++k)
+    if (cell.plates[static_cast<std::size_t>(k)] < 0) moved[k] = cell.size[k];
+  return moved;
+}
+
+void add_cell_volume(const Probe& probe, const Vec3& size, const World& world, std::span<ExactSum> sums) {
+  for (std::size_t i = 0; i < world.homes; ++i) {
+    if (probe.on.holds(world.id[i]) || !is_probed(probe.bodies, world, i)) continue;
+    const Vec3 place = probe.cell->axes.conjugate() * (world.position[i] - probe.cell->corner);
+    bool inside = true;
+    for (int k = 0; k < 3; ++k)
+      if (probe.cell->plates[static_cast<std::size_t>(k)] >= 0) inside = inside && place[k] >= 0 && place[k] < size[k];
+    if (inside) sums[6] += volume(world.properties[i].shape);
+  }
+}
+
+void add_cell_columns(const Probe& probe, const Vec3& size, double frame, const double* of, std::vector<NamedValue>& columns) {
+  for (int k = 0; k < 3; ++k)
+    if (probe.cell->plates[static_cast<std::size_t>(k)] >= 0)
+      columns.push_back({probe.name + "_size_" + "xyz"[k] + " (m)", size[k]});
+  for (int k = 0; k < 3; ++k)
+    if (probe.cell->plates[static_cast<std::size_t>(k)] >= 0)
+      columns.push_back(
+          {probe.name + "_pressure_" + "xyz"[k] + " (Pa)", 0.5 * (of[2 * k] + of[2 * k + 1]) * size[k] / (frame * size.prod())});
+  columns.push_back({probe.name + "_solid_fraction (1)", of[6] / size.prod()});
+}
+
 void add_box_columns(const Probe& probe, const double* of, std::vector<NamedValue>& columns) {
   const double mass = of[1];
   const bool known = mass > 0;
@@ -139,7 +195,9 @@ void add_columns(const Probe& probe, double frame, const double* of, std::vector
     add_box_columns(probe, of, columns);
 }
 
-bool is_of_contacts(const Probe& probe) { return probe.kind == Probe::Kind::force || probe.kind == Probe::Kind::stress; }
+bool is_of_contacts(const Probe& probe) {
+  return probe.kind == Probe::Kind::force || probe.kind == Probe::Kind::stress || probe.kind == Probe::Kind::cell;
+}
 
 }  // namespace
 
@@ -150,6 +208,7 @@ void Probes::add_step(std::span<const ContactImpulse> impulses) {
     const auto own = std::span(impulses_).subspan(sums_of_one * p, sums_of_one);
     if (probes_[p].kind == Probe::Kind::force) add_force(probes_[p], impulses, own);
     if (probes_[p].kind == Probe::Kind::stress) add_stress(probes_[p], period_, impulses, own);
+    if (probes_[p].kind == Probe::Kind::cell) add_cell_force(probes_[p], impulses, own);
   }
 }
 
@@ -163,14 +222,24 @@ std::vector<NamedValue> Probes::columns(MPI_Comm comm, const World& world) const
   std::vector<NamedValue> columns;
   if (probes_.empty()) return columns;
   std::vector<ExactSum> sums(sums_of_one * probes_.size());
+  std::vector<Vec3> sizes(probes_.size(), Vec3::Zero());  // of cells
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const auto own = std::span(sums).subspan(sums_of_one * p, sums_of_one);
     if (probes_[p].kind == Probe::Kind::flow) add_flow(probes_[p], world, start_, own);
     if (probes_[p].kind == Probe::Kind::box) add_box(probes_[p], world, own);
     if (is_of_contacts(probes_[p]) && !impulses_.empty()) std::copy_n(&impulses_[sums_of_one * p], sums_of_one, own.begin());
+    if (probes_[p].kind != Probe::Kind::cell) continue;
+    sizes[p] = size_of(*probes_[p].cell, probes_[p].on, comm, world);
+    add_cell_volume(probes_[p], sizes[p], world, own);
   }
   const std::vector<double> totals = all_sums(comm, sums);
-  for (std::size_t p = 0; p < probes_.size(); ++p) add_columns(probes_[p], frame_, &totals[sums_of_one * p], columns);
+  for (std::size_t p = 0; p < probes_.size(); ++p) {
+    const double* of = &totals[sums_of_one * p];
+    if (probes_[p].kind == Probe::Kind::cell)
+      add_cell_columns(probes_[p], sizes[p], frame_, of, columns);
+    else
+      add_columns(probes_[p], frame_, of, columns);
+  }
   return columns;
 }
 

@@ -33,7 +33,8 @@ class Probes {
   // square of velocities about it by mass (m^2/s^2), neither where nothing is in it, and the share of its room that bodies with
   // their centres in it take. A force has its mean over the frame (N), and the mean torque (N m); a stress its mean over the
   // frame (Pa), positive in compression: the sum of force times branch over the contacts whose points are in the box, over its
-  // volume. The same bits on any number of ranks. Collective.
+  // volume. A cell has the size of its room (m), the pressures on its plates, means of the frame and of both plates (Pa), and the
+  // share of the room that bodies take. The same bits on any number of ranks. Collective.
   std::vector<NamedValue> columns(MPI_Comm comm, const World& world) const;
 
  private:

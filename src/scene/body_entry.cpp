@@ -234,6 +234,12 @@ void add_joints(const Generated& generated, const BodyGroup& group, const Vec3& 
       joint.anchor[1] = position + orientation * joint.anchor[1], joint.frame[1] = orientation * joint.frame[1];
     for (Id& id : joint.ids)
       if (id >= 0) id += group.first;
+    if (joint.area) {
+      PressedArea area = *joint.area;
+      for (PressedArea::Length& length : area.lengths)
+        if (length.slider >= 0) length.slider += static_cast<std::int64_t>(first);
+      joint.area = std::make_shared<PressedArea>(area);
+    }
     scene.joints.push_back(joint);
   }
   for (std::size_t j = 0; j < generated.joint_names.size(); ++j)
@@ -282,6 +288,11 @@ void read_entry(const Value& entry, Scene& scene) {
                   group.make(group.count - 1).properties.shape.kind != ShapeKind::particle;
   add_joints(generated, group, position, orientation, scene);
   group.names = generated.names, group.other_names = generated.other_names;
+  if (generated.cell) {
+    TriaxialCell cell = *generated.cell;
+    cell.corner = position + orientation * cell.corner, cell.axes = orientation * cell.axes;
+    group.cell = std::make_shared<TriaxialCell>(cell);
+  }
   for (const Id k : generated.untouched) group.untouched.push_back(group.first + k);
   scene.notes.insert(scene.notes.end(), generated.notes.begin(), generated.notes.end());
   if (const std::string note = note_of(body.properties.shape); !note.empty()) scene.notes.push_back(note);

@@ -7,6 +7,7 @@
 #include "scene/mix.hpp"
 #include "scene/random.hpp"
 #include "scene/static_parts.hpp"
+#include "scene/triaxial.hpp"
 #include "scene/urdf.hpp"
 
 namespace unibody {
@@ -240,6 +241,7 @@ const std::vector<GeneratorType>& generator_types() {
       {key("pile", pile_keys, "generates bodies of many shapes and sizes"), Takes::no_shape, read_pile},
       {key("container", container_keys, "generates walls, and a floor"), Takes::nothing, read_container},
       {key("hopper", hopper_keys, "generates inclined boards with an opening below"), Takes::nothing, read_hopper},
+      {key("triaxial", triaxial_keys, "generates the plates of a triaxial cell"), Takes::material, read_triaxial},
       {key("chain", chain_keys, "generates links in a line, jointed one to the next"), Takes::shape, read_chain},
       {key("tree", tree_keys, "generates links that branch at their ends"), Takes::no_shape, read_tree},
       {key("ragdolls", ragdolls_keys, "generates figures of eleven parts"), Takes::no_shape, read_ragdolls},

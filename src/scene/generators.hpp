@@ -17,7 +17,8 @@ struct Generated {
   std::vector<std::pair<std::string, Id>> other_names = {};  // of these bodies, by which they are found as well
   std::vector<Id> untouched = {};                            // bodies that touch nothing, ascending
   std::vector<std::string> notes = {};                       // what a person should know of what was read
-  std::shared_ptr<const Inlet> inlet = nullptr;  // by which its bodies come in, in the entry's frame; null: they are there
+  std::shared_ptr<const Inlet> inlet = nullptr;        // by which its bodies come in, in the entry's frame; null: they are there
+  std::shared_ptr<const TriaxialCell> cell = nullptr;  // whose plates its bodies are, in the entry's frame; null: they are none
 };
 
 // What an entry takes of the template: all of it; all but the shape; neither, of static parts, or of bodies that move.

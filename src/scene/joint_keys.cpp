@@ -24,7 +24,7 @@ const Keys& turning_motor_keys() {
                           {keys::number_in_time("speed", "rad/s", any_number, "an angle", "angle by which it turns in a second"),
                            keys::number_in_time("angle", "degrees", {-180, 180}, "a speed",
                                                 "angle that it seeks, no faster than half of its strength can brake"),
-                           keys::number("max_torque", "N m", positive, needed, "the most that the motor gives")}};
+                           keys::number_in_time("max_torque", "N m", not_negative, needed, "the most that the motor gives")}};
   return table;
 }
 
@@ -34,7 +34,10 @@ const Keys& sliding_motor_keys() {
                           {keys::number_in_time("speed", "m/s", any_number, "an offset", "how far it moves in a second"),
                            keys::number_in_time("offset", "m", any_number, "a speed",
                                                 "offset that it seeks, no faster than half of its strength can brake"),
-                           keys::number("max_force", "N", positive, needed, "the most that the motor gives")}};
+                           keys::number_in_time("max_force", "N", not_negative, "max_pressure", "the most that the motor gives"),
+                           keys::number_in_time("max_pressure", "Pa", not_negative, "max_force",
+                                                "the most that the motor gives, as a pressure on the area"),
+                           keys::number("area", "m^2", positive, "no pressure", "on which the pressure acts")}};
   return table;
 }
 

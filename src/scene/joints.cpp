@@ -42,7 +42,18 @@ void read_motor(const Value& value, const Scene& scene, Joint& joint) {
                                     (angle ? "degrees)" : "m)"));
   joint.motor = speed ? Motor::speed : Motor::position;
   joint.target = speed ? read_in_time(map, "speed", scene) : read_in_time(map, place_key, scene, angle ? degree : 1);
-  joint.strength = map.number(strength_key);
+  if (!angle) {
+    map.only_one_of({"max_force", "max_pressure"});
+    if (map.has("max_pressure")) {
+      const std::optional<double> area = map.number_if("area");
+      if (!area) value.fail_missing("area", "the area (m^2) on which max_pressure acts");
+      joint.strength = read_in_time(map, "max_pressure", scene);
+      joint.area = std::make_shared<PressedArea>(PressedArea{{PressedArea::Length{*area, -1}, {}}});
+      return;
+    }
+    map.none_of({"area"}, "without max_pressure");
+  }
+  joint.strength = read_in_time(map, strength_key, scene);
 }
 
 namespace {

@@ -98,14 +98,25 @@ void read_stress(const KeyedMap& entry, const Value& stress, Probe& probe) {
   read_box_of(stress, Probe::Kind::stress, probe);
 }
 
+void read_cell(const Value& value, const Scene& scene, Probe& probe) {
+  const std::string expected = "the name of an entry of bodies with triaxial", name = value.string(expected);
+  const auto group = std::ranges::find_if(scene.groups, [&](const BodyGroup& g) { return g.name == name && g.cell; });
+  if (group == scene.groups.end()) value.fail_expected(expected);
+  probe.kind = Probe::Kind::cell, probe.cell = group->cell;
+  probe.on = {group->first, group->first + group->count};
+}
+
 void read_measurement(const KeyedMap& entry, const Scene& scene, Probe& probe) {
-  entry.only_one_of({"flow", "box", "force", "stress"});
+  entry.only_one_of({"flow", "box", "force", "stress", "cell"});
   if (const Value* flow = entry.find("flow")) return read_flow(*flow, scene, probe);
   if (const Value* box = entry.find("box")) return read_box_of(*box, Probe::Kind::box, probe);
   if (const Value* force = entry.find("force")) return read_force(entry, *force, scene, probe);
   if (const Value* stress = entry.find("stress")) return read_stress(entry, *stress, probe);
-  entry.value().fail_missing("flow",
-                             "a map with point and normal, or box or stress: one with low and high, or force: one with on");
+  if (const Value* cell = entry.find("cell")) return read_cell(*cell, scene, probe);
+  entry.value().fail_missing(
+      "flow",
+      "a map with point and normal, or box or stress: one with low and high, or force: one with on, or cell: "
+      "a name");
 }
 
 }  // namespace
@@ -147,13 +158,14 @@ const Keys& probe_keys() {
            "What report.csv measures beside its usual columns.",
            {keys::text("name", "a name", needed, "name of its columns")}}
           .with(probed_keys())
-          .with(
-              {"",
-               "",
-               {keys::map("flow", flow_keys, "a map with point and normal", "another", "what goes through a plane or a disc"),
-                keys::map("box", corners_keys, "a map with low and high", "another", "what is in a box"),
-                keys::map("force", force_keys, "a map with on", "another", "the force of contacts on the bodies of an entry"),
-                keys::map("stress", corners_keys, "a map with low and high", "another", "the stress of the contacts in a box")}});
+          .with({"",
+                 "",
+                 {keys::map("flow", flow_keys, "a map with point and normal", "another", "what goes through a plane or a disc"),
+                  keys::map("box", corners_keys, "a map with low and high", "another", "what is in a box"),
+                  keys::map("force", force_keys, "a map with on", "another", "the force of contacts on the bodies of an entry"),
+                  keys::map("stress", corners_keys, "a map with low and high", "another", "the stress of the contacts in a box"),
+                  keys::text("cell", "the name of an entry of bodies with triaxial", "another",
+                             "size, pressures and solid fraction of a triaxial cell")}});
   return table;
 }
 

@@ -94,7 +94,8 @@ struct BodyGroup {
   std::shared_ptr<const MotionInTime> motion;                 // of kinematic bodies; null: their velocities are constant
   std::shared_ptr<const LoadInTime> load;                     // of dynamic bodies; null: it is constant
   std::shared_ptr<const SurfaceMotionInTime> surface_motion;  // null: their surfaces do not move along themselves
-  std::shared_ptr<const Inlet> inlet;  // by which they come in; null: they are there, or an event adds them
+  std::shared_ptr<const Inlet> inlet;        // by which they come in; null: they are there, or an event adds them
+  std::shared_ptr<const TriaxialCell> cell;  // whose plates they are; null: they are none
 
   // The number of the body of this name; none where no body has it.
   std::optional<Id> number_of(const std::string& part) const;

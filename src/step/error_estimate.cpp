@@ -14,6 +14,7 @@
 #include "step/detect.hpp"
 #include "step/division.hpp"
 #include "step/prescribed.hpp"
+#include "step/pressed_areas.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
 
@@ -190,6 +191,7 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
   know_breaks(other);
   refresh_guests(other);
   build_lasting(other, system);
+  measure_pressed_areas(other);
   find_contacts(other);
   std::vector<double> own_stiffness(other.world.size() + 1, 0.0);
   if (!geometric_stiffness.empty()) std::copy_n(geometric_stiffness.begin(), state.world.homes, own_stiffness.begin());

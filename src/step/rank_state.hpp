@@ -51,10 +51,11 @@ struct RankState {
   JointList couplings;  // of joints, the same
   std::vector<CouplingSlots> coupling_slots;
   const JointInput joint_input;
-  bool joints_break = false;                   // some joint of the scene breaks where it bears too much
-  std::size_t breaks_known = 0;                // of the history's breaks: those that `broken` and `tied` know of
-  std::vector<std::uint8_t> broken;            // 1 for each joint of the scene that has broken; empty: none has
-  std::vector<Id> tied;                        // bodies of joints that have not, and of attachments, ascending
+  std::vector<double> pressed_areas;  // m^2, of the scene's joints; after measure_pressed_areas(); empty: no motor presses
+  bool joints_break = false;          // some joint of the scene breaks where it bears too much
+  std::size_t breaks_known = 0;       // of the history's breaks: those that `broken` and `tied` know of
+  std::vector<std::uint8_t> broken;   // 1 for each joint of the scene that has broken; empty: none has
+  std::vector<Id> tied;               // bodies of joints that have not, and of attachments, ascending
   std::vector<std::array<Id, 2>> attachments;  // that touch this rank's home bodies: the node and the dynamic body, ascending
   std::vector<AttachedNode> attached;          // of these, the ones that hold in this step
   Surfaces surfaces;                           // where they may touch anything, or feel the air; else empty

@@ -14,6 +14,7 @@
 #include "step/move_history.hpp"
 #include "step/newton_step.hpp"
 #include "step/prescribed.hpp"
+#include "step/pressed_areas.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
 #include "step/struck.hpp"
@@ -60,6 +61,7 @@ void Simulation::detect() {
   refresh_guests(*this);
   if (built_version_ != halo.version()) build_lasting(*this, system_);
   built_version_ = halo.version();
+  measure_pressed_areas(*this);
   if (std::exchange(loads_are_new_, false)) break_overloaded(*this);
   know_breaks(*this);
   const PhaseClock::Scope scope(clock, Phase::collide);

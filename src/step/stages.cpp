@@ -32,7 +32,7 @@ void warm_start(RankState& state, System& system, const StepPlan& plan) {
   const SceneTraits& traits = state.traits;
   if (jacobi && (!state.is_alone() || traits.has_attachments || traits.has_joints)) system.wrenches.assign(n, Wrench{});
   if (traits.has_centre_constraints && (jacobi || warm.share > 0)) system.impulses.assign(n, Vec4d{});
-  if (!warm.has_contacts() && warm.share <= 0) return;
+  if (!warm.has_contacts() && warm.share <= 0 && state.pressed_areas.empty()) return;
   const Scratch::Frame frame(state.scratch);
   const bool borrowed =
       !jacobi && (warm.has_contacts() || traits.has_joints || traits.has_attachments) && system.wrenches.empty();

@@ -133,6 +133,20 @@ GEARED = """
       - {joints: [guide, axle], ratio: 0.01}
 """
 
+# Grains that plates close on, and have begun to press at the checkpoint.
+TRIAXIAL = """
+    time: {frame: 0.016, frames: 60, substeps: 2}
+    output: {every: 20, checkpoint_every: 30}
+    solver: {iterations: 30}
+    bodies:
+      - name: cell
+        triaxial: {size: [0.4, 0.4, 0.4], thickness: 0.05, density: 500, x: {pressure: 3000}, y: {pressure: 3000}, z: {pressure: [[0, 4000], [0.8, 9000]]}}
+      - lattice: {count: 125, columns: [5, 5], spacing: [0.078, 0.078, 0.078], height: 0.04, jitter: 0.002}
+        shape: {sphere: {radius: 0.036}}
+        density: 2000
+    probes: [{name: sample, cell: cell}]
+"""
+
 # A wall in mortar, of which some has broken when a ball hits it and more does later; a load on a rope that is cut.
 BREAKING = """
     time: {frame: 0.016, frames: 60, substeps: 2}
@@ -233,6 +247,9 @@ class Restart(ProgramTest):
 
     def test_geared_bodies_by_gauss_seidel(self):
         self.check("-set", "solver.name=gauss_seidel", text=GEARED, change="joints[2].spring.rest=0.2", ranks=(3,))
+
+    def test_a_triaxial_cell(self):
+        self.check(text=TRIAXIAL, change="bodies[0].triaxial.x.pressure=3001")
 
     def check_breaking(self, *options):
         self.check(*options, text=BREAKING, change="bonds[0].strength.torque=200")

@@ -18,6 +18,11 @@ std::string with_spring(const std::string& spring) {
          "  - {type: hinge, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1], spring: {" +
          spring + "}}\n";
 }
+std::string with_slider(const std::string& motor) {
+  return "bodies:\n  - {name: a, shape: {sphere: {radius: 0.1}}, mass: 1}\njoints:\n"
+         "  - {type: slider, bodies: [a, world], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {" +
+         motor + "}}\n";
+}
 std::string with_body(const std::string& body) { return "bodies:\n  - {name: a, " + body + "}\n"; }
 const std::string ball = "shape: {sphere: {radius: 0.1}}, mass: 1, ";
 
@@ -103,6 +108,23 @@ const std::vector<Fault> faults{
      "FILE:4: key 'joints[0].spring.rest': found 10, expected no such key of a damper alone"},
     {"negative_stiffness", with_spring("stiffness: -1"),
      "FILE:4: key 'joints[0].spring.stiffness': found -1, expected a number >= 0 (N m/rad)"},
+    {"cell_without_room", with_body("triaxial: {size: [1, 0, 1], thickness: 0.1}"),
+     "FILE:2: key 'bodies[0].triaxial.size': found [1, 0, 1], expected three numbers > 0 (m)"},
+    {"cell_that_nothing_moves", with_body("triaxial: {size: [1, 1, 1], thickness: 0.1, x: {}}"),
+     "FILE:2: key 'bodies[0].triaxial.x.pressure': found nothing, expected a pressure (Pa), a closing_speed (m/s), or both"},
+    {"cell_that_pulls", with_body("triaxial: {size: [1, 1, 1], thickness: 0.1, x: {pressure: -1}}"),
+     "FILE:2: key 'bodies[0].triaxial.x.pressure': found -1, expected a number >= 0 (Pa)"},
+    {"cell_across_the_plane", "planar: true\n" + with_body("triaxial: {size: [1, 1, 1], thickness: 0.1, y: {pressure: 1}}"),
+     "FILE:3: key 'bodies[0].triaxial.y': found plates along y, expected x and z alone (planar scene)"},
+    {"probe_of_no_cell", with_body("triaxial: {size: [1, 1, 1], thickness: 0.1}") + "probes: [{name: p, cell: q}]\n",
+     "FILE:3: key 'probes[0].cell': found q, expected the name of an entry of bodies with triaxial"},
+    {"pressure_without_area", with_slider("speed: 1, max_pressure: 1"),
+     "FILE:4: key 'joints[0].motor.area': found nothing, expected the area (m^2) on which max_pressure acts"},
+    {"area_without_pressure", with_slider("speed: 1, max_force: 1, area: 1"),
+     "FILE:4: key 'joints[0].motor.area': found 1, expected no such key without max_pressure"},
+    {"force_and_pressure", with_slider("speed: 1, max_force: 1, max_pressure: 1, area: 1"),
+     "FILE:4: key 'joints[0].motor.max_pressure': found max_pressure beside max_force, expected only one of max_force and "
+     "max_pressure"},
     {"collide_with_nobody", with_body(ball + "collide: {}"),
      "FILE:2: key 'bodies[0].collide.with': found nothing, expected a list of names of entries, or without: one"},
     {"collide_with_and_without", with_body(ball + "collide: {with: [a], without: [a]}"),
