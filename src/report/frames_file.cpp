@@ -44,8 +44,9 @@ FramesFile::FramesFile(const std::string& path) : path_(file_of(path)) {
   frames_ = h5::member_numbers(file_, "frames");
   if (frames_.empty()) refuse("holds no frame yet: expected one at least");
   const std::string first = numbered("/frames", frames_.front()), name = first + "/position";
-  body_count_ = static_cast<Id>(h5::has_link(file_, first + "/id") ? h5::dimensions(h5::open_dataset(file_, "bodies/id"))[0]
-                                                                   : h5::dimensions(open_array(name, any_number, {3}, H5T_FLOAT))[0]);
+  body_count_ =
+      static_cast<Id>(h5::has_link(file_, first + "/id") ? h5::dimensions(h5::open_dataset(file_, "bodies/id"))[0]
+                                                         : h5::dimensions(open_array(name, any_number, {3}, H5T_FLOAT))[0]);
 }
 
 void FramesFile::refuse(const std::string& fault) const { throw InputError("'" + path_ + "' " + fault); }

@@ -206,7 +206,8 @@ TEST(RanksTriaxial, StepsHaveTheSameBits) {
 gravity: [0, 0, 0]
 bodies:
   - name: cell
-    triaxial: {size: [0.4, 0.4, 0.4], thickness: 0.05, density: 500, x: {pressure: 3000}, y: {pressure: 3000}, z: {pressure: 6000}}
+    triaxial: {size: [0.4, 0.4, 0.4], thickness: 0.05, density: 500, x: {pressure: 3000, closing_speed: 0.2},
+               y: {pressure: 3000, closing_speed: 0.2}, z: {pressure: 6000, closing_speed: 0.2}}
   - name: grains
     lattice: {count: 125, columns: [5, 5], spacing: [0.078, 0.078, 0.078], height: 0.04, jitter: 0.002}
     shape: {sphere: {radius: 0.036}}

@@ -140,7 +140,8 @@ TRIAXIAL = """
     solver: {iterations: 30}
     bodies:
       - name: cell
-        triaxial: {size: [0.4, 0.4, 0.4], thickness: 0.05, density: 500, x: {pressure: 3000}, y: {pressure: 3000}, z: {pressure: [[0, 4000], [0.8, 9000]]}}
+        triaxial: {size: [0.4, 0.4, 0.4], thickness: 0.05, density: 500, x: {pressure: 3000, closing_speed: 0.1},
+                   y: {pressure: 3000, closing_speed: 0.1}, z: {pressure: [[0, 4000], [0.8, 9000]], closing_speed: 0.1}}
       - lattice: {count: 125, columns: [5, 5], spacing: [0.078, 0.078, 0.078], height: 0.04, jitter: 0.002}
         shape: {sphere: {radius: 0.036}}
         density: 2000

@@ -287,7 +287,7 @@ const std::vector<Fault> faults{
     {"beside_of", "{name: a, of: ball, force: {on: floor}}",
      "of': found ball, expected no such key beside force, which has on and by"},
     {"two_kinds", "{name: a, force: {on: floor}, box: {low: [0, 0, 0], high: [1, 1, 1]}}",
-     "force': found force beside box, expected only one of flow, box, force and stress"},
+     "force': found force beside box, expected only one of flow, box, force, stress and cell"},
     {"stress_of_a_material", "{name: a, of: ball, stress: {low: [0, 0, 0], high: [1, 1, 1]}}",
      "of': found ball, expected no such key beside stress, which is that of all contacts in its box"},
     {"unknown_key", "{name: a, force: {on: ball, at: [0, 0, 0]}}", "force.at': found an unknown key, expected on, by or about"},

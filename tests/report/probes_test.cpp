@@ -150,10 +150,10 @@ const std::vector<Fault> faults{
      "FILE:6: key 'probes[1].name': found a a second time, expected a name of its own for each probe"},
     {"neither", probed("  - {name: a}\n"),
      "FILE:5: key 'probes[0].flow': found nothing, expected a map with point and normal, or box or "
-     "stress: one with low and high, or force: one with on"},
+     "stress: one with low and high, or force: one with on, or cell: a name"},
     {"both", probed("  - {name: a, box: {low: [0, 0, 0], high: [1, 1, 1]}, flow: {point: [0, 0, 0], normal: [0, 0, 1]}}\n"),
-     "FILE:5: key 'probes[0].box': found box beside flow, expected only one of flow, box, force and "
-     "stress"},
+     "FILE:5: key 'probes[0].box': found box beside flow, expected only one of flow, box, force, stress "
+     "and cell"},
     {"box_turned_over", probed("  - {name: a, box: {low: [0, 0, 0], high: [1, -1, 1]}}\n"),
      "FILE:5: key 'probes[0].box.high': found [1, -1, 1], expected a corner that is above the other one along each axis (m)"},
     {"no_such_entry", probed("  - {name: a, of: nobody, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
@@ -163,7 +163,7 @@ const std::vector<Fault> faults{
     {"normal_not_unit", probed("  - {name: a, flow: {point: [0, 0, 0], normal: [0, 0, 2]}}\n"),
      "FILE:5: key 'probes[0].flow.normal': found [0, 0, 2] of length 2, expected a vector of length 1"},
     {"unknown_key", probed("  - {name: a, sphere: {radius: 1}}\n"),
-     "FILE:5: key 'probes[0].sphere': found an unknown key, expected name, of, material, flow, box, force or stress"},
+     "FILE:5: key 'probes[0].sphere': found an unknown key, expected name, of, material, flow, box, force, stress or cell"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Faults, ProbeRefuses, testing::ValuesIn(faults), [](const auto& each) { return each.param.name; });

@@ -72,7 +72,7 @@ const std::vector<Fault> faults{
     {"limits_upside_down", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], limits: [10, -10]"),
      "FILE:7: key 'joints[0].limits': found [10, -10], expected the lower limit before the upper (degrees)"},
     {"motor_without_strength", with_joint("type: hinge, bodies: [a, b], anchor: [0, 0, 0], axis: [0, 0, 1], motor: {speed: 1}"),
-     "FILE:7: key 'joints[0].motor.max_torque': found nothing, expected a number > 0 (N m)"},
+     "FILE:7: key 'joints[0].motor.max_torque': found nothing, expected a number >= 0 (N m)"},
     {"motor_of_a_ball", with_joint("type: ball, bodies: [a, b], anchor: [0, 0, 0], motor: {speed: 1, max_torque: 1}"),
      "FILE:7: key 'joints[0].motor': found an unknown key, expected collide, compliance, damping, strength, swing_limit, "
      "twist_limits, "
