@@ -1,9 +1,9 @@
 #include "scene/body_name.hpp"
 
-#include <algorithm>
 #include <charconv>
 
 #include "core/text.hpp"
+#include "scene/entry_name.hpp"
 
 namespace unibody {
 
@@ -11,28 +11,19 @@ namespace {
 
 // The entry of `bodies` of this name, or whose place in the list it is. Entries of cloths and threads stand behind them.
 const BodyGroup& named_entry(const Value& to, const std::string& name, const Scene& scene, const std::string& expected) {
-  const auto begin = scene.groups.begin();
-  const auto end = begin + static_cast<std::ptrdiff_t>(scene.groups.size() - scene.constraint_groups.size());
+  const std::span<const BodyGroup> entries = entries_of(scene, Entries::bodies);
   const bool number =
       to.kind == Value::Kind::scalar && !to.quoted && !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
-  if (begin == end) to.fail(to.found() + " in a scene without bodies", expected);
-  if (number && name == to.text) return begin[to.integer(0, end - begin - 1)];
+  if (entries.empty()) to.fail(to.found() + " in a scene without bodies", expected);
+  if (number && name == to.text) return entries[static_cast<std::size_t>(to.integer(0, std::ssize(entries) - 1))];
   if (number) {
-    std::ptrdiff_t place = -1;
+    std::size_t place = entries.size();
     std::from_chars(name.data(), name.data() + name.size(), place);
-    if (place < 0 || place >= end - begin) to.fail_expected(expected);
-    return begin[place];
+    if (place >= entries.size()) to.fail_expected(expected);
+    return entries[place];
   }
   if (to.kind != Value::Kind::scalar || name.empty()) to.fail_expected(expected);
-  const auto is_named = [&](const BodyGroup& group) { return group.name == name; };
-  const auto count = std::count_if(begin, end, is_named);
-  if (count == 0) {
-    std::vector<std::string> names;
-    for (auto group = begin; group != end; ++group) names.push_back(group->name);
-    to.fail(to.found() + ", a name that no entry of bodies has" + did_you_mean(name, names), expected);
-  }
-  if (count > 1) to.fail(to.found() + ", the name of " + std::to_string(count) + " entries", expected);
-  return *std::find_if(begin, end, is_named);
+  return entry_named(to, name, scene, Entries::bodies, expected);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "collide/collide.hpp"
-#include "core/text.hpp"
+#include "scene/entry_name.hpp"
 #include "scene/joints.hpp"
 #include "scene/strength.hpp"
 #include "world/shapes.hpp"
@@ -44,15 +44,7 @@ struct Neighbours {
 
 const BodyGroup& read_entry_name(const Value& value, const Scene& scene) {
   const std::string name = value.string(entry_words);
-  const auto has_name = [&](const BodyGroup& group) { return !name.empty() && group.name == name; };
-  const auto end = scene.groups.end() - std::ssize(scene.constraint_groups);
-  const auto group = std::find_if(scene.groups.begin(), end, has_name);
-  if (group == end) {
-    std::vector<std::string> names;
-    for (auto g = scene.groups.begin(); g != end; ++g) names.push_back(g->name);
-    value.fail(value.found() + ", a name that no entry of bodies has" + did_you_mean(name, names), entry_words);
-  }
-  if (std::find_if(std::next(group), end, has_name) != end) value.fail(name + ", the name of several entries", "a name of one");
+  const BodyGroup* group = &entry_named(value, name, scene, Entries::bodies, entry_words);
   if (group->inlet) value.fail(name + ", whose bodies come in by an inlet", "bodies that are there at the start");
   const Shape& shape = group->make(0).properties.shape;
   if (shape.kind == ShapeKind::plane) value.fail(name + ", a plane", "bodies that are no planes");

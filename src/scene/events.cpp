@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/text.hpp"
+#include "scene/entry_name.hpp"
 #include "scene/in_time.hpp"
 #include "scene/setting.hpp"
 
@@ -73,19 +74,10 @@ void check_bodies(const Value& value, const BodyGroup& group, const Scene& scene
 }
 
 std::size_t read_group(const Value& value, const Scene& scene, Action action) {
-  const std::string name = value.string("the name of an entry of bodies");
-  const auto begin = scene.groups.begin(), end = scene.groups.end() - std::ssize(scene.constraint_groups);
-  const auto is_named = [&](const BodyGroup& group) { return !name.empty() && group.name == name; };
-  const auto group = std::find_if(begin, end, is_named);
-  if (group == end) {
-    std::vector<std::string> names;
-    for (auto g = begin; g != end; ++g) names.push_back(g->name);
-    value.fail(value.found() + ", a name that no entry of bodies has" + did_you_mean(name, names),
-               "the name of an entry of bodies");
-  }
-  if (std::find_if(std::next(group), end, is_named) != end) value.fail(name + ", the name of several entries", "a name of one");
-  check_bodies(value, *group, scene, action);
-  return static_cast<std::size_t>(group - begin);
+  const std::string expected = "the name of an entry of bodies";
+  const BodyGroup& group = entry_named(value, value.string(expected), scene, Entries::bodies, expected);
+  check_bodies(value, group, scene, action);
+  return static_cast<std::size_t>(&group - scene.groups.data());
 }
 
 // A name, or a list of names.

@@ -6,6 +6,7 @@
 
 #include "core/text.hpp"
 #include "scene/body_entry.hpp"
+#include "scene/entry_name.hpp"
 #include "scene/outlets.hpp"
 
 namespace unibody {
@@ -63,15 +64,7 @@ IdRange read_named(const Value& value, const Scene& scene) {
   }
   std::string part;  // as a link of a robot
   if (const auto slash = name.find('/'); slash != std::string::npos) part = name.substr(slash + 1), name.resize(slash);
-  const auto is_named = [&](const BodyGroup& g) { return !name.empty() && g.name == name; };
-  const auto group = std::ranges::find_if(scene.groups, is_named);
-  if (group == scene.groups.end()) {
-    std::vector<std::string> names;
-    for (const BodyGroup& g : scene.groups) names.push_back(g.name);
-    value.fail(value.found() + ", a name that no entry has" + did_you_mean(name, names), expected);
-  }
-  if (const auto others = std::count_if(std::next(group), scene.groups.end(), is_named); others > 0)
-    value.fail(value.found() + ", the name of " + std::to_string(others + 1) + " entries", expected);
+  const BodyGroup* group = &entry_named(value, name, scene, Entries::all, expected);
   if (!part.empty()) {
     const std::optional<Id> found = group->number_of(part);
     if (!found)
@@ -100,10 +93,10 @@ void read_stress(const KeyedMap& entry, const Value& stress, Probe& probe) {
 
 void read_cell(const Value& value, const Scene& scene, Probe& probe) {
   const std::string expected = "the name of an entry of bodies with triaxial", name = value.string(expected);
-  const auto group = std::ranges::find_if(scene.groups, [&](const BodyGroup& g) { return g.name == name && g.cell; });
-  if (group == scene.groups.end()) value.fail_expected(expected);
-  probe.kind = Probe::Kind::cell, probe.cell = group->cell;
-  probe.on = {group->first, group->first + group->count};
+  const BodyGroup& group = entry_named(value, name, scene, Entries::bodies, expected);
+  if (!group.cell) value.fail_expected(expected);
+  probe.kind = Probe::Kind::cell, probe.cell = group.cell;
+  probe.on = {group.first, group.first + group.count};
 }
 
 void read_measurement(const KeyedMap& entry, const Scene& scene, Probe& probe) {
@@ -142,11 +135,9 @@ ProbedBodies read_probed(const KeyedMap& entry, const Scene& scene) {
   ProbedBodies bodies{0, end_of_bodies(scene), -1};
   if (const Value* of = entry.find("of")) {
     const std::string name = of->string("the name of an entry of bodies");
-    const auto group =
-        std::ranges::find_if(scene.groups, [&](const BodyGroup& g) { return g.name == name && g.first < bodies.end; });
-    if (group == scene.groups.end()) of->fail_expected("the name of an entry of bodies");
-    if (group->is_static) of->fail(name + ", which the scene moves or holds", "bodies that are dynamic");
-    bodies.first = group->first, bodies.end = group->first + group->count;
+    const BodyGroup& group = entry_named(*of, name, scene, Entries::bodies, "the name of an entry of bodies");
+    if (group.is_static) of->fail(name + ", which the scene moves or holds", "bodies that are dynamic");
+    bodies.first = group.first, bodies.end = group.first + group.count;
   }
   if (const Value* material = entry.find("material")) bodies.material = static_cast<int>(material->choice(scene.materials));
   return bodies;

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "core/text.hpp"
+#include "scene/entry_name.hpp"
 
 namespace unibody {
 
@@ -37,11 +37,7 @@ class Names {
     const std::string name = value.string(entry_words);
     if (const auto known = bits_.find(name); known != bits_.end()) return known->second;
     const auto has_name = [&](const BodyGroup& group) { return !name.empty() && group.name == name; };
-    if (std::ranges::none_of(scene_.groups, has_name)) {
-      std::vector<std::string> names;
-      for (const BodyGroup& group : scene_.groups) names.push_back(group.name);
-      value.fail(value.found() + ", a name that no entry has" + did_you_mean(name, names), entry_words);
-    }
+    if (std::ranges::none_of(scene_.groups, has_name)) fail_without_entry(value, name, scene_, Entries::all, entry_words);
     if (bits_.size() == most)
       value.fail(value.found() + ", the name of one entry more", "at most " + std::to_string(most) + " names in all of collide");
     return bits_.emplace(name, std::uint64_t{2} << bits_.size()).first->second;

@@ -15,6 +15,7 @@ namespace {
 constexpr double planar_depth = 1;     // m, along y, of the plates of a planar scene
 constexpr double reach = 0.5;          // of the room's size: how far plates stand out where the room may grow
 constexpr double usual_closing = 0.1;  // 1/s, of the room's size
+constexpr std::array axis_names{"x", "y", "z"};
 
 const Keys& side_keys() {
   static const Keys table{"triaxial_side",
@@ -65,6 +66,18 @@ void read_side(const Value& value, const Scene& scene, double length, Joint& joi
   joint.strength = presses ? read_in_time(map, "pressure", scene) : TimeValue(std::numeric_limits<double>::infinity());
 }
 
+Cell read_cell(const KeyedMap& map, const BodyTemplate& body, const Scene& scene) {
+  Cell cell;
+  cell.room.size = map.vector("size");
+  if (!(cell.room.size.minCoeff() > 0)) map.need("size").fail_expected("three numbers > 0 (m)");
+  cell.room.corner = {-0.5 * cell.room.size.x(), scene.planar ? 0 : -0.5 * cell.room.size.y(), 0};
+  cell.thickness = map.number("thickness"), cell.density = map.number("density");
+  cell.planar = scene.planar, cell.body = body;
+  cell.body.properties.group = group_without_contacts(scene.body_count(), 0);
+  if (const Value* side = scene.planar ? map.find("y") : nullptr) side->fail("plates along y", "x and z alone (planar scene)");
+  return cell;
+}
+
 }  // namespace
 
 const Keys& triaxial_keys() {
@@ -85,19 +98,7 @@ const Keys& triaxial_keys() {
 
 Generated read_triaxial(const Value& value, const BodyTemplate& body, const Scene& scene) {
   const KeyedMap map(value, triaxial_keys());
-  constexpr std::array names{"x", "y", "z"};
-  Cell cell;
-  cell.room.size = map.vector("size");
-  if (!(cell.room.size.minCoeff() > 0)) map.need("size").fail_expected("three numbers > 0 (m)");
-  cell.room.corner = {-0.5 * cell.room.size.x(), -0.5 * cell.room.size.y(), 0};
-  cell.thickness = map.number("thickness"), cell.density = map.number("density");
-  cell.planar = scene.planar, cell.body = body;
-  if (scene.planar) {
-    if (const Value* side = map.find("y")) side->fail("plates along y", "x and z alone (planar scene)");
-    cell.room.corner.y() = 0;
-  }
-  cell.body.properties.group = group_without_contacts(scene.body_count(), 0);
-
+  Cell cell = read_cell(map, body, scene);
   Generated result;
   const std::vector<int> axes = axes_of(scene);
   std::array<std::int64_t, 3> joint_along{-1, -1, -1};
@@ -105,10 +106,10 @@ Generated read_triaxial(const Value& value, const BodyTemplate& body, const Scen
     const auto a = static_cast<std::size_t>(axis);
     cell.room.plates[a] = static_cast<int>(result.count);
     result.count += 2;
-    result.names.push_back(std::string("low_") + names[a]), result.names.push_back(std::string("high_") + names[a]);
-    if (!map.find(names[a])) continue;
+    result.names.push_back(std::string("low_") + axis_names[a]), result.names.push_back(std::string("high_") + axis_names[a]);
+    if (!map.find(axis_names[a])) continue;
     cell.moves[a] = true, joint_along[a] = static_cast<std::int64_t>(result.joint_names.size());
-    result.joint_names.emplace_back(names[a]);
+    result.joint_names.emplace_back(axis_names[a]);
   }
   for (const int axis : axes) {
     const auto a = static_cast<std::size_t>(axis);
@@ -117,8 +118,8 @@ Generated read_triaxial(const Value& value, const BodyTemplate& body, const Scen
     plate.id = cell.room.plates[a] + 1;
     Joint joint =
         joint_between(JointKind::slider, plate, nullptr, plate.state.position, joint_axes(Vec3::Unit(axis), Vec3::Zero()));
-    read_side(map.need(names[a]), scene, cell.room.size[axis], joint);
-    if (map.need(names[a]).find("pressure")) {
+    read_side(map.need(axis_names[a]), scene, cell.room.size[axis], joint);
+    if (map.need(axis_names[a]).find("pressure")) {
       PressedArea area;
       std::size_t next = 0;
       for (std::size_t b = 0; b < 3; ++b)

@@ -192,7 +192,7 @@ solver: {iterations: 30, name: )" + solver +
     ASSERT_EQ(run.simulation->settings_used().recovery_speed, bound);
     const double start_height = 0.1 + 12 * 0.095, layers = 13;
     double fastest = 0, highest = 0;
-    for (int k = 0; k < 120; ++k) {
+    for (int k = 0; k < 200; ++k) {
       run.step();
       ASSERT_TRUE(run.finite());
       for (std::size_t i = 0; i < run.world().homes; ++i) {

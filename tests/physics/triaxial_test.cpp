@@ -102,6 +102,26 @@ TEST(Triaxial, ATurnedCellDoesTheSame) {
   EXPECT_NEAR(found.at("sample_solid_fraction (1)"), 1, 1e-3);
 }
 
+// Without plates along y the depth of all areas is the size along y.
+TEST(Triaxial, APlanarCellHasTheDepthThatItSays) {
+  Experiment run(scene_from_text(ways()[0] + R"(
+planar: true
+materials: {stone: {friction: 0}}
+bodies:
+  - {name: cell, triaxial: {size: [1, 3, 1], thickness: 0.1, x: {pressure: 1000}, z: {pressure: 500}}, material: stone}
+  - {name: block, shape: {box: {size: [0.9, 1, 0.7]}}, mass: 500, material: stone, position: [0, 0, 0.4]}
+probes: [{name: sample, cell: cell}]
+)"));
+  run.steps(440);
+  const auto found = frame_of(run);
+  EXPECT_NEAR(found.at("sample_size_x (m)"), 0.9, 1e-4);
+  EXPECT_NEAR(found.at("sample_size_z (m)"), 0.7, 1e-4);
+  EXPECT_EQ(found.count("sample_size_y (m)"), 0u);
+  EXPECT_NEAR(found.at("sample_pressure_x (Pa)"), 1000, 1);
+  EXPECT_NEAR(motor_of(run, 0), -1000 * 3 * 0.7, 2);
+  EXPECT_NEAR(motor_of(run, 1), -500 * 3 * 0.9, 1.5);
+}
+
 // Nothing is between them: the room closes as fast as it may, by closing_speed, else by a tenth of its side a second.
 TEST(Triaxial, AnEmptyRoomClosesAtItsSpeed) {
   for (const std::string& way : ways()) {

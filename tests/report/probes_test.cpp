@@ -157,7 +157,7 @@ const std::vector<Fault> faults{
     {"box_turned_over", probed("  - {name: a, box: {low: [0, 0, 0], high: [1, -1, 1]}}\n"),
      "FILE:5: key 'probes[0].box.high': found [1, -1, 1], expected a corner that is above the other one along each axis (m)"},
     {"no_such_entry", probed("  - {name: a, of: nobody, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
-     "FILE:5: key 'probes[0].of': found nobody, expected the name of an entry of bodies"},
+     "FILE:5: key 'probes[0].of': found nobody, a name that no entry of bodies has, expected the name of an entry of bodies"},
     {"of_the_floor", probed("  - {name: a, of: floor, box: {low: [0, 0, 0], high: [1, 1, 1]}}\n"),
      "FILE:5: key 'probes[0].of': found floor, which the scene moves or holds, expected bodies that are dynamic"},
     {"normal_not_unit", probed("  - {name: a, flow: {point: [0, 0, 0], normal: [0, 0, 2]}}\n"),

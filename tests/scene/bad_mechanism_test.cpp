@@ -117,7 +117,8 @@ const std::vector<Fault> faults{
     {"cell_across_the_plane", "planar: true\n" + with_body("triaxial: {size: [1, 1, 1], thickness: 0.1, y: {pressure: 1}}"),
      "FILE:3: key 'bodies[0].triaxial.y': found plates along y, expected x and z alone (planar scene)"},
     {"probe_of_no_cell", with_body("triaxial: {size: [1, 1, 1], thickness: 0.1}") + "probes: [{name: p, cell: q}]\n",
-     "FILE:3: key 'probes[0].cell': found q, expected the name of an entry of bodies with triaxial"},
+     "FILE:3: key 'probes[0].cell': found q, a name that no entry of bodies has, expected the name of an entry of bodies with "
+     "triaxial"},
     {"pressure_without_area", with_slider("speed: 1, max_pressure: 1"),
      "FILE:4: key 'joints[0].motor.area': found nothing, expected the area (m^2) on which max_pressure acts"},
     {"area_without_pressure", with_slider("speed: 1, max_force: 1, area: 1"),

@@ -265,7 +265,7 @@ TEST(Urdf, FaultsOfTheEntryNameItsKeys) {
       "itself");
   EXPECT_EQ(fault_of(entry(file, ", joints: [{name: grip, motor: {speed: 1, max_torque: 1}}]")),
             "FILE:2: key 'bodies[0].urdf.joints[0].motor.max_torque': found an unknown key (did you mean max_force?), expected "
-            "speed, offset or max_force");
+            "speed, offset, max_force, max_pressure or area");
 }
 
 }  // namespace unibody::urdf_test
