@@ -186,8 +186,7 @@ std::vector<std::pair<std::string, double>> LiveSimulation::probe(const std::str
     throw InputError("found probe '" + name + "', expected " +
                      (names.empty() ? "none: the scene has no probes" : "one of " + names));
   }
-  const bool sums = probe->kind == Probe::Kind::flow,
-             latest = probe->kind == Probe::Kind::force || probe->kind == Probe::Kind::stress;
+  const bool sums = probe->kind == Probe::Kind::flow, latest = is_of_contacts(*probe);
   Probes alone(std::span(&*probe, 1), step_length(), scene_.period);
   alone.start_frame(running_->simulation.world);
   Totals values;

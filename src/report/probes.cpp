@@ -195,11 +195,11 @@ void add_columns(const Probe& probe, double frame, const double* of, std::vector
     add_box_columns(probe, of, columns);
 }
 
+}  // namespace
+
 bool is_of_contacts(const Probe& probe) {
   return probe.kind == Probe::Kind::force || probe.kind == Probe::Kind::stress || probe.kind == Probe::Kind::cell;
 }
-
-}  // namespace
 
 bool Probes::wants_impulses() const { return std::ranges::any_of(probes_, is_of_contacts); }
 

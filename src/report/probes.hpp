@@ -14,6 +14,9 @@
 
 namespace unibody {
 
+// Whether its columns are means of what contacts did in the steps of a frame.
+bool is_of_contacts(const Probe& probe);
+
 // A body is where its centre is. Through a flow's disc goes what is behind it at the start of a frame and before it at the end,
 // where the straight way between the two crosses it; what goes back counts as negative.
 class Probes {
