@@ -8,12 +8,12 @@
 namespace unibody {
 
 void measure_pressed_areas(RankState& state) {
+  if (state.pressed_areas.empty()) return;
   const std::vector<Joint>& joints = state.scene.joints;
   std::vector<std::int64_t> sliders;  // on whose offsets areas depend
   for (const Joint& joint : joints)
     if (joint.area)
       for (const PressedArea::Length& length : joint.area->lengths) sliders.push_back(length.slider);
-  if (sliders.empty()) return;
   std::ranges::sort(sliders);
   sliders.erase(std::unique(sliders.begin(), sliders.end()), sliders.end());
 
@@ -28,7 +28,6 @@ void measure_pressed_areas(RankState& state) {
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, offsets.data(), static_cast<int>(offsets.size()), MPI_DOUBLE, MPI_SUM, state.comm()));
 
-  state.pressed_areas.assign(joints.size(), 0);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     if (!joints[j].area) continue;
     double area = 1;

@@ -35,6 +35,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
     traits.adheres = true, traits.adhesion_range = std::max(traits.adhesion_range, rupture_distance(volume, angle));
   }
   joints_break = std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.bears.any(); });
+  if (std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.area != nullptr; }))
+    pressed_areas.assign(scene.joints.size(), 0);
   tied = tied_bodies(scene, broken);
   for (const BodyGroup& group : scene.groups)
     if (group.surface_motion) belts.push_back(&group);
