@@ -5,8 +5,8 @@
 
 namespace unibody {
 
-// Measures RankState::pressed_areas where the bodies are now, which every rank then knows. Collective. After
-// build_lasting().
+// Measures RankState::pressed_areas by where the bodies are now; every rank then knows all of these areas. Collective. It comes
+// after build_lasting(), which finds the slots of joints.
 void measure_pressed_areas(RankState& state);
 
 }  // namespace unibody

@@ -102,7 +102,39 @@ TEST(Triaxial, ATurnedCellDoesTheSame) {
   EXPECT_NEAR(found.at("sample_solid_fraction (1)"), 1, 1e-3);
 }
 
-// Without plates along y the depth of all areas is the size along y.
+// A soft cube of edge L between plates without friction comes to homogeneous stretches. Its law is S = C E with Green's strain
+// E = (stretch^2 - 1) / 2, and S = F / (L^2 stretch) of the force F of a plate, which presses on the room's area: the cube's
+// stretches times L and its thickness.
+TEST(Triaxial, ASoftCubeComesToTheStretchesOfItsLaw) {
+  constexpr double L = 0.18, thickness = 0.004, modulus = 1e6, poisson = 0.3;
+  const Vec3 pressure(2e4, 3e4, 6e4);
+  for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"}) {
+    Experiment run(scene_from_text("gravity: [0, 0, 0]\nsolver: {iterations: 200, name: " + solver + R"(}
+time: {frame: 0.01, substeps: 4}
+materials: {rubber: {friction: 0}}
+bodies:
+  - name: cell
+    triaxial: {size: [0.2, 0.2, 0.2], thickness: 0.05, x: {pressure: 2.0e+4}, y: {pressure: 3.0e+4}, z: {pressure: 6.0e+4}}
+    material: rubber
+solids:
+  - {name: cube, block: {size: [0.18, 0.18, 0.18], cells: [2, 2, 2]}, density: 1000, youngs_modulus: 1.0e+6, poissons_ratio: 0.3,
+     thickness: 0.004, material: rubber, position: [0, 0, 0.1]}
+probes: [{name: sample, cell: cell}]
+)"));
+    run.steps(4 * 250);
+    const auto found = frame_of(run);
+    const Vec3 room(found.at("sample_size_x (m)"), found.at("sample_size_y (m)"), found.at("sample_size_z (m)"));
+    const Vec3 stretch = (room.array() - thickness) / L,
+               S = (pressure.array() * room.prod() / room.array() / (L * L)) / stretch.array();
+    for (int k = 0; k < 3; ++k) {
+      const double strain = -(S[k] - poisson * (S.sum() - S[k])) / modulus;
+      EXPECT_NEAR(0.5 * (stretch[k] * stretch[k] - 1), strain, 1e-3) << solver << ' ' << k;
+    }
+    EXPECT_LT(stretch[2], 0.96) << solver;
+  }
+}
+
+// A planar cell has no plates along y: its size along y is the depth of all areas.
 TEST(Triaxial, APlanarCellHasTheDepthThatItSays) {
   Experiment run(scene_from_text(ways()[0] + R"(
 planar: true
