@@ -61,7 +61,7 @@ struct JointInput {
   const std::vector<CouplingSlots>* coupling_slots = nullptr;  // of each of these
   std::int32_t coupling_colours = 0;
 
-  // N m or N, the most that the joint's motor gives over a step.
+  // The most that the joint's motor may give over the step from `time` to `end` (N m or N).
   double strength_of(std::int64_t number, double time, double end) const {
     const Joint& joint = joints[static_cast<std::size_t>(number)];
     const double strength = joint.strength.mean(time, end);

@@ -78,7 +78,7 @@ TEST(RanksSettle, NoCentreGoesThroughAPlaneAtImpact) {
   }
 }
 
-// Each column takes seconds: one rank runs all three, and each larger number of ranks runs the first half of one of them.
+// Each column takes seconds: a run on one rank steps all three columns, and a run on more ranks the first half of one of them.
 TEST(RanksSettle, NoCentreIsEverBehindWhatDoesNotMove) {
   const std::string plane = "shape: {plane: {normal: [0, 0, 1]}}", container = "container: {size: [0.32, 0.58]}";
   const std::vector<std::pair<std::string, std::string>> columns{
