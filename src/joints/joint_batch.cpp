@@ -38,9 +38,8 @@ double within_limits(double lambda, double beyond_lower, double beyond_upper, do
 
 namespace {
 
-// N s: from what a motor that presses starts, which may give `most` and gave `before` in the last step. All that it gave, and
-// where that was nearly all that it may now, all: a pressure that lasts is then right from the first iteration on, however few
-// follow.
+// The impulse (N s) from which a motor that presses starts its step: what it gave in the last step, or, where that was nearly all
+// that it may give now, all of it. So a pressure that lasts does not have to be found again in each step.
 double start_of_press(double most, double before) {
   constexpr double nearly_all = 0.9;
   return std::abs(before) >= nearly_all * most ? std::copysign(most, before) : before;
