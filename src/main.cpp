@@ -4,9 +4,9 @@
 
 #include "app/options.hpp"
 #include "app/run.hpp"
+#include "core/before_mpi.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
-#include "core/hdf5.hpp"
 
 namespace {
 
@@ -34,7 +34,7 @@ int guarded_run(int argc, char** argv, int rank) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  unibody::h5::avoid_shared_semaphores();
+  unibody::choose_for_mpi();
   unibody::check_mpi(MPI_Init(&argc, &argv));
   int rank = 0;
   unibody::check_mpi(MPI_Comm_rank(MPI_COMM_WORLD, &rank));

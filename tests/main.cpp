@@ -2,11 +2,11 @@
 #include <gtest/gtest.h>
 #include <petscsys.h>
 
-#include "core/hdf5.hpp"
+#include "core/before_mpi.hpp"
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  unibody::h5::avoid_shared_semaphores();
+  unibody::choose_for_mpi();
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 3;
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
@@ -95,8 +94,6 @@ Handle::Handle(hid_t id, Close closer, const std::string& what) : id_(id), close
 }
 
 herr_t Handle::close() { return id_ < 0 ? 0 : close_(std::exchange(id_, H5I_INVALID_HID)); }
-
-void avoid_shared_semaphores() { setenv("OMPI_MCA_sharedfp", "^sm", 0); }
 
 Quiet::Quiet() {
   check(H5Eget_auto2(H5E_DEFAULT, &function_, &data_), "find how faults are printed");

@@ -49,13 +49,6 @@ class Quiet {
   void* data_ = nullptr;
 };
 
-// To be called before MPI_Init. Open MPI gives each file a pointer that all ranks share, which nothing here uses, but which it
-// can't do without. Its usual way to keep such a pointer is a semaphore of the machine that is named after the file's base name:
-// all runs write a `frames.h5`, and one that is killed while it holds the semaphore would stop every later run for ever. This way
-// is turned off; what is left is a file beside the other one, which create_file() removes. A choice that the user has made
-// stands.
-void avoid_shared_semaphores();
-
 // Collective. Neither stamps objects with the time, so that equal contents are equal bytes. user_block: bytes at the start of the
 // file that HDF5 leaves alone, 0 or a power of two from 512 on.
 Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block = 0);

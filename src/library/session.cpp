@@ -3,13 +3,13 @@
 #include <mpi.h>
 #include <petscsys.h>
 
+#include "core/before_mpi.hpp"
 #include "core/checked.hpp"
-#include "core/hdf5.hpp"
 
 namespace unibody {
 
 LibrarySession::LibrarySession(int* argc, char*** argv) {
-  h5::avoid_shared_semaphores();
+  choose_for_mpi();
   int runs = 0;
   check_mpi(MPI_Initialized(&runs));
   starts_mpi_ = runs == 0;

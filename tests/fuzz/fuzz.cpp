@@ -16,9 +16,9 @@
 
 #include "app/run.hpp"
 #include "checkpoint/checkpoint_seal.hpp"
+#include "core/before_mpi.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
-#include "core/hdf5.hpp"
 #include "fuzz/mutation.hpp"
 
 namespace unibody::fuzz {
@@ -302,7 +302,7 @@ int main(int argc, char** argv) {
 }  // namespace unibody::fuzz
 
 int main(int argc, char** argv) {
-  unibody::h5::avoid_shared_semaphores();
+  unibody::choose_for_mpi();
   unibody::check_mpi(MPI_Init(&argc, &argv));
   if (PetscInitialize(&argc, &argv, nullptr, nullptr) != 0) return 3;
   int code = 3;

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from unibody_runs import ProgramTest, command, end, start
+from unibody_runs import ENVIRONMENT, ProgramTest, command, end, start
 
 SCENE = """
     time: {frames: FRAMES}
@@ -41,6 +41,18 @@ class Beside(ProgramTest):
             self.addCleanup(locked_semaphore(f"/OMPIO_{name}"))
         for ranks in (1, 2, 3):
             self.good(self.scene_of(3), f"results_{ranks}", ranks=ranks, timeout=60)
+
+    def test_a_run_without_mpirun_needs_no_folder_of_open_mpi(self):
+        """Which runs that end would remove under those that start: here no such folder can be made."""
+        occupied = self.folder / "a_file"
+        occupied.write_text("")
+        environment = dict(ENVIRONMENT, OMPI_MCA_orte_tmpdir_base=str(occupied))
+        output = self.folder / "results"
+        process = start(command([self.scene_of(3), "-output", output], 1), environment=environment)
+        out, err = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 0, err)
+        self.assertEqual(out.strip().splitlines()[-1], f"state {self.good(self.scene_of(3), 'good').state}")
+        self.assertEqual(sorted(os.listdir(output)), RESULTS)
 
     def test_after_runs_that_were_killed(self):
         """At moments of all kinds (seed 7), at the hardest: afterwards runs end, in the same folder too, and nothing is left there."""

@@ -3,6 +3,7 @@
 Two variables name what is tested: UNIBODY_PROGRAM, the program, and UNIBODY_SOURCE_DIR, the folder that holds scenes/ and
 scripts/. UNIBODY_MPIEXEC names another mpirun. ctest sets them; by hand, the release build of this source tree is taken.
 """
+import atexit
 import csv
 import dataclasses
 import os
@@ -21,11 +22,15 @@ PROGRAM = os.environ.get("UNIBODY_PROGRAM", str(SOURCE / "build" / "release" / "
 MPIEXEC = os.environ.get("UNIBODY_MPIEXEC", "mpirun")
 SCENES = SOURCE / "scenes"
 
-# More ranks than cores, as root, in containers: all is legal in tests. A program that is started by itself needs no daemon of
-# Open MPI's, which takes longer to start than it.
+# Open MPI's folder for mpirun, which runs of other tests at the same time could remove while one here starts.
+SESSIONS = tempfile.mkdtemp(prefix="unibody_mpi_")
+atexit.register(shutil.rmtree, SESSIONS, ignore_errors=True)
+
+# More ranks than cores, as root, in containers: all is legal in tests.
 ENVIRONMENT = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                    OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_hwloc_base_binding_policy="none",
-                   OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_ess_singleton_isolated="1", OMPI_MCA_orte_execute_quiet="1", OMP_NUM_THREADS="1")
+                   OMPI_MCA_mpi_yield_when_idle="1", OMPI_MCA_orte_tmpdir_base=SESSIONS,
+                   OMPI_MCA_orte_execute_quiet="1", OMP_NUM_THREADS="1")
 
 # After a run that ends with another code than 0, mpirun waits for a second before it ends what may still run.
 ENDS_AT_ONCE = dict(ENVIRONMENT, OMPI_MCA_odls_base_sigkill_timeout="0")
