@@ -7,12 +7,12 @@ namespace unibody {
 
 namespace {
 
-constexpr double parallel = 1 - 1e-6;  // cosine between edges
-constexpr double facing = 0.996;       // cosine above which two faces count as lying on each other: 5 degrees
-constexpr double closeness = 0.3;      // of the smallest half edge
+constexpr double along_each_other = 1 - 1e-6;  // cosine between edges
+constexpr double lying_flat = 0.996;           // cosine above which two faces count as lying on each other: 5 degrees
+constexpr double closeness = 0.3;              // of the smallest half edge
 
 // Edges of a box that run along its axis `along`, seen across it: by the signs of their places along the other two axes.
-struct Corner {
+struct Edge {
   int along, signs;
   Vec3 place(const Vec3& half) const {  // in the box's axes, the middle of the edge
     Vec3 p = Vec3::Zero();
@@ -23,9 +23,9 @@ struct Corner {
   Vec3 outwards() const { return place(Vec3::Constant(std::sqrt(0.5))); }  // unit
 };
 
-bool lies_between(const Vec3& n, const Corner& corner) {
-  const Vec3 o = corner.outwards();
-  return n[(corner.along + 1) % 3] * o[(corner.along + 1) % 3] > 0 && n[(corner.along + 2) % 3] * o[(corner.along + 2) % 3] > 0;
+bool lies_between(const Vec3& n, const Edge& edge) {
+  const Vec3 o = edge.outwards();
+  return n[(edge.along + 1) % 3] * o[(edge.along + 1) % 3] > 0 && n[(edge.along + 2) % 3] * o[(edge.along + 2) % 3] > 0;
 }
 
 }  // namespace
@@ -40,11 +40,11 @@ bool manifold_of_meeting_edges(const Proxy& a, const Proxy& b, const BoxRelation
   for (int i = planar ? 1 : 0; i < (planar ? 2 : 3); ++i)
     for (int j = planar ? 1 : 0; j < (planar ? 2 : 3); ++j) {
       const int i1 = (i + 1) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-      if (r.cosine[i][j] < parallel || std::max(r.cosine[i1][j1], r.cosine[i1][j2]) > facing) continue;
+      if (r.cosine[i][j] < along_each_other || std::max(r.cosine[i1][j1], r.cosine[i1][j2]) > lying_flat) continue;
       const double low = std::max(-a.half[i], offset[i] - b.half[j]), high = std::min(a.half[i], offset[i] + b.half[j]);
       if (!planar && !(low < high)) continue;
       for (int s = 0; s < 16; ++s) {
-        const Corner of_a{i, s & 3}, of_b{j, s >> 2};
+        const Edge of_a{i, s & 3}, of_b{j, s >> 2};
         Vec3 on_a = of_a.place(a.half), on_b = offset + turn * of_b.place(b.half);
         on_a[i] = on_b[i] = 0;
         if ((on_b - on_a).norm() > close) continue;

@@ -9,8 +9,8 @@ namespace unibody {
 
 namespace {
 
-constexpr double unit = 0x1p-53;
-constexpr double too_large = 1e130;  // m times `unit`: beyond, squares may overflow
+constexpr double roundoff = 0x1p-53;
+constexpr double too_large = 1e130;  // m times `roundoff`: beyond, squares may overflow
 
 // Closest points at one moment, as the difference of the two.
 struct Closest {
@@ -146,9 +146,9 @@ class Search {
   Search(const Differences<n>& differences, const ContinuousSettings& settings) : differences_(differences), settings_(settings) {
     // Rounding of a projection at any time: 4 units of the dot product, 4 of the interpolation, each of |y|_1 at most. A
     // direction of length 1 is longer by 4 units at most. Underflow adds less than 1e-300.
-    proof_ = settings.thickness * (1 + 16 * unit) + 16 * unit * differences.size() + 1e-300;
+    proof_ = settings.thickness * (1 + 16 * roundoff) + 16 * roundoff * differences.size() + 1e-300;
     // Short of the tolerance, so that where a search along one direction stops, there is room left for rounding.
-    aim_ = proof_ + std::max(0.5 * settings.tolerance, 16 * unit * (differences.size() + settings.thickness));
+    aim_ = proof_ + std::max(0.5 * settings.tolerance, 16 * roundoff * (differences.size() + settings.thickness));
   }
 
   ContinuousHit run() {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double least_turn = 1e-4;  // rad a step
 constexpr double least_slip = 0.1;   // of what a body falls in a step, at the rim
-constexpr double steepest = 0.02;    // tangent of the angle between faces that lie on each other
+constexpr double most_slant = 0.02;  // tangent of the angle between faces that lie on each other
 
 // The mean distance of a regular polygon's area from its middle, over that of its corners. More than four corners are of
 // something round.
@@ -24,20 +24,20 @@ double mean_distance(int corners) {
 
 // The points of a manifold that lie in the faces. A thin box's manifold with a plane may hold corners of its far side as well,
 // which do not.
-struct Face {
+struct FacePoints {
   std::array<const ContactPoint*, PairManifold::kept> points;
   int count = 0;
   Vec3 middle = Vec3::Zero();
   double gap = 0, reach = 0;  // m
 
-  explicit Face(const PairManifold& m) {
+  explicit FacePoints(const PairManifold& m) {
     double least = HUGE_VAL, size = 0;
     for (int k = 0; k < m.count; ++k) {
       least = std::min(least, m.points[k].gap);
       size = std::max(size, (m.points[k].position - m.points[0].position).norm());
     }
     for (int k = 0; k < m.count; ++k)
-      if (m.points[k].gap <= least + steepest * size) points[static_cast<std::size_t>(count++)] = &m.points[k];
+      if (m.points[k].gap <= least + most_slant * size) points[static_cast<std::size_t>(count++)] = &m.points[k];
     for (int k = 0; k < count; ++k) middle += at(k).position / count, gap += at(k).gap / count;
     for (int k = 0; k < count; ++k) reach = std::max(reach, (at(k).position - middle).norm());
   }
@@ -50,12 +50,12 @@ bool needs_inner_ring(const PairManifold& rim, const Proxy& a, const Proxy& b, c
   if (rim.count < 3 || a.dynamic == b.dynamic) return false;
   const double turn = settings.step * std::abs(rim.normal.dot(a.spin - b.spin));
   if (!(turn > least_turn)) return false;
-  const Face face(rim);
+  const FacePoints face(rim);
   return face.count >= 3 && turn * face.reach > least_slip * std::max(a.fall, b.fall);
 }
 
 PairManifold inner_ring(const PairManifold& rim) {
-  const Face face(rim);
+  const FacePoints face(rim);
   PairManifold ring = rim;
   ring.is_inner_ring = true, ring.count = 0;
   const double size = mean_distance(face.count);

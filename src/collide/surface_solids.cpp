@@ -5,6 +5,7 @@
 #include "collide/convex_distance.hpp"
 #include "collide/mesh_triangles.hpp"
 #include "collide/surface_contacts.hpp"
+#include "collide/triangle_contacts.hpp"
 #include "collide/triangle_distance.hpp"
 
 namespace unibody {
@@ -14,8 +15,6 @@ namespace {
 constexpr std::uint32_t through_feature = 1u << 17;  // above those of a manifold
 
 ConvexBody at_origin(const Proxy& solid) { return convex_body(solid.shape(), solid.rotation, Vec3::Zero()); }
-
-Vec3 face_normal(const TriangleNodes& x) { return (x[1] - x[0]).cross(x[2] - x[0]); }
 
 // Weights of what of a face is furthest along a direction: of a node, an edge or all of it.
 Vec3 furthest(const TriangleNodes& x, const Vec3& direction, double tolerance) {

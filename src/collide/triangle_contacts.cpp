@@ -13,8 +13,6 @@ namespace {
 // lies flat would lose points by a turn in the last bit.
 constexpr double lean = 0.05;
 
-Vec3 face_normal(const TriangleNodes& n) { return (n[1] - n[0]).cross(n[2] - n[0]); }
-
 void add(TriangleContacts& out, const TriangleReach& reach, const Vec3& on_triangle, const Vec3& normal, const Vec3& weights,
          double gap, int feature) {
   if (!(gap >= -reach.depth && gap <= reach.margin)) return;

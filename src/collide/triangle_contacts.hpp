@@ -14,6 +14,9 @@ namespace unibody {
 
 using TriangleNodes = std::array<Vec3, 3>;  // m
 
+// Twice its area long; counter-clockwise corners are seen from where it points to.
+inline Vec3 face_normal(const TriangleNodes& x) { return (x[1] - x[0]).cross(x[2] - x[0]); }
+
 struct TriangleContact {
   Vec3 position;          // m, half way across the gap
   Vec3 normal;            // unit, from the triangle to the body

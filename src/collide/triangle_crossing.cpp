@@ -8,7 +8,7 @@ namespace unibody {
 
 namespace {
 
-constexpr double unit = 0x1p-53;
+constexpr double roundoff = 0x1p-53;
 
 int sign(double x) { return (x > 0) - (x < 0); }
 
@@ -80,7 +80,7 @@ int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 int orient2d(const Vec3& a, const Vec3& b, const Vec3& c, Eigen::Index x, Eigen::Index y) {
   const double left = (b[x] - a[x]) * (c[y] - a[y]), right = (b[y] - a[y]) * (c[x] - a[x]);
   const double det = left - right;
-  if (std::abs(det) > 4 * unit * (std::abs(left) + std::abs(right))) return sign(det);
+  if (std::abs(det) > 4 * roundoff * (std::abs(left) + std::abs(right))) return sign(det);
   Expansion exact;
   exact.add_product(difference(b[x], a[x]), difference(c[y], a[y]), {1, 0});
   exact.add_product(negated(difference(b[y], a[y])), difference(c[x], a[x]), {1, 0});
@@ -130,7 +130,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const double det = w.x() * (yz - zy) + w.y() * (zx - xz) + w.z() * (xy - yx);
   const double size = std::abs(w.x()) * (std::abs(yz) + std::abs(zy)) + std::abs(w.y()) * (std::abs(zx) + std::abs(xz)) +
                       std::abs(w.z()) * (std::abs(xy) + std::abs(yx));
-  if (std::abs(det) > 8 * unit * size) return sign(det);  // Shewchuk: 7 u + 56 u^2
+  if (std::abs(det) > 8 * roundoff * size) return sign(det);  // Shewchuk: 7 u + 56 u^2
   return exact_orient3d(a, b, c, d);
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "constraints/contact_batch.hpp"
+#include "constraints/lanes.hpp"
 #include "constraints/surface_batch.hpp"
 #include "world/surface_velocity.hpp"
 #include "world/world.hpp"
@@ -15,8 +16,6 @@
 namespace unibody {
 
 namespace {
-
-Vec3 lane_of(const Vec3x4& v, std::size_t l) { return {v.x[l], v.y[l], v.z[l]}; }
 
 struct Velocities {
   Vec3 before, after;  // m/s, at the step's start and as the solver has them

@@ -9,15 +9,14 @@
 #include "constraints/contact_for_each.hpp"
 #include "constraints/creep.hpp"
 #include "constraints/friction.hpp"
+#include "constraints/lanes.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
 
 namespace {
 
-void set_lane(Vec3x4& v, std::size_t lane, const Vec3& x) { v.x[lane] = x.x(), v.y[lane] = x.y(), v.z[lane] = x.z(); }
-
-void set_lane(Vec4d (&m)[6], std::size_t lane, const InverseInertia& i) {
+void set_inertia(Vec4d (&m)[6], std::size_t lane, const InverseInertia& i) {
   m[0][lane] = i.xx, m[1][lane] = i.yy, m[2][lane] = i.zz, m[3][lane] = i.yz, m[4][lane] = i.xz, m[5][lane] = i.xy;
 }
 
@@ -75,8 +74,8 @@ void ContactBatch::build(const BuildContext& context) {
     Block& block = blocks[number];
     fill_lane(block, lane, m);
     if (block.inertia >= 0) {
-      set_lane(inertias[block.inertia].a, lane, inertia_of(block.slot_a[lane]));
-      set_lane(inertias[block.inertia].b, lane, inertia_of(block.slot_b[lane]));
+      set_inertia(inertias[block.inertia].a, lane, inertia_of(block.slot_a[lane]));
+      set_inertia(inertias[block.inertia].b, lane, inertia_of(block.slot_b[lane]));
     }
     if (filled[number] < rows_[number].used) continue;
     if (is_gauss_seidel_)

@@ -3,6 +3,7 @@
 // centres.
 
 #include "constraints/contact_batch.hpp"
+#include "constraints/lanes.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -21,9 +22,6 @@ struct Moved {
     turn = Quat(1, half.x(), half.y(), half.z()).normalized();
   }
 };
-
-Vec3 lane_of(const Vec3x4& v, std::size_t l) { return {v.x[l], v.y[l], v.z[l]}; }
-void set_lane(Vec3x4& v, std::size_t l, const Vec3& x) { v.x[l] = x.x(), v.y[l] = x.y(), v.z[l] = x.z(); }
 
 }  // namespace
 

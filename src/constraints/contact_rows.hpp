@@ -47,10 +47,6 @@ struct Side {
   }
 }
 
-inline Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
-  return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
-}
-
 // A side in which the tangents see no drift. All kernels that look at tangents start from this.
 [[gnu::always_inline]] inline Side less_drift(Side a, const Drift* drift) {
   if (drift) a.v = a.v - drift->v, a.w = a.w - drift->w;

@@ -5,17 +5,12 @@
 #include "collide/collide.hpp"
 #include "constraints/carried.hpp"
 #include "constraints/friction.hpp"
+#include "constraints/lanes.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
 
 namespace {
-
-void put(Vec3x4& v, std::size_t lane, const Vec3& x) { v.x[lane] = x.x(), v.y[lane] = x.y(), v.z[lane] = x.z(); }
-
-Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
-  return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
-}
 
 // The vectors that four records begin with, one a lane.
 template <typename Where>
@@ -42,7 +37,7 @@ void SurfaceBatch::build(const BuildContext& context) {
     count(context, own);
     context.exchange(own);
   }
-  for (std::size_t i = 0; i < contacts.size(); ++i) set_lane(i, contacts[i], context);
+  for (std::size_t i = 0; i < contacts.size(); ++i) fill_lane(i, contacts[i], context);
   const std::span<const std::int32_t> counts = own.empty() ? context.state.counts : own;
   for (Block& block : blocks_) scale(block, context.state.bodies, counts);
 }
@@ -64,7 +59,7 @@ Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
   return rolls ? own : Vec3(own - drift_along_circle(turn, from, velocity, step_));
 }
 
-void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context) {
+void SurfaceBatch::fill_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context) {
   const auto& bodies = context.state.bodies;
   Block& block = blocks_[i / lanes];
   const std::size_t l = i % lanes;
@@ -75,10 +70,10 @@ void SurfaceBatch::set_lane(std::size_t i, const SurfaceContact& contact, const 
     block.slot[k][l] = contact.slots[k] < 0 ? nobody : contact.slots[k];
     block.weight[k][l] = contact.weights[k];
   }
-  put(block.arm, l, contact.arm);
-  put(block.n, l, contact.normal);
-  put(block.s, l, first_tangent_of(contact.normal));
-  put(block.drift, l, drift_of(contact));
+  set_lane(block.arm, l, contact.arm);
+  set_lane(block.n, l, contact.normal);
+  set_lane(block.s, l, first_tangent_of(contact.normal));
+  set_lane(block.drift, l, drift_of(contact));
   block.friction[l] = acts_in_solve(friction_) ? contact.friction : 0;
   block.gap[l] = contact.gap, block.beyond[l] = contact.beyond, block.bounce[l] = contact.bounce;
   const auto first = static_cast<std::size_t>(contact.slots[0]);

@@ -85,7 +85,7 @@ class SurfaceBatch : public BatchDefaults {
   };
 
   Vec3 drift_of(const SurfaceContact& contact) const;
-  void set_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context);
+  void fill_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context);
   void scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const;
   Vec4d bias_without_bounce(const Block& block) const;
   static Velocity parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies);

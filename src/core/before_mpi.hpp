@@ -2,8 +2,8 @@
 
 namespace unibody {
 
-// What Open MPI is to do, told in its environment variables, which it reads in MPI_Init: to be called just before that, by whatever
-// starts MPI. A variable that the user has set keeps his value.
+// What Open MPI is to do, told in its environment variables, which it reads in MPI_Init: to be called just before that, by
+// whatever starts MPI. A variable that the user has set keeps his value.
 //
 // Files. Open MPI gives each file a pointer that all ranks share, which nothing here uses, but which it can't do without. Its
 // usual way to keep such a pointer is a semaphore of the machine that is named after the file's base name: all runs write a

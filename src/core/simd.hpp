@@ -57,6 +57,10 @@ inline Vec4d dot(const Vec3x4& a, const Vec3x4& b) { return a.x * b.x + a.y * b.
 inline Vec3x4 cross(const Vec3x4& a, const Vec3x4& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+// Four symmetric matrices, their entries xx, yy, zz, yz, xz, xy, times four vectors.
+inline Vec3x4 multiply(const Vec4d (&m)[6], const Vec3x4& v) {
+  return {m[0] * v.x + m[5] * v.y + m[4] * v.z, m[5] * v.x + m[1] * v.y + m[3] * v.z, m[4] * v.x + m[3] * v.y + m[2] * v.z};
+}
 
 // Turns four rows of four into four columns: from a record a lane to a field a vector, and back.
 inline void transpose(Vec4d& a, Vec4d& b, Vec4d& c, Vec4d& d) {

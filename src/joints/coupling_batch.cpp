@@ -9,10 +9,6 @@ namespace unibody {
 
 namespace {
 
-Vec3 velocity_of(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
-Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
-void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
-
 JointRows<1> evaluate(std::uint8_t type, const JointEnd& a, const JointEnd& b) {
   JointRows<1> rows{};
   with_joint_type(type, [&]<class T>() {

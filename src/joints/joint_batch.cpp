@@ -24,10 +24,6 @@ struct JointBatch::Step {
 
 namespace {
 
-Vec3 velocity_of(const SolverBody& b) { return {b.v[0], b.v[1], b.v[2]}; }
-Vec3 spin_of(const SolverBody& b) { return {b.w[0], b.w[1], b.w[2]}; }
-void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
-
 // The multiplier that a step of 1 / P brings a row within limits to, its proximal map, from what it misses at each of them.
 double within_limits(double lambda, double beyond_lower, double beyond_upper, double to_impulse) {
   const double up = lambda - beyond_lower * to_impulse, down = lambda - beyond_upper * to_impulse;

@@ -124,30 +124,31 @@ void JointBatch::limit_approach(Part& part, JointKind kind, double from, double 
     return (a.inverse_mass + b.inverse_mass) * r.linear.dot(s.linear) + r.angular.dot(a.inverse_inertia * s.angular) +
            r.angular_b.dot(b.inverse_inertia * s.angular_b);
   };
+  Row driven;
+  double away = 0;
   with_joint_type(part.type, [&]<class T>() {
     JointRows<T::rows> coordinate;
     T::evaluate(end_a, end_b, coordinate);
-    const Row driven = row(coordinate, 0);
-    double mobility = product(driven, driven);
-    with_joint_type(own_type(kind), [&]<class J>() {
-      JointRows<J::rows> rows;
-      J::evaluate(end_a, end_b, rows);
-      std::array<std::array<double, J::rows>, J::rows> P;
-      std::array<double, J::rows> across;
-      for (std::size_t i = 0; i < J::rows; ++i) {
-        const Row own = row(rows, i);
-        for (std::size_t k = 0; k <= i; ++k) P[i][k] = product(own, row(rows, k));
-        if (!(P[i][i] > least_diagonal(a, b, 1, 1, own.linear, own.angular, own.angular_b))) P[i][i] = 0;
-        across[i] = product(row(rows, i), driven);
-      }
-      const auto held = solve_semidefinite<J::rows>(P, across);
-      for (std::size_t i = 0; i < J::rows; ++i) mobility -= across[i] * held[i];
-    });
-    double away = coordinate.value[0] - from;
+    driven = row(coordinate, 0), away = coordinate.value[0] - from;
     if (T::angles > 0) away = std::remainder(away, 2 * M_PI);
-    const double speed = std::sqrt(part.upper * std::max(0.0, mobility) * std::abs(away));
-    if (std::abs(away) > step_ * speed) part.law = Law::rate, part.lower = rate + (away > 0 ? -speed : speed);
   });
+  double mobility = product(driven, driven);
+  with_joint_type(own_type(kind), [&]<class J>() {
+    JointRows<J::rows> rows;
+    J::evaluate(end_a, end_b, rows);
+    std::array<std::array<double, J::rows>, J::rows> P;
+    std::array<double, J::rows> across;
+    for (std::size_t i = 0; i < J::rows; ++i) {
+      const Row own = row(rows, i);
+      for (std::size_t k = 0; k <= i; ++k) P[i][k] = product(own, row(rows, k));
+      if (!(P[i][i] > least_diagonal(a, b, 1, 1, own.linear, own.angular, own.angular_b))) P[i][i] = 0;
+      across[i] = product(row(rows, i), driven);
+    }
+    const auto held = solve_semidefinite<J::rows>(P, across);
+    for (std::size_t i = 0; i < J::rows; ++i) mobility -= across[i] * held[i];
+  });
+  const double speed = std::sqrt(part.upper * std::max(0.0, mobility) * std::abs(away));
+  if (std::abs(away) > step_ * speed) part.law = Law::rate, part.lower = rate + (away > 0 ? -speed : speed);
 }
 
 void JointBatch::build(const BuildContext& context) {

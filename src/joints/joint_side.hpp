@@ -16,6 +16,10 @@ struct JointSide {
   Mat3 inverse_inertia;  // 1/(kg m^2), world frame
 };
 
+inline Vec3 velocity_of(const SolverBody& body) { return {body.v[0], body.v[1], body.v[2]}; }  // m/s
+inline Vec3 spin_of(const SolverBody& body) { return {body.w[0], body.w[1], body.w[2]}; }      // rad/s
+inline void add(Vec4d& to, const Vec3& x) { to += Vec4d{x.x(), x.y(), x.z(), 0}; }
+
 // slot: where its body is; of the world one behind all bodies.
 inline JointSide joint_side(const BuildContext& context, const Joint& joint, std::size_t end, Slot slot) {
   const SolveState& state = context.state;
@@ -32,9 +36,9 @@ inline JointSide joint_side(const BuildContext& context, const Joint& joint, std
 // After a step (s) at the body's velocities: the same turn as finish_motion() makes, but where it holds the energy. A step of 0:
 // at its start.
 inline JointEnd end_of(const JointSide& side, const SolverBody& body, double step) {
-  const Vec3 half = 0.5 * step * Vec3(body.w[0], body.w[1], body.w[2]);
+  const Vec3 half = 0.5 * step * spin_of(body);
   const Mat3 axes = (Quat(1, half.x(), half.y(), half.z()) * side.axes).normalized().toRotationMatrix();
-  const Vec3 centre = side.centre + step * Vec3(body.v[0], body.v[1], body.v[2]);
+  const Vec3 centre = side.centre + step * velocity_of(body);
   return {centre, axes, centre + axes * side.arm};
 }
 

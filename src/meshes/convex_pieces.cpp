@@ -9,11 +9,11 @@ namespace unibody {
 
 namespace {
 
-using Polygon = std::vector<Vec3>;
+using Outline = std::vector<Vec3>;
 
 // What of a convex polygon lies on one side of a plane across an axis.
-Polygon cut(const Polygon& from, Eigen::Index axis, double at, double side) {
-  Polygon kept;
+Outline cut(const Outline& from, Eigen::Index axis, double at, double side) {
+  Outline kept;
   for (std::size_t i = 0; i < from.size(); ++i) {
     const Vec3 &p = from[i], &q = from[(i + 1) % from.size()];
     const double dp = side * (p[axis] - at), dq = side * (q[axis] - at);
@@ -35,7 +35,7 @@ std::vector<Hull> convex_pieces(const TriangleMesh& mesh, int cells) {
   const auto cell_of = [&](double x, Eigen::Index k) { return std::clamp(static_cast<int>((x - low[k]) / edge), 0, cells - 1); };
   std::map<std::array<int, 3>, std::vector<Vec3>> points;
   for (const auto& t : mesh.triangles) {
-    const Polygon whole{mesh.nodes[static_cast<std::size_t>(t[0])], mesh.nodes[static_cast<std::size_t>(t[1])],
+    const Outline whole{mesh.nodes[static_cast<std::size_t>(t[0])], mesh.nodes[static_cast<std::size_t>(t[1])],
                         mesh.nodes[static_cast<std::size_t>(t[2])]};
     const Vec3 inwards = -thin * (whole[1] - whole[0]).cross(whole[2] - whole[0]).normalized();
     const Vec3 from = whole[0].cwiseMin(whole[1]).cwiseMin(whole[2]), to = whole[0].cwiseMax(whole[1]).cwiseMax(whole[2]);
@@ -43,7 +43,7 @@ std::vector<Hull> convex_pieces(const TriangleMesh& mesh, int cells) {
     for (c[0] = cell_of(from[0], 0); c[0] <= cell_of(to[0], 0); ++c[0])
       for (c[1] = cell_of(from[1], 1); c[1] <= cell_of(to[1], 1); ++c[1])
         for (c[2] = cell_of(from[2], 2); c[2] <= cell_of(to[2], 2); ++c[2]) {
-          Polygon part = whole;
+          Outline part = whole;
           for (std::size_t k = 0; k < 3 && !part.empty(); ++k) {
             const auto axis = static_cast<Eigen::Index>(k);
             part = cut(cut(part, axis, low[axis] + edge * c[k], -1), axis, low[axis] + edge * (c[k] + 1), 1);

@@ -13,11 +13,11 @@ static_assert(std::endian::native == std::endian::little, "binary numbers are ta
 
 namespace {
 
-constexpr std::string_view blanks = " \t\r\v\f";
+constexpr std::string_view between_words = " \t\r\v\f";
 
 std::string_view trimmed(std::string_view line) {
-  line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
-  return line.substr(0, line.find_last_not_of(blanks) + 1);
+  line.remove_prefix(std::min(line.find_first_not_of(between_words), line.size()));
+  return line.substr(0, line.find_last_not_of(between_words) + 1);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ std::string_view MshInput::line() {
 }
 
 void MshInput::end_text_line() {
-  mark_ = at_ = std::min(bytes_.find_first_not_of(blanks, at_), bytes_.size());
+  mark_ = at_ = std::min(bytes_.find_first_not_of(between_words, at_), bytes_.size());
   if (at_ == bytes_.size()) return;
   if (bytes_[at_] != '\n') fail(quote(line()), "the end of the line");
   ++at_;
@@ -58,7 +58,7 @@ void MshInput::skip_past(const std::string& end) {
 }
 
 std::string_view MshInput::word(const char* what) {
-  mark_ = at_ = std::min(bytes_.find_first_not_of(blanks, at_), bytes_.size());
+  mark_ = at_ = std::min(bytes_.find_first_not_of(between_words, at_), bytes_.size());
   if (at_ == bytes_.size()) fail("the end of the file", what);
   if (bytes_[at_] == '\n') fail("the end of the line", what);
   const std::size_t end = std::min(bytes_.find_first_of(" \t\r\v\f\n", at_), bytes_.size());

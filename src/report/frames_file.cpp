@@ -11,7 +11,7 @@ namespace unibody {
 
 namespace {
 
-constexpr hsize_t any_number = HSIZE_UNDEF;
+constexpr hsize_t any_rows = HSIZE_UNDEF;
 
 std::string numbered(const std::string& group, std::int64_t number) { return group + "/" + h5::numbered(number); }
 
@@ -46,7 +46,7 @@ FramesFile::FramesFile(const std::string& path) : path_(file_of(path)) {
   const std::string first = numbered("/frames", frames_.front()), name = first + "/position";
   body_count_ =
       static_cast<Id>(h5::has_link(file_, first + "/id") ? h5::dimensions(h5::open_dataset(file_, "bodies/id"))[0]
-                                                         : h5::dimensions(open_array(name, any_number, {3}, H5T_FLOAT))[0]);
+                                                         : h5::dimensions(open_array(name, any_rows, {3}, H5T_FLOAT))[0]);
 }
 
 void FramesFile::refuse(const std::string& fault) const { throw InputError("'" + path_ + "' " + fault); }
@@ -58,14 +58,14 @@ h5::Handle FramesFile::open_array(const std::string& name, hsize_t rows, std::in
   h5::Handle dataset(id, H5Dclose, "open " + name);
   const h5::Handle type(H5Dget_type(dataset), H5Tclose, "get the type of " + name);
   const auto extent = h5::dimensions(dataset);
-  const bool fits = extent.size() == 2 && (rows == any_number || extent[0] == rows) &&
+  const bool fits = extent.size() == 2 && (rows == any_rows || extent[0] == rows) &&
                     std::find(columns.begin(), columns.end(), extent[1]) != columns.end() && H5Tget_class(type) == kind;
   if (fits) {
     const hsize_t bytes = extent[0] * extent[1] * H5Tget_size(type);
     if (extent[0] > (hsize_t{1} << 48) || H5Dget_storage_size(dataset) != bytes) refuse(name + " is not all in the file");
     return dataset;
   }
-  std::string found, expected = rows == any_number ? "N" : std::to_string(rows);
+  std::string found, expected = rows == any_rows ? "N" : std::to_string(rows);
   for (const hsize_t n : extent) found.append(found.empty() ? "" : ", ").append(std::to_string(n));
   expected.append(", ").append(std::to_string(*columns.begin()));
   for (auto it = columns.begin() + 1; it != columns.end(); ++it) expected.append(" or ").append(std::to_string(*it));
@@ -78,7 +78,7 @@ std::vector<FramesFile::Cells> FramesFile::surfaces() const {
   std::vector<Cells> result;
   for (const std::int64_t number : h5::member_numbers(file_, "surfaces")) {
     const std::string group = numbered("/surfaces", number), name = group + "/cells";
-    const auto dataset = open_array(name, any_number, {3, 2}, H5T_INTEGER);
+    const auto dataset = open_array(name, any_rows, {3, 2}, H5T_INTEGER);
     const auto extent = h5::dimensions(dataset);
     Cells surface;
     surface.corners = static_cast<int>(extent[1]);

@@ -18,7 +18,7 @@ namespace unibody {
 namespace {
 
 constexpr int tag_states = 181;
-constexpr std::size_t columns = 14;
+constexpr std::size_t joint_values = 14;
 constexpr const char* column_names =
     "coordinate (rad or m),drift (m),turn (rad),force_x (N),force_y (N),force_z (N),torque_x (N m),torque_y (N m),torque_z (N m),"
     "limit (N m or N),motor (N m or N),friction (N m or N),"
@@ -51,7 +51,7 @@ std::vector<NamedValue> joint_columns(MPI_Comm comm, std::span<const Joint> join
 
 struct JointFiles::Row {
   std::int64_t number;
-  std::array<double, columns> value;
+  std::array<double, joint_values> value;
 };
 
 JointFiles::JointFiles(MPI_Comm comm, const std::string& directory, std::span<const Joint> joints, std::int64_t kept_to)
@@ -149,7 +149,7 @@ void JointFiles::write_rows(std::int64_t frame, double time, const std::vector<R
     good = std::fputc('\n', csv_) != EOF && good;
     values.insert(values.end(), row.value.begin(), row.value.end());
   }
-  const auto table = h5::create_dataset(frames_, h5::numbered(frame), H5T_IEEE_F64LE, rows.size(), columns);
+  const auto table = h5::create_dataset(frames_, h5::numbered(frame), H5T_IEEE_F64LE, rows.size(), joint_values);
   h5::write_attribute(table, "time", time);
   good = h5::write_rows(table, H5T_NATIVE_DOUBLE, 0, rows.size(), values.data()) && good;
   good = H5Fflush(h5_, H5F_SCOPE_GLOBAL) >= 0 && std::fflush(csv_) == 0 && good;

@@ -12,7 +12,7 @@ namespace unibody {
 
 namespace {
 
-constexpr double planar_depth = 1;     // m, along y, of the plates of a planar scene
+constexpr double plate_depth = 1;      // m, along y, of the plates of a planar scene
 constexpr double reach = 0.5;          // of the room's size: how far plates stand out where the room may grow
 constexpr double usual_closing = 0.1;  // 1/s, of the room's size
 constexpr std::array axis_names{"x", "y", "z"};
@@ -43,7 +43,7 @@ struct Cell {
     for (int k = 0; k < 3; ++k) {
       double low = -thickness, high = (1 + reach) * room.size[k] + thickness;
       if (k == axis) low = upper ? room.size[k] : -thickness, high = low + thickness;
-      if (planar && k == 1) low = 0, high = planar_depth;
+      if (planar && k == 1) low = 0, high = plate_depth;
       middle[k] = 0.5 * (low + high), half[k] = 0.5 * (high - low);
     }
     if (planar) middle.y() = 0;
