@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 """How far a column of grains runs out, over the friction between them: 20 runs in one process.
 
-    scripts/python scripts/examples/friction_study.py
+    scripts/python scripts/examples/friction_study.py [--quick] [PLOT]
 
 600 spheres stand in a column on a floor until its walls are gone, at the start of the run. Printed is, for each coefficient of
 friction, the distance from the axis within which nine tenths of the mass lie when all has come to rest. The plot is run_out.png,
-or the file that the first argument names.
+or the file that the argument names. --quick: five runs.
 """
-import sys
+import argparse
 
 import matplotlib
 import numpy as np
@@ -41,7 +41,11 @@ def run_out(scene):
 
 
 def main():
-    frictions = np.linspace(0, 0.95, 20)
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("plot", metavar="PLOT", nargs="?", default="run_out.png")
+    parser.add_argument("--quick", action="store_true")
+    options = parser.parse_args()
+    frictions = np.linspace(0, 0.95, 5 if options.quick else 20)
     distances = []
     print("friction  run-out (m)")
     for friction in frictions:
@@ -50,7 +54,7 @@ def main():
     figure, axes = pyplot.subplots()
     axes.plot(frictions, distances, "o-")
     axes.set(xlabel="coefficient of friction", ylabel="distance that holds nine tenths of the mass (m)")
-    figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "run_out.png", dpi=120)
+    figure.savefig(options.plot, dpi=120)
 
 
 if __name__ == "__main__":

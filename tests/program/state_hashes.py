@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """The final state of every scene in scenes/, and of many settings, bit for bit: on 1 and on 3 ranks it is the one of the table.
-Runs with overrides are on one of the two in turn; scenes of a million bodies are on 3 ranks, their rows having been made on 1.
+Runs with overrides are on one of the two in turn.
 
 The table, state_hashes.txt, says of each run its scene, its frames, its overrides and its state hash. It holds for a machine with
 AVX2 and FMA and for the distribution's compiler and libraries: another mathematical library may round otherwise.
@@ -58,7 +58,7 @@ class StateHashes(ProgramTest):
             if lacks_mesh(path):
                 continue
             sequential = any("sequential" in o or "newton" in o for o in overrides)
-            for ranks in (1,) if sequential else ((1, 3)[row % 2],) if overrides else (3,) if "_1m" in scene else (1, 3):
+            for ranks in (1,) if sequential else ((1, 3)[row % 2],) if overrides else (1, 3):
                 with self.subTest(scene=scene, overrides=overrides, ranks=ranks):
                     run = unibody(path, "-output", self.folder / "run", "-overwrite", *options(frames, overrides), ranks=ranks,
                                   timeout=300)

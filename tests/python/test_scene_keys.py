@@ -71,6 +71,19 @@ def leaves_of(root, schema, value, path):
             yield from leaves_of(root, schema["items"], child, [*path, place])
 
 
+@pytest.fixture(scope="module")
+def leaves(schema):
+    """A function: the leaves of an example, which are found once."""
+    found = {}
+
+    def of(scene):
+        if scene["title"] not in found:
+            found[scene["title"]] = list(leaves_of(schema, schema, scene, []))
+        return found[scene["title"]]
+
+    return of
+
+
 def at(scene, path):
     for step in path:
         scene = scene[step]
@@ -117,10 +130,10 @@ def test_examples_are_scenes(scene, is_valid):
     assert unibody.Scene(scene, folder=str(DATA)).title == scene["title"]
 
 
-def test_examples_have_every_key(schema):
+def test_examples_have_every_key(schema, leaves):
     seen = set()
     for scene in EXAMPLES:
-        for name, of, path in leaves_of(schema, schema, scene, []):
+        for name, of, path in leaves(scene):
             if isinstance(at(scene, path), dict):
                 seen |= {(name, key) for key in at(scene, path) if key in of.get("properties", {})}
     wanted = {("", key) for key in schema["properties"]}
@@ -134,9 +147,9 @@ def test_examples_have_every_key(schema):
 
 
 @pytest.mark.parametrize("scene", EXAMPLES, ids=[scene["title"] for scene in EXAMPLES])
-def test_what_the_schema_refuses_the_reader_refuses(scene, schema, is_valid):
+def test_what_the_schema_refuses_the_reader_refuses(scene, leaves, is_valid):
     count = 0
-    for _, of, path in leaves_of(schema, schema, scene, []):
+    for _, of, path in leaves(scene):
         for value in wrong_values(of, at(scene, path)) if path else []:
             wrong = changed(scene, path, value)
             if is_valid(wrong):  # another form of the same key takes it
@@ -148,8 +161,8 @@ def test_what_the_schema_refuses_the_reader_refuses(scene, schema, is_valid):
 
 
 @pytest.mark.parametrize("scene", EXAMPLES, ids=[scene["title"] for scene in EXAMPLES])
-def test_maps_take_their_own_keys_alone_and_need_those_that_are_required(scene, schema, is_valid):
-    for name, of, path in leaves_of(schema, schema, scene, []):
+def test_maps_take_their_own_keys_alone_and_need_those_that_are_required(scene, leaves, is_valid):
+    for name, of, path in leaves(scene):
         value = at(scene, path)
         if not isinstance(value, dict) or "additionalProperties" not in of or of["additionalProperties"] is not False:
             continue
@@ -209,7 +222,7 @@ def test_keys_that_a_generator_or_a_type_does_not_have(is_valid):
     assert not is_valid({"joints": [{**joint, "type": "hinge", "axis": [0, 0, 1], "motor": {"speed": 1, "max_force": 1}}]})
 
 
-def test_defaults_of_numbers_and_flags_are_what_a_map_has_without_the_key(schema):
+def test_defaults_of_numbers_and_flags_are_what_a_map_has_without_the_key(leaves):
     """Where a default is said as a number, true or false, the scene that says it is the scene that leaves it out, bit for bit."""
     def state(scene):
         with unibody.Simulation(unibody.Scene(scene, folder=str(DATA), set={"time.frames": 1})) as simulation:
@@ -218,7 +231,7 @@ def test_defaults_of_numbers_and_flags_are_what_a_map_has_without_the_key(schema
 
     checked = set()
     for scene in [scene for scene in EXAMPLES if "columns" not in scene["title"]]:
-        for name, of, path in leaves_of(schema, schema, scene, []):
+        for name, of, path in leaves(scene):
             value = at(scene, path)
             if not isinstance(value, dict) or not name:
                 continue
