@@ -17,24 +17,24 @@ import numpy as np
 import unibody
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-DIAMETER, DENSITY, GRAVITY, OPENED, SETTLED = 0.004, 2500, 9.81, 1.5, 2.0
+DIAMETER, DENSITY, GRAVITY = 0.004, 2500, 9.81
 ENOUGH = 0.3  # kg, less than a half of the grains: the rate is looked at while the orifice is well covered
 K = 1.4
 
 
-def flow(orifice, settings, end):
+def flow(orifice, settings, opened, end):
     """kg/s, and the density of the grains in the silo (kg/m^3); and whether this process is the first."""
     profile = [[orifice / 2, 0], [0.05, 0], [0.05, 0.25]]
     scene = unibody.Scene.load(os.path.join(ROOT, "scenes", "beverloo.yaml"),
-                               set={"bodies[0].shape.mesh.revolve.profile": profile, **settings})
+                               set={"bodies[0].shape.mesh.revolve.profile": profile, "events[0].when.time": opened, **settings})
     passed = []
     with unibody.Simulation(scene) as simulation:
         density = 0
         while simulation.time < end - 1e-9 and not (passed and passed[-1][1] > ENOUGH):
             simulation.step()
-            if simulation.time < OPENED:
+            if simulation.time < opened:
                 density = DENSITY * simulation.probe("packed")["solid_fraction (1)"]
-            if simulation.time >= SETTLED - 1e-9:
+            if simulation.time >= opened + 0.5 - 1e-9:
                 passed.append((simulation.time, simulation.probe("orifice")["mass (kg)"]))
         times, masses = np.array(passed).T
         return float(np.polyfit(times, masses, 1)[0]), density, simulation.rank == 0
@@ -47,10 +47,11 @@ def main():
     parser.add_argument("--plot", metavar="FILE")
     options = parser.parse_args()
     orifices = np.array([0.018, 0.024] if options.quick else [0.02, 0.024, 0.028, 0.032])
-    settings, end = {"solver.name": options.solver}, 3.5
+    settings, opened, end = {"solver.name": options.solver}, 1.5, 3.5
     if options.quick:
-        settings, end = {"time.substeps": 2, "solver.iterations": 20, "bodies[2].inlet.count": 5000, **settings}, 2.5
-    flows = [flow(orifice, settings, end) for orifice in orifices]
+        settings = {"time.substeps": 2, "solver.iterations": 20, "bodies[2].inlet.count": 5000, **settings}
+        opened, end = 0.9, 1.9
+    flows = [flow(orifice, settings, opened, end) for orifice in orifices]
     rates, densities = np.array([f[0] for f in flows]), np.array([f[1] for f in flows])
     if not flows[0][2]:
         return

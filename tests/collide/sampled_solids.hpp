@@ -71,7 +71,7 @@ inline MeshSurface ell() {
     for (int k = 0; k < 6; ++k) nodes.emplace_back(x[k], y[k], z);
   std::vector<std::array<std::int32_t, 3>> triangles{{6, 7, 8}, {6, 8, 9}, {6, 9, 10}, {6, 10, 11}};
   for (int k = 0; k < 4; ++k) triangles.push_back({0, k + 2, k + 1});
-  for (int k = 0; k < 4; ++k) {
+  for (int k = 0; k < 6; ++k) {
     const int l = (k + 1) % 6;
     triangles.push_back({k, l, 6 + l}), triangles.push_back({k, 6 + l, 6 + k});
   }

@@ -198,7 +198,7 @@ TEST(ShapePairs, ContactsAreThoseOfSampledSurfaces) {
         if (planar ? std::max(first, second) > ShapeKind::particle : disc) continue;
         for (const Shape& a : examples_of(first))
           for (const Shape& b : examples_of(second))
-            for (int k = 0; k < 2; ++k) {
+            for (int k = 0; k < 3; ++k) {
               SCOPED_TRACE(std::string(shape_names[std::size_t(first)]) + " and " +
                            std::string(shape_names[std::size_t(second)]) + (planar ? ", planar, " : ", ") + std::to_string(k));
               run(a, b, planar, k, random);

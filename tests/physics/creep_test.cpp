@@ -120,8 +120,8 @@ TEST_P(Creep, TowersStand) {
     Experiment run(scene_from_text(text));
     run.seconds(2);
     const Vec3 before = run.position(10);
-    run.seconds(10);
-    EXPECT_LT((run.position(10) - before).norm(), 0.4 / 10) << text;
+    run.seconds(5);
+    EXPECT_LT((run.position(10) - before).norm(), 0.2 / 10) << text;
   }
 }
 

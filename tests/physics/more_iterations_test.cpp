@@ -36,7 +36,7 @@ Errors errors_of(const char* solver, int iterations) {
 
 TEST(MoreIterations, LeaveLessErrorInADrapedCloth) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
-    const Errors few = errors_of(solver, 50), many = errors_of(solver, 200);
+    const Errors few = errors_of(solver, 50), many = errors_of(solver, 400);
     EXPECT_LT(many.penetration, few.penetration) << solver;
     EXPECT_LT(many.residual, few.residual) << solver;
     EXPECT_LT(many.deepest, 0.02) << solver;           // a node's radius
