@@ -10,10 +10,10 @@ namespace unibody {
 // `frames.h5`, and one that is killed while it holds the semaphore would stop every later run for ever. This way is turned off;
 // what is left is a file beside the other one, which h5::create_file() removes.
 //
-// Start. A process that no mpirun and no srun has started is the only rank of its run. Open MPI would start a daemon for it, which
-// this process has no use for, and would make a folder among the machine's temporary files, which all runs of the user share and
-// the last one removes. Where one run ends at the moment at which another starts, as happens in a study of many small runs, the
-// second one then fails in MPI_Init, because the first has just removed the folder. Such a process does without both.
+// Start. A process that no mpirun and no srun has started is the only rank of its run. Open MPI would start a daemon for it,
+// which this process has no use for, and would make a folder among the machine's temporary files, which all runs of the user
+// share and the last one removes. Where one run ends at the moment at which another starts, as happens in a study of many small
+// runs, the second one then fails in MPI_Init, because the first has just removed the folder. Such a process does without both.
 void choose_for_mpi();
 
 }  // namespace unibody
