@@ -43,6 +43,7 @@ Progress::Progress(int rank, std::int64_t first, std::int64_t last, Id bodies)
 
 void Progress::frame_done(const FrameReport& report) {
   if (rank_ != 0) return;
+  body_frames_ += report_value(report, "bodies").value_or(static_cast<double>(bodies_));
   const double now = MPI_Wtime(), wait = terminal_ ? 0.1 : 5;
   const bool final = report.step == last_;
   if (!final && now - printed_ < wait) return;
@@ -54,7 +55,7 @@ void Progress::frame_done(const FrameReport& report) {
       "%lld:%02lld",
       terminal_ ? "\r\033[K" : "", terminal_ ? (bar(report.step, last_) + " ").c_str() : "", static_cast<long long>(report.step),
       static_cast<long long>(last_), report.time, report.natural_residual, report.measures.penetration_max,
-      static_cast<long long>(report.iterations), 1e3 * a_frame, static_cast<double>(bodies_) / a_frame,
+      static_cast<long long>(report.iterations), 1e3 * a_frame, body_frames_ / (now - start_),
       static_cast<long long>(left / 60), static_cast<long long>(left % 60));
   if (!terminal_ || final) std::printf("\n");
   std::fflush(stdout);

@@ -11,7 +11,7 @@ namespace unibody {
 class Progress {
  public:
   // Frames (first, last] will be run. Prints on rank 0 only: on a terminal one line with a bar that is overwritten, else a
-  // line every five seconds.
+  // line every five seconds. `bodies`: of a scene whose report does not tell how many are there.
   Progress(int rank, std::int64_t first, std::int64_t last, Id bodies);
 
   void frame_done(const FrameReport& report);
@@ -21,6 +21,7 @@ class Progress {
   bool terminal_;
   std::int64_t first_, last_;
   Id bodies_;
+  double body_frames_ = 0;  // bodies that were there, summed over the frames
   double start_, printed_ = 0;
 };
 
