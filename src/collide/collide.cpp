@@ -4,10 +4,12 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "collide/crowds.hpp"
 #include "collide/face_patch.hpp"
+#include "collide/known_contacts.hpp"
 #include "collide/merge_supports.hpp"
 #include "collide/periodic_pairs.hpp"
 #include "collide/restitution.hpp"
@@ -173,6 +175,33 @@ void Collider::collide_bodies(const IndexPair& pair, const CollideSettings& sett
   at_seams_.push_back(start);
 }
 
+namespace {
+
+// Each body's partners in pairs, ascending.
+class Neighbours {
+ public:
+  Neighbours(const Pairs& pairs, std::size_t count) : ends_(count + 1), partners_(2 * pairs.size()) {
+    for (const IndexPair& pair : pairs) ++ends_[pair.first + 1], ++ends_[pair.second + 1];
+    std::partial_sum(ends_.begin(), ends_.end(), ends_.begin());
+    std::vector<std::size_t> next(ends_.begin(), ends_.end() - 1);
+    for (const IndexPair& pair : pairs) partners_[next[pair.first]++] = pair.second, partners_[next[pair.second]++] = pair.first;
+    for (std::size_t i = 0; i < count; ++i) std::sort(at(ends_[i]), at(ends_[i + 1]));
+  }
+
+  std::span<const std::int32_t> of(std::int32_t body) const {
+    const auto i = static_cast<std::size_t>(body);
+    return std::span(partners_).subspan(ends_[i], ends_[i + 1] - ends_[i]);
+  }
+
+ private:
+  std::vector<std::int32_t>::iterator at(std::size_t place) { return partners_.begin() + static_cast<std::ptrdiff_t>(place); }
+
+  std::vector<std::size_t> ends_;  // after the first: the last one's of each body
+  std::vector<std::int32_t> partners_;
+};
+
+}  // namespace
+
 // Which bodies could be a pair's third is asked by bounds alone, without filters, so that all ranks on which the pair is find the
 // same: a body whose swept bounds overlap both is on every rank on which one of the two is home. Of a pair with a body that is
 // not dynamic there is one such rank, and what overlaps the other body is there.
@@ -186,9 +215,7 @@ void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfa
     if (proxies_[i].kind == ShapeKind::plane || (surfaces && surfaces->is_node(proxies_[i].slot))) roles[i] = Role::absent;
   Pairs pairs;
   period_.any() ? find_periodic(broad_phase_, period_, bounds, roles, pairs) : broad_phase_.find(bounds, roles, pairs);
-  std::vector<std::vector<std::int32_t>> near(count);
-  for (const IndexPair& pair : pairs) near[pair.first].push_back(pair.second), near[pair.second].push_back(pair.first);
-  for (std::vector<std::int32_t>& of_one : near) std::ranges::sort(of_one);
+  const Neighbours near(pairs, count);
 
   Contacts mended;
   std::size_t manifolds = 0, points = 0;
@@ -202,25 +229,33 @@ void Collider::mend_seams(const CollideSettings& settings, const Surfaces* surfa
                          contacts.points.begin() + static_cast<std::ptrdiff_t>(last_point));
     points = last_point;
   };
+  KnownContacts known(proxies_);
+  std::vector<std::int32_t> both;
+  std::vector<const Proxy*> thirds;
   for (const AtSeam& s : at_seams_) {
     take_until(s.manifolds, s.points);
-    const Proxy a = proxies_[s.pair.first], b = seen_from(a, proxies_[s.pair.second], period_);
-    std::vector<std::int32_t> both;
+    const Proxy& a = proxies_[s.pair.first];
+    std::optional<Proxy> image;
+    if (period_.any()) image = seen_from(a, proxies_[s.pair.second], period_);
+    const Proxy& b = image ? *image : proxies_[s.pair.second];
+    const auto of_a = near.of(s.pair.first), of_b = near.of(s.pair.second);
+    both.clear();
     if (a.dynamic && b.dynamic)
-      std::ranges::set_intersection(near[s.pair.first], near[s.pair.second], std::back_inserter(both));
+      std::ranges::set_intersection(of_a, of_b, std::back_inserter(both));
     else
-      both = near[a.dynamic ? s.pair.first : s.pair.second];
+      both.assign((a.dynamic ? of_a : of_b).begin(), (a.dynamic ? of_a : of_b).end());
     both.insert(both.end(), planes_.begin(), planes_.end());
     if (is_composite(a.kind)) both.push_back(s.pair.first);
     if (is_composite(b.kind)) both.push_back(s.pair.second);
     std::ranges::sort(both);
     std::deque<Proxy> seen;
-    std::vector<const Proxy*> thirds;
-    for (const std::int32_t k : both) thirds.push_back(&seen.emplace_back(seen_from(a.dynamic ? a : b, proxies_[k], period_)));
+    thirds.clear();
+    for (const std::int32_t k : both)
+      thirds.push_back(period_.any() ? &seen.emplace_back(seen_from(a.dynamic ? a : b, proxies_[k], period_)) : &proxies_[k]);
     add_pair(a, b, period_, settings, mended, [&](const auto& add) {
       collide_with_rings(a, b, settings, [&](const PairManifold& found) {
         PairManifold manifold = found;
-        if (!found.is_inner_ring) mend_at_seam(manifold, thirds, settings);
+        if (!found.is_inner_ring) mend_at_seam(manifold, thirds, settings, known);
         if (manifold.count > 0) add(manifold);
       });
     });

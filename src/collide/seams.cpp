@@ -142,7 +142,8 @@ Plane plane_of(const PairManifold& contact, bool of_second, const Proxy& third) 
 
 class Mender {
  public:
-  Mender(PairManifold& manifold, const CollideSettings& settings) : m_(manifold), settings_(settings) {}
+  Mender(PairManifold& manifold, const CollideSettings& settings, KnownContacts& known)
+      : m_(manifold), settings_(settings), known_(known) {}
 
   // Looks for a plane that hides the other solid in the contacts of one of the two with a third body. Of several the one counts
   // that is no hidden side itself, and then the one that is nearest to its body.
@@ -151,13 +152,13 @@ class Mender {
     const bool third_first = third.id < body.id;
     const auto judge = [&](const PairManifold& contact) {
       Plane plane = plane_of(contact, third_first, third);
-      plane.doubtful = may_be_at_seam(contact, settings_);
       if (!hides(plane, second) && !rises_from(plane, contact, third_first, second)) return;
+      plane.doubtful = may_be_at_seam(contact, settings_);
       if (best_.gap != HUGE_VAL && !plane.better_than(best_)) return;
       plane.is_near = is_near(contact, body);
       best_ = plane, of_second_ = second;
     };
-    third_first ? collide_parts(third, body, settings_, judge) : collide_parts(body, third, settings_, judge);
+    third_first ? known_.each(third, body, settings_, judge) : known_.each(body, third, settings_, judge);
   }
 
   void mend() {
@@ -266,6 +267,7 @@ class Mender {
 
   PairManifold& m_;
   const CollideSettings& settings_;
+  KnownContacts& known_;
   Plane best_;
   bool of_second_ = false;
 };
@@ -285,9 +287,10 @@ bool may_be_at_seam(const PairManifold& m, const CollideSettings&) {
   return may_be_hidden(m, true, slack) || may_be_hidden(m, false, slack);
 }
 
-void mend_at_seam(PairManifold& m, const std::vector<const Proxy*>& thirds, const CollideSettings& settings) {
+void mend_at_seam(PairManifold& m, const std::vector<const Proxy*>& thirds, const CollideSettings& settings,
+                  KnownContacts& known) {
   if (!may_be_at_seam(m, settings)) return;
-  Mender mender(m, settings);
+  Mender mender(m, settings, known);
   for (const bool second : {false, true}) {
     const Proxy& body = second ? *m.part_b : *m.part_a;
     if (body.kind == ShapeKind::mesh || body.kind == ShapeKind::plane) continue;

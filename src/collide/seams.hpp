@@ -6,9 +6,9 @@
 // and it holds for the step: so the contact with the solid takes the plane's normal.
 #pragma once
 
-#include <functional>
 #include <vector>
 
+#include "collide/known_contacts.hpp"
 #include "collide/narrowphase.hpp"
 
 namespace unibody {
@@ -19,7 +19,8 @@ bool may_be_at_seam(const PairManifold& manifold, const CollideSettings& setting
 
 // Corrects a manifold that may lie at a seam. Where a plane hides one of the two solids, the manifold takes the normal of that
 // plane, or loses its points where that plane's own contact says all. `thirds`: bodies that may touch both, in ascending id, a
-// compound of the pair included. Parts and positions as in what collide_parts() hands out.
-void mend_at_seam(PairManifold& manifold, const std::vector<const Proxy*>& thirds, const CollideSettings& settings);
+// compound of the pair included; their contacts are asked of `known`. Parts and positions as in what collide_parts() hands out.
+void mend_at_seam(PairManifold& manifold, const std::vector<const Proxy*>& thirds, const CollideSettings& settings,
+                  KnownContacts& known);
 
 }  // namespace unibody

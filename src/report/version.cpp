@@ -5,7 +5,9 @@
 #include <mpi.h>
 #include <petscversion.h>
 
+#include <algorithm>
 #include <array>
+#include <string_view>
 
 #include "core/checked.hpp"
 
@@ -27,8 +29,11 @@ std::string version_of_mpi() {
   std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
   int length = 0;
   check_mpi(MPI_Get_library_version(text.data(), &length));
-  const std::string mpi(text.data(), static_cast<std::size_t>(length));
-  return mpi.substr(0, mpi.find_first_of(",\n"));
+  std::string mpi(text.data(), static_cast<std::size_t>(length));
+  mpi.resize(std::min(mpi.size(), mpi.find_first_of(",\n")));
+  constexpr std::string_view of_mpich = " Version:\t";  // "MPICH Version:\t4.0.2\n..."; Open MPI says "Open MPI v4.1.4, ..."
+  if (const auto at = mpi.find(of_mpich); at != std::string::npos) mpi.replace(at, of_mpich.size(), " ");
+  return mpi;
 }
 
 std::string compiler() {
