@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Scenes that change while they run: the same on any number of ranks and through restarts, and told in every file."""
 import json
+import re
 import shutil
 import unittest
 
@@ -98,6 +99,10 @@ class Changes(ProgramTest):
         for line in ("inlet grains: 150 bodies", f"outlet drain: {removed[-1]:.0f} bodies", "event remove gate at 0.5 s: from frame 51 on"):
             self.assertIn(line, run.out)
         self.assertIn("  inlet  grains: up to 150 bodies come in", run.out)
+        milliseconds, rate = re.findall(r"([0-9.]+) ms/frame  (\S+) bodies/s", run.out)[-1]  # of those that are there
+        present = columns["bodies (1)"]
+        self.assertAlmostEqual(float(rate) * float(milliseconds) / 1e3 / (sum(present) / len(present)), 1, delta=0.1)
+        self.assertLess(sum(present) / len(present), 0.8 * (150 + 25))
 
     def test_frames_hold_what_is_there(self):
         self.good(self.scene(FEED), "run", ranks=2)

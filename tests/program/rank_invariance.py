@@ -124,11 +124,11 @@ class RankInvariance(ProgramTest):
 
     # Up to the impact: heavy boxes on faces; sheets on each other and on themselves. The guard has had to hold some pairs of both.
     def test_cloths(self):
-        heavy = ("cloths[0].mass=3", "bodies[1].mass=0.5")
-        for scene, frames, more in (("boxes_on_cloth", 60, heavy), ("cloth_stack", 30, ())):
+        heavy = ("cloths[0].mass=3", "bodies[1].mass=0.5", "bodies[1].velocity=[0, 0, -5]")
+        for scene, frames, more in (("boxes_on_cloth", 20, heavy), ("cloth_stack", 26, ())):
             options = [word for text in (f"time.frames={frames}", "output.every=10", *more) for word in ("-set", text)]
             report = self.report_of_equal_runs(scene, options)
-            self.assertGreater(int(report[-1]["contacts"]), 300)
+            self.assertGreater(int(report[-1]["contacts"]), 200)
             if scene == "cloth_stack":  # the other cloth does not know of itself
                 self.assertEqual({row["crossings (1)"] for row in report}, {"0"})
             held = sum(int(row["held_pairs (1)"]) for row in report)
@@ -147,7 +147,7 @@ class RankInvariance(ProgramTest):
         heavy = ("cloths[0].mass=3", "bodies[1].mass=0.5", "bodies[1].velocity=[0, 0, -5]")
         thrown = tuple(f"cloths[{k}].velocity=[0, 0, -6]" for k in range(1, 5))
         for scene, more in (("boxes_on_cloth", heavy), ("cloth_stack", thrown)):
-            options = [word for text in ("time.frames=8", "output.every=4", "solver.name=gauss_seidel", *more)
+            options = [word for text in ("time.frames=6", "output.every=3", "solver.name=gauss_seidel", *more)
                        for word in ("-set", text)]
             report = self.report_of_equal_runs(scene, options)
             self.assertGreater(int(report[-1]["contacts"]), 100, "nothing touches anything: such a run tells nothing")
