@@ -55,8 +55,8 @@ void Progress::frame_done(const FrameReport& report) {
       "%lld:%02lld",
       terminal_ ? "\r\033[K" : "", terminal_ ? (bar(report.step, last_) + " ").c_str() : "", static_cast<long long>(report.step),
       static_cast<long long>(last_), report.time, report.natural_residual, report.measures.penetration_max,
-      static_cast<long long>(report.iterations), 1e3 * a_frame, body_frames_ / (now - start_),
-      static_cast<long long>(left / 60), static_cast<long long>(left % 60));
+      static_cast<long long>(report.iterations), 1e3 * a_frame, body_frames_ / (now - start_), static_cast<long long>(left / 60),
+      static_cast<long long>(left % 60));
   if (!terminal_ || final) std::printf("\n");
   std::fflush(stdout);
 }
