@@ -79,7 +79,7 @@ def spans(output, samples):
     table_rows, first = [], 0
     for number, end in enumerate(ends):
         part = rows[first:end]
-        ours = [s for s in samples if number <= SPANS * s[0] / (samples[-1][0] + 1e-9) < number + 1 or s is samples[-1]]
+        ours = [s for s in samples if number < SPANS * s[0] / samples[-1][0] <= number + 1] or samples[-1:]
         bodies = statistics.mean(float(row[at['bodies']]) for row in part)
         table_rows.append((samples[-1][0] / 3600 * (number + 1) / SPANS, end, float(part[-1][at['time']]), bodies,
                            int(float(part[-1][at['inlet_grains_placed']])), max(s[1] for s in ours), max(s[2] for s in ours), max(s[3] for s in ours),
