@@ -3,7 +3,8 @@
 Runs with overrides are on one of the two in turn.
 
 The table, state_hashes.txt, says of each run its scene, its frames, its overrides and its state hash. It holds for a machine with
-AVX2 and FMA and for the distribution's compiler and libraries: another mathematical library may round otherwise.
+AVX2 and FMA and for the distribution's compiler and libraries: another mathematical library may round otherwise. Newton's method
+factorises by BLAS, and is compared only where that is the distribution's reference; other packages may have brought another.
 
 A change of the program that should change no result must leave the table as it is. A change that should is followed by
     tests/program/state_hashes.py --write
@@ -11,10 +12,11 @@ which writes the table anew, from runs on 1 rank; the new table belongs in the s
 """
 import pathlib
 import re
+import subprocess
 import sys
 import unittest
 
-from unibody_runs import SCENES, SOURCE, ProgramTest, unibody
+from unibody_runs import PROGRAM, SCENES, SOURCE, ProgramTest, unibody
 
 TABLE = pathlib.Path(__file__).with_name("state_hashes.txt")
 OPTIONS_OF_A_RUN = 3  # fields before the overrides: scene, frames, hash
@@ -49,10 +51,16 @@ def cpu_is_of_the_table():
     return "flags" not in flags or ("avx2" in flags and "fma" in flags)
 
 
+def blas_is_of_the_table():
+    listed = subprocess.run(["ldd", PROGRAM], capture_output=True, text=True, check=False).stdout
+    found = re.search(r"libblas\.so\S* => (\S+)", listed)
+    return found is None or pathlib.Path(found.group(1)).resolve().parent.name == "blas"
+
+
 class StateHashes(ProgramTest):
     @unittest.skipUnless(cpu_is_of_the_table(), "the table holds for processors with AVX2 and FMA")
     def test_every_run_of_the_table(self):
-        compared = 0
+        compared, has_its_blas = 0, blas_is_of_the_table()
         for row, (scene, frames, expected, overrides) in enumerate(read_table()):
             path = path_of(scene)
             if lacks_mesh(path):
@@ -63,7 +71,8 @@ class StateHashes(ProgramTest):
                     run = unibody(path, "-output", self.folder / "run", "-overwrite", *options(frames, overrides), ranks=ranks,
                                   timeout=300)
                     self.assertEqual(run.code, 0, run.err)
-                    self.assertEqual(run.state, expected, "the state is another one than in state_hashes.txt")
+                    if has_its_blas or not any("newton" in o for o in overrides):
+                        self.assertEqual(run.state, expected, "the state is another one than in state_hashes.txt")
                     compared += 1
         self.assertGreater(compared, 100)
 
