@@ -3,6 +3,7 @@
 #include <mpi.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/checked.hpp"
 
@@ -23,6 +24,7 @@ StopTest::StopTest(const System& system, const Exchange& exchange, const StopRul
 
 bool StopTest::may_stop(double change, int done) {
   residual_ = std::ranges::max(residuals(system_));
+  if (std::isnan(residual_)) residual_ = HUGE_VAL;  // which of two is larger depends on their order if one is no number
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &residual_, 1, MPI_DOUBLE, MPI_MAX, exchange_.comm()));
   passed_ = residual_ <= target(done);
   if (passed_) return true;
