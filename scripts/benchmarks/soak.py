@@ -42,11 +42,10 @@ def rows_of(output):
     return [name.split(' (')[0] for name in header], rows
 
 
-def start(output, hours, frames):
+def start(output, hours):
     words = ['mpirun', '-n', '2', os.path.join(BUILD, 'unibody'), os.path.join(ROOT, 'scenes', 'kiln.yaml'), '-output', output, '-overwrite',
              '-wall_limit', f'{3600 * hours:.0f}']
-    for value in ('time.frames=100000000', 'bodies[1].inlet.count=2000000', 'output.every=0', 'output.checkpoint_minutes=10') if not frames else (
-            f'time.frames={frames}', f'bodies[1].inlet.count={100 * frames}', 'output.every=0'):
+    for value in ('time.frames=100000000', 'bodies[1].inlet.count=2000000', 'output.every=0', 'output.checkpoint_minutes=10'):
         words += ['-set', value]
     shell = 'source "$0/scripts/common.sh"; mpi_environment 3; exec "$@"'  # as more ranks than cores: other work may want these
     return subprocess.Popen(['bash', '-c', shell, ROOT] + words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
@@ -94,7 +93,7 @@ def soak(arguments):
     shutil.rmtree(output, ignore_errors=True)
     hours = .02 if arguments.quick else arguments.hours
     say(f'soak: scenes/kiln.yaml on 2 ranks for {hours:g} hours')
-    run = start(output, hours, arguments.frames)
+    run = start(output, hours)
     try:
         samples = watch(run, min(20, 36 * hours))
     except KeyboardInterrupt:

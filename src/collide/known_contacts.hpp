@@ -1,4 +1,4 @@
-// Contacts that one search asks for again and again, each found once.
+// A memory of the contacts between bodies: within one search the contact of a pair is computed once, however often it is needed.
 #pragma once
 
 #include <deque>
@@ -15,8 +15,8 @@ class KnownContacts {
   // `whole`: bodies that stay where they are in memory as long as this lives.
   explicit KnownContacts(std::span<const Proxy> whole) : whole_(whole) {}
 
-  // Calls f for the manifolds that collide_parts() would hand out, in the same order. Only those of two of the whole bodies are
-  // kept, neither of them a compound, whose parts are nowhere in memory.
+  // Calls f with the same manifolds as collide_parts() does, in the same order. The manifolds of a pair are kept if both bodies
+  // are among `whole` and neither is a compound: the parts of a compound exist only while they are being looked at.
   template <class F>
   void each(const Proxy& a, const Proxy& b, const CollideSettings& settings, F&& f) {
     if (!is_kept(a) || !is_kept(b)) return collide_parts(a, b, settings, f);

@@ -11,7 +11,7 @@ namespace unibody {
 class Progress {
  public:
   // Frames (first, last] will be run. Prints on rank 0 only: on a terminal one line with a bar that is overwritten, else a
-  // line every five seconds. `bodies`: of a scene whose report does not tell how many are there.
+  // line every five seconds. `bodies` is how many there are in a scene whose report has no column of that name.
   Progress(int rank, std::int64_t first, std::int64_t last, Id bodies);
 
   void frame_done(const FrameReport& report);

@@ -1,4 +1,5 @@
-// Contacts that are kept are those that the search finds, at the first time of asking and at the next.
+// The contacts that KnownContacts hands out are those that collide_parts() finds, both when they are computed and when they are
+// reused.
 #include "collide/known_contacts.hpp"
 
 #include <gtest/gtest.h>
@@ -96,7 +97,7 @@ TEST(KnownContacts, AreThoseOfTheSearch) {
   }
 }
 
-// A body that is not one of the whole ones, as a part of a compound, is looked at each time anew: it may have moved.
+// The contacts of a body that is not among the whole ones are computed again each time, since the body may have moved.
 TEST(KnownContacts, AreNotKeptOfBodiesThatAreElsewhere) {
   CollideSettings settings;
   const World world = world_of({sphere(0, 0.1, Vec3::Zero()), sphere(1, 0.1, Vec3(0.15, 0, 0))});
