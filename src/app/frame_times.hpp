@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/checked.hpp"
+#include "core/largest.hpp"
 #include "core/phases.hpp"
 #include "report/report.hpp"
 #include "report/summary.hpp"
@@ -24,7 +25,7 @@ class FrameTimes {
     for (std::size_t i = 0; i < spent.size(); ++i) spent[i] -= before_[i];
     before_ = clock_.seconds();
     for (std::size_t i = 0; i < spent.size(); ++i) own_[i] += spent[i];
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, spent.data(), static_cast<int>(spent.size()), MPI_DOUBLE, MPI_MAX, comm_));
+    make_largest(comm_, spent);
     for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
     const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
     report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
@@ -33,10 +34,10 @@ class FrameTimes {
   // Writes into `phases` how the ranks' own totals compare: the least, the mean and the most of them. Collective.
   void finish() {
     std::array<double, phase_names.size()> least = own_, sum = own_, most = own_;
-    const auto reduce = [&](auto& values, MPI_Op operation) {
-      check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, operation, comm_));
-    };
-    reduce(least, MPI_MIN), reduce(sum, MPI_SUM), reduce(most, MPI_MAX);
+    for (double& seconds : least) seconds = -seconds;
+    make_largest(comm_, least), make_largest(comm_, most);
+    for (double& seconds : least) seconds = -seconds;
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, sum.data(), mpi_count(sum.size()), MPI_DOUBLE, MPI_SUM, comm_));
     int ranks = 1;
     check_mpi(MPI_Comm_size(comm_, &ranks));
     for (std::size_t i = 0; i < phases.size(); ++i)

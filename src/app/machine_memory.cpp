@@ -5,6 +5,7 @@
 #include <new>
 
 #include "core/checked.hpp"
+#include "core/largest.hpp"
 #include "core/memory.hpp"
 
 namespace unibody {
@@ -17,8 +18,7 @@ Room room_of(MPI_Comm comm) {
   check_mpi(MPI_Comm_size(machine, &neighbours));
   check_mpi(MPI_Comm_free(&machine));
   check_mpi(MPI_Comm_size(comm, &room.ranks));
-  room.bytes = std::min(bytes_of_machine() / neighbours, bytes_of_process());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &room.bytes, 1, MPI_DOUBLE, MPI_MIN, comm));
+  room.bytes = smallest_of_ranks(comm, std::min(bytes_of_machine() / neighbours, bytes_of_process()));
   return room;
 }
 

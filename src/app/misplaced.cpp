@@ -6,6 +6,7 @@
 
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/largest.hpp"
 #include "core/text.hpp"
 
 namespace unibody {
@@ -68,7 +69,7 @@ void find_outlier(const Simulation& simulation, std::vector<std::string>& warnin
     distances += distance, farthest = std::max(farthest, distance);
   }
   const double mean = all_sums(comm, std::span(&distances, 1))[0] / count;
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &farthest, 1, MPI_DOUBLE, MPI_MAX, comm));
+  farthest = largest_of_ranks(comm, farthest);
   if (!(farthest > times_the_mean * mean)) return;
   Found outlier;
   for (std::size_t i = 0; i < world.homes; ++i)

@@ -8,6 +8,7 @@
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/largest.hpp"
 #include "core/text.hpp"
 #include "report/changing_bodies.hpp"
 #include "world/shapes.hpp"
@@ -61,7 +62,7 @@ Bodies count_bodies(const Simulation& simulation) {
     mass += body.mass;
     if (world.id[i] < end) ++found.shapes[static_cast<std::size_t>(body.shape.kind)];
   }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, extremes.data(), extremes.size(), MPI_DOUBLE, MPI_MAX, simulation.comm()));
+  make_largest(simulation.comm(), extremes);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, found.shapes.data(), found.shapes.size(), MPI_INT64_T, MPI_SUM, simulation.comm()));
   found.mass = all_sums(simulation.comm(), std::span(&mass, 1))[0];
   for (std::size_t k = 0; k < 3; ++k) found.low[k] = -extremes[k], found.high[k] = extremes[3 + k];
@@ -98,7 +99,7 @@ Overlaps find_overlaps(const Simulation& simulation) {
   Overlaps all;
   const MPI_Comm comm = simulation.comm();
   check_mpi(MPI_Allreduce(&here.count, &all.count, 1, MPI_INT64_T, MPI_SUM, comm));
-  check_mpi(MPI_Allreduce(&here.depth, &all.depth, 1, MPI_DOUBLE, MPI_MAX, comm));
+  all.depth = largest_of_ranks(comm, here.depth);
   constexpr Id no_body = std::numeric_limits<Id>::max();
   bool is_first = here.depth == all.depth && here.depth > 0;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -149,8 +150,7 @@ void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
   const SolverSettings used = simulation.settings_used();
   int ranks = 1;
   check_mpi(MPI_Comm_size(simulation.comm(), &ranks));
-  auto bytes = static_cast<double>(simulation.bytes());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_MAX, simulation.comm()));
+  const double bytes = largest_of_ranks(simulation.comm(), static_cast<double>(simulation.bytes()));
   lines.push_back("  run  " + counted(scene.time.frames, "frame") + " of " + number_text(scene.time.frame, 3) + " s, " +
                   counted(scene.time.substeps, "step") + " each, on " + counted(ranks, "rank") + "; " +
                   number_text(bytes / 1e6, 3) + " MB on the largest at the start");

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/checked.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -93,7 +94,7 @@ void CoarseSpace::find_centres(std::span<const Vec3> places) {
   centre_.assign(static_cast<std::size_t>(count_), Vec3::Constant(-std::numeric_limits<double>::infinity()));
   for (std::size_t a = 0; a < centre_.size(); ++a)
     if (first_member_[a] >= 0) centre_[a] = places[static_cast<std::size_t>(first_member_[a])];
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, centre_.data(), 3 * count_, MPI_DOUBLE, MPI_MAX, comm_));
+  make_largest(comm_, {centre_.data()->data(), 3 * centre_.size()});
 }
 
 void CoarseSpace::find_arms(std::span<const Vec3> places, std::span<const std::uint8_t> moves) {
@@ -106,7 +107,7 @@ void CoarseSpace::find_arms(std::span<const Vec3> places, std::span<const std::u
     arm_[i] = places[i] - centre_[static_cast<std::size_t>(aggregate_[i])];
     if (i < homes_) scale_ = std::max(scale_, arm_[i].lpNorm<Eigen::Infinity>());
   }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &scale_, 1, MPI_DOUBLE, MPI_MAX, comm_));
+  scale_ = largest_of_ranks(comm_, scale_);
   if (!(scale_ > 0)) scale_ = 1;
   for (Vec3& arm : arm_) arm /= scale_;
 }
@@ -137,7 +138,7 @@ void CoarseSpace::factorise(const BlockMatrix& matrix, std::span<const Vec3> pla
   for (std::size_t r = 0; r < matrix.rows(); ++r)
     for (std::size_t k = matrix.begin_of(r); k < matrix.end_of(r); ++k)
       for (const Vec4d& column : matrix.block(k)) largest = std::max(largest, horizontal_max(abs(column)));
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, comm_));
+  largest = largest_of_ranks(comm_, largest);
   std::ranges::fill(sums_, 0.0);
   for (std::size_t r = 0; r < matrix.rows(); ++r) add_row(matrix, r, 4 * largest, moves_);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums_.data(), static_cast<int>(sums_.size()), MPI_DOUBLE, MPI_SUM, comm_));

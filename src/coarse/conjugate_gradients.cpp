@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -24,7 +24,7 @@ class Solve {
     LinearReport report;
     largest_ = 0;
     for (std::size_t k = 0; k < s_.matrix.rows(); ++k) largest_ = std::max(largest_, at(r, k).lpNorm<Eigen::Infinity>());
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &largest_, 1, MPI_DOUBLE, MPI_MAX, s_.comm));
+    largest_ = largest_of_ranks(s_.comm, largest_);
     std::ranges::fill(x, Vec3::Zero());
     if (largest_ == 0) return report.left = 0, report;
     if (s_.coarse != nullptr) {  // the coarse part of the solution first: what follows keeps to the rest

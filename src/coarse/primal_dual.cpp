@@ -5,6 +5,7 @@
 
 #include "coarse/conjugate_gradients.hpp"
 #include "core/checked.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -14,11 +15,6 @@ constexpr double stiffness_of_rows = 1e4;  // that of a softened row over the in
 
 void add_diagonal(BlockMatrix::Block& block, double x) {
   block[0] += Vec4d{x, 0, 0, 0}, block[1] += Vec4d{0, x, 0, 0}, block[2] += Vec4d{0, 0, x, 0};
-}
-
-double largest_of_all(double here, MPI_Comm comm) {
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &here, 1, MPI_DOUBLE, MPI_MAX, comm));
-  return here;
 }
 
 template <class C, class List>
@@ -245,7 +241,7 @@ void PrimalDual::balance(const Step& step, PrimalDualReport& report) {
     gain[step.parts + part] += 0.5 * mass_[s] * (v - predicted).squaredNorm();
   }
   add_work_of_rows(step, gain);
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, momentum.data(), static_cast<int>(step.parts), MPI_DOUBLE, MPI_MAX, comm_));
+  make_largest(comm_, momentum);
   const std::vector<double> gains = all_sums(comm_, gain);
   report.parts.resize(step.parts);
   for (std::size_t k = 0; k < step.parts; ++k) report.parts[k] = {momentum[k], gains[k], gains[step.parts + k]};
@@ -287,7 +283,7 @@ bool PrimalDual::take_newton_step(const Step& step, const PrimalDualSettings& se
     for (std::size_t i = 0; i < trial.size(); ++i) trial[i] = velocity_[i] + share * change[i];
     if (!is_step(change, objective, slope, trial)) continue;
     velocity_ = trial;
-    report.residual = largest_of_all(accept_multipliers(), comm_);
+    report.residual = largest_of_ranks(comm_, accept_multipliers());
     return true;
   }
   return false;

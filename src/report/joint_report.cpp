@@ -10,6 +10,7 @@
 #include "core/checked.hpp"
 #include "core/errors.hpp"
 #include "core/exact_sum.hpp"
+#include "core/largest.hpp"
 #include "partition/messages.hpp"
 #include "report/kept_rows.hpp"
 
@@ -40,7 +41,7 @@ std::vector<NamedValue> joint_columns(MPI_Comm comm, std::span<const Joint> join
     largest[0] = std::max(largest[0], drift), largest[1] = std::max(largest[1], turn);
   }
   const auto total = all_sums(comm, squares);
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), 2, MPI_DOUBLE, MPI_MAX, comm));
+  make_largest(comm, largest);
   const auto n = static_cast<double>(joints.size());
   return {{"joint_drift_max (m)", largest[0]},
           {"joint_drift_rms (m)", std::sqrt(total[0] / n)},

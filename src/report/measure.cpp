@@ -7,6 +7,7 @@
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/largest.hpp"
 #include "world/limits.hpp"
 
 namespace unibody {
@@ -85,7 +86,7 @@ Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, co
 
   const auto total = all_sums(comm, sums);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), integer_count, MPI_INT64_T, MPI_SUM, comm));
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), largest.size(), MPI_DOUBLE, MPI_MAX, comm));
+  make_largest(comm, largest);
 
   Measures result;
   result.penetration_max = largest[0];

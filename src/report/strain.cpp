@@ -7,6 +7,7 @@
 
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -58,7 +59,7 @@ std::vector<Strain> measure_strain(MPI_Comm comm, const World& world, const Cons
   };
   for_each_solid_type(constraints, [&](const auto& list) { std::for_each(list.begin(), list.end(), measure); });
   const auto energies = all_sums(comm, energy);
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, extremes.data(), static_cast<int>(extremes.size()), MPI_DOUBLE, MPI_MAX, comm));
+  make_largest(comm, extremes);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), static_cast<int>(counts.size()), MPI_INT64_T, MPI_SUM, comm));
   std::vector<Strain> result(material_count);
   for (std::size_t m = 0; m < material_count; ++m)

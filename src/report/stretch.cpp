@@ -6,6 +6,7 @@
 
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -52,8 +53,8 @@ std::vector<Stretch> measure_stretch(MPI_Comm comm, const World& world, const Co
     }
   });
   const auto total = all_sums(comm, squares);
-  const int n = static_cast<int>(material_count);
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), n, MPI_DOUBLE, MPI_MAX, comm));
+  make_largest(comm, largest);
+  const int n = mpi_count(material_count);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), n, MPI_INT64_T, MPI_SUM, comm));
   std::vector<Stretch> result(material_count);
   for (std::size_t m = 0; m < material_count; ++m)

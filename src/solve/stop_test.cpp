@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/checked.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -23,9 +23,9 @@ StopTest::StopTest(const System& system, const Exchange& exchange, const StopRul
 }
 
 bool StopTest::may_stop(double change, int done) {
-  residual_ = std::ranges::max(residuals(system_));
-  if (std::isnan(residual_)) residual_ = HUGE_VAL;  // which of two is larger depends on their order if one is no number
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &residual_, 1, MPI_DOUBLE, MPI_MAX, exchange_.comm()));
+  residual_ = 0;
+  for (const double residual : residuals(system_)) residual_ = std::max(residual_, or_infinity(residual));
+  residual_ = largest_of_ranks(exchange_.comm(), residual_);
   passed_ = residual_ <= target(done);
   if (passed_) return true;
   // A little less than where the two would be in proportion, and never so soon that it is measured in every iteration.

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "core/largest.hpp"
 #include "step/step_report.hpp"
 
 namespace unibody {
@@ -34,7 +34,7 @@ void check_accuracy(const RankState& state) {
   double extent = 0;  // m, from the origin
   for (std::size_t i = 0; i < state.world.homes; ++i)
     extent = std::max(extent, state.world.position[i].cwiseAbs().maxCoeff() + bounding_radius(state.world.properties[i].shape));
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &extent, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
+  extent = largest_of_ranks(state.comm(), extent);
   const double size = state.traits.smallest_size, least = roundings * std::numeric_limits<double>::epsilon() * extent / size;
   if (!(*state.scene.solver.accuracy < least)) return;
   std::array<char, 256> text{};

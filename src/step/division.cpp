@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/checked.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -39,8 +39,7 @@ double deepest_contact(const RankState& state) {
   double depth = 0;
   for (const ContactPoint& point : state.contacts.points) depth = std::max(depth, -point.gap);
   for (const SurfaceContact& contact : state.contacts.surface) depth = std::max(depth, -contact.gap);
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &depth, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
-  return depth;
+  return largest_of_ranks(state.comm(), depth);
 }
 
 }  // namespace
@@ -76,8 +75,7 @@ int parts_of_step(const RankState& state) {
          {std::pair(std::size_t{0}, state.joint_slots[i].a), std::pair(std::size_t{1}, state.joint_slots[i].b)})
       fastest = std::max(fastest, turn_that_matters(state, joint, end, slot));
   }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
-  const double turn = state.step() * fastest;
+  const double turn = state.step() * largest_of_ranks(state.comm(), fastest);
   const double parts = turn > most_turn_of_rows ? std::ceil(turn / turn_of_part) : 1;
   return static_cast<int>(
       std::clamp(parts, static_cast<double>(least), static_cast<double>(most_parts)));  // what is not finite is found elsewhere

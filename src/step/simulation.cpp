@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/checked.hpp"
+#include "core/largest.hpp"
 #include "partition/migrate.hpp"
 #include "solve/centre_constraints.hpp"
 #include "step/assemble.hpp"
@@ -44,7 +44,7 @@ void Simulation::resolve_automatic_settings() {
   smallest = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < world.homes; ++i) smallest = std::min(smallest, smallest_size(world.properties[i].shape));
   if (scene.bodies_come_and_go()) smallest = smallest_of_all(scene, halo.rank(), halo.size());
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, comm()));
+  smallest = smallest_of_ranks(comm(), smallest);
   collide_settings.margin = plan(scene.solver, traits).margin;
 }
 

@@ -5,6 +5,7 @@
 
 #include "constraints/creep.hpp"
 #include "core/checked.hpp"
+#include "core/largest.hpp"
 #include "solve/friction_postprocess.hpp"
 #include "solve/surface_guard.hpp"
 #include "step/accuracy.hpp"
@@ -65,7 +66,7 @@ void measure_solution(const RankState& state, const System& system, const StepPl
   std::array<double, BatchTypes::size + 1> largest{};
   std::ranges::copy(residuals(system), largest.begin());
   largest.back() = left;
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, largest.data(), static_cast<int>(largest.size()), MPI_DOUBLE, MPI_MAX, state.comm()));
+  make_largest(state.comm(), largest);
   std::copy_n(largest.begin(), BatchTypes::size, report.batch_residuals.begin());
   report.residual = *std::ranges::max_element(largest);
   report.converged = report.residual <= plan.tolerance;

@@ -7,6 +7,7 @@
 
 #include "collide/narrowphase.hpp"
 #include "core/checked.hpp"
+#include "core/largest.hpp"
 
 namespace unibody {
 
@@ -53,8 +54,7 @@ double fastest_before(const RankState& state) {
     const double spin = bounding_radius(state.world.properties[i].shape) * state.world.angular_velocity_of(i).norm();
     fastest = std::max(fastest, state.world.velocity[i].norm() + spin + state.step() * state.traits.gravity);
   }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &fastest, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
-  return fastest;
+  return largest_of_ranks(state.comm(), fastest);
 }
 
 std::vector<Struck> of_all_ranks(const std::vector<Struck>& here, MPI_Comm comm) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/checked.hpp"
+#include "core/largest.hpp"
 #include "solve/solver.hpp"
 #include "world/world.hpp"
 
@@ -42,8 +43,8 @@ WorstConstraint worst_constraint(const System& system, const World& world) {
 
 WorstConstraint worst_over_ranks(MPI_Comm comm, const WorstConstraint& here) {
   WorstConstraint worst;
-  check_mpi(MPI_Allreduce(&here.residual, &worst.residual, 1, MPI_DOUBLE, MPI_MAX, comm));
-  bool is_first = here.residual == worst.residual;
+  worst.residual = largest_of_ranks(comm, here.residual);
+  bool is_first = or_infinity(here.residual) == worst.residual;
   const auto least = [&](Id mine) {
     Id id = is_first ? mine : WorstConstraint::none;
     check_mpi(MPI_Allreduce(MPI_IN_PLACE, &id, 1, MPI_INT64_T, MPI_MIN, comm));

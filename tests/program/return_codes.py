@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """No call of MPI, PETSc, METIS or HDF5 stands where its return code is dropped: each is an argument of a check, or its result is
-used."""
+used. And no reduction of doubles depends on the order of what is not a number."""
 import os
 import pathlib
 import re
@@ -12,6 +12,10 @@ FOLDERS = ("src", "partition")
 CALL = re.compile(r"\b(MPI_[A-Z]\w*|METIS_[A-Z]\w*|H5[A-Z]+[a-z]\w*|(?:Petsc|Vec|Mat|SNES|KSP|PC|IS)[A-Z]\w*)\s*\(")
 # What returns no code: times, the end of the program, and names of types and of this program that look alike.
 NO_CODE = re.compile(r"^(MPI_Wtime|MPI_Abort|PetscSession|Vec3\w*|Vec4\w*|MatrixBase)$")
+
+
+# Of these the result may differ between ranks; src/core/largest.hpp says why.
+LARGEST = re.compile(r"\bMPI_DOUBLE\s*,\s*MPI_(?:MAX|MIN)\b")
 
 
 def without_comments_and_strings(text):
@@ -49,6 +53,11 @@ class ReturnCodes(unittest.TestCase):
                 for line, name in dropped_codes(text):
                     self.fail(f"{path.relative_to(SOURCE)}:{line}: nobody looks at what {name} returns")
         self.assertGreater(calls, 200, "the calls are not found: this test looks for the wrong thing")
+
+    def test_largest_doubles_are_the_same_on_every_rank(self):
+        found = [path.relative_to(SOURCE).as_posix() for folder in FOLDERS for path in sorted((SOURCE / folder).rglob("*.[ch]pp"))
+                 if LARGEST.search(without_comments_and_strings(path.read_text()))]
+        self.assertEqual(found, ["src/core/largest.cpp"])
 
     def test_what_would_be_found(self):
         for text in ("{\n  MPI_Barrier(comm);\n}", "if (v) VecDestroy(&v);", "x = 1;\n  H5Tclose(type);", "for (Vec v : all) VecDestroy(&v);",
