@@ -54,7 +54,7 @@ class OnMesh {
       f(m);
     };
     MeshPlace centre;
-    if (find_place(mesh_, place_, mesh_.is_solid ? HUGE_VAL : deepest_behind * body_.size, centre) && centre.depth > 0) {
+    if (is_behind(mesh_, place_, mesh_.is_solid ? HUGE_VAL : deepest_behind * body_.size, centre)) {
       PairManifold m;
       if (push_out(centre, m)) say(m);
       return;

@@ -3,7 +3,6 @@
 
 #include <deque>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "collide/narrowphase.hpp"
@@ -38,15 +37,37 @@ class KnownContacts {
     int count;
   };
   struct Range {  // of manifolds_
-    std::size_t first, last;
+    static constexpr std::size_t unknown = ~std::size_t{0};
+    std::size_t first = 0, last = unknown;
   };
 
   bool is_kept(const Proxy& p) const;
   Range found(const Proxy& a, const Proxy& b, const CollideSettings& settings);
   void restore(const Kept& kept, PairManifold& m) const;
 
+  // The ranges by pairs, a pair being the places of the two among the whole bodies: a hash table of open addresses, which is a
+  // power of two long and at most half full.
+  class Ranges {
+   public:
+    Ranges() : entries_(1024) {}
+    // The place of a pair's range, which is new where it has no end yet. Holds until the next call.
+    Range& at(std::size_t pair);
+
+   private:
+    static constexpr std::size_t none = ~std::size_t{0};
+    struct Entry {
+      std::size_t pair = none;
+      Range range{};
+    };
+    Entry& entry_of(std::size_t pair);
+    void grow();
+
+    std::vector<Entry> entries_;
+    std::size_t count_ = 0;
+  };
+
   std::span<const Proxy> whole_;
-  std::unordered_map<std::size_t, Range> ranges_;  // by the places of the two among the whole bodies
+  Ranges ranges_;
   std::vector<Kept> manifolds_;
   std::vector<ContactPoint> points_;
   std::deque<MeshSurface::Triangle> triangles_;  // copies: of a mesh of two sides the one that faces the body is made for it

@@ -129,6 +129,41 @@ class PatchSides {
   std::vector<Side> sides_;
 };
 
+constexpr int cells_along = 64;  // the surface's longest side
+constexpr double cells_around = 2;
+
+MeshSurface::FrontCells make_front_cells(const MeshSurface& mesh) {
+  MeshSurface::FrontCells grid;
+  grid.is_made = true;
+  const auto has_border = [](const MeshSurface::Triangle& t) { return std::ranges::min(t.across) < 0; };
+  if (!mesh.is_solid || std::ranges::any_of(mesh.triangles, has_border)) return grid;
+  const Vec3 extent = mesh.tree[0].high - mesh.tree[0].low;
+  grid.size = extent.maxCoeff() / cells_along;
+  grid.low = mesh.tree[0].low.array() - cells_around * grid.size;
+  grid.counts = (extent.array() / grid.size + 2 * cells_around).ceil().cast<int>();
+  grid.cells.assign(static_cast<std::size_t>(grid.counts.prod()), MeshSurface::FrontCells::Cell::unknown);
+  return grid;
+}
+
+// Whether the cell around a place lies all in front of the surface, since its middle does, further away than the cell reaches.
+bool is_among_front_cells(const MeshSurface& mesh, const Vec3& x) {
+  using Cell = MeshSurface::FrontCells::Cell;
+  MeshSurface::FrontCells& grid = mesh.front_cells;
+  if (!grid.is_made) grid = make_front_cells(mesh);
+  if (grid.cells.empty()) return false;
+  const Eigen::Array3d at = ((x - grid.low) / grid.size).array();
+  if (!((at >= 0).all() && (at < grid.counts.cast<double>()).all())) return false;
+  const Eigen::Array3i k = at.cast<int>();
+  Cell& cell = grid.cells[static_cast<std::size_t>((k.z() * grid.counts.y() + k.y()) * grid.counts.x() + k.x())];
+  if (cell == Cell::unknown) {
+    const Vec3 middle = grid.low + grid.size * (k.cast<double>() + 0.5).matrix();
+    const double reach = 1.001 * std::sqrt(0.75) * grid.size;
+    MeshPlace place;
+    cell = find_place(mesh, middle, HUGE_VAL, place) && place.depth < -reach ? Cell::in_front : Cell::other;
+  }
+  return cell == Cell::in_front;
+}
+
 }  // namespace
 
 std::vector<MeshSurface::Triangle> facing(const MeshSurface& mesh, const std::vector<std::int32_t>& near, const Vec3& x) {
@@ -153,6 +188,11 @@ bool find_place(const MeshSurface& mesh, const Vec3& x, double limit, MeshPlace&
   place.point = nearest.at.point, place.normal = normal_at(mesh, nearest);
   place.depth = place.normal.dot(x - place.point) > 0 ? -nearest.at.distance : nearest.at.distance;
   return place.normal != Vec3::Zero();
+}
+
+bool is_behind(const MeshSurface& mesh, const Vec3& x, double limit, MeshPlace& place) {
+  if (is_among_front_cells(mesh, x)) return false;
+  return find_place(mesh, x, limit, place) && place.depth > 0;
 }
 
 }  // namespace unibody

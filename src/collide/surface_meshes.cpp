@@ -183,8 +183,7 @@ class SurfaceCollider::MeshFace {
       const double was = height - h * normal.dot(velocity_of_face(touch.weights) - velocity_at(touch.arm));
       const bool has_passed = settings_.has_past && was > 0;
       MeshPlace behind;
-      if (!has_passed && !(find_place(mesh_, body_.rotation.transpose() * place, deepest * radius_, behind) && behind.depth > 0))
-        return;
+      if (!has_passed && !is_behind(mesh_, body_.rotation.transpose() * place, deepest * radius_, behind)) return;
       if (has_passed && !is_closed_) beyond = -height + 0.1 * radius_;
     }
     collider_.add(pair, place, -normal, gap, touch.feature, beyond);

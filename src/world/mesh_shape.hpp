@@ -50,6 +50,18 @@ struct MeshSurface {
   };
   std::vector<Branch> tree;
   std::vector<std::int32_t> order;
+
+  // Cells of a grid over a surface without borders, and some way around it: which of them lie all in front of the surface, as far
+  // as that was asked. A memory of is_behind() (collide/mesh_side.hpp) that changes no answer.
+  struct FrontCells {
+    enum class Cell : std::uint8_t { unknown, in_front, other };
+    Vec3 low = Vec3::Zero();
+    double size = 0;  // m, of a cell
+    Eigen::Array3i counts = Eigen::Array3i::Zero();
+    std::vector<Cell> cells;  // x runs fastest; empty before the first question, or where the surface has a border
+    bool is_made = false;
+  };
+  mutable FrontCells front_cells;
 };
 
 // Turns all triangles over, or makes the surface two-sided.

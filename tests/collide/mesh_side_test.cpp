@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "collide/bodies.hpp"
 #include "collide/triangle_distance.hpp"
@@ -45,6 +47,23 @@ MeshSurface block(bool inwards) {
                       {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
   if (inwards)
     for (auto& t : triangles) std::swap(t[1], t[2]);
+  return make_mesh_shape(nodes, triangles);
+}
+
+// A ring of radius 0.6 and thickness 0.5 about the z axis, outwards or as a cavity.
+MeshSurface ring(bool inwards) {
+  constexpr int around = 48, across = 24;
+  std::vector<Vec3> nodes;
+  Triangles triangles;
+  for (int j = 0; j < around; ++j)
+    for (int i = 0; i < across; ++i) {
+      const double turn = 2 * M_PI * j / around, roll = 2 * M_PI * i / across, radius = 0.6 + 0.25 * std::cos(roll);
+      nodes.emplace_back(radius * std::cos(turn), radius * std::sin(turn), 0.25 * std::sin(roll));
+      const int next = (j + 1) % around * across, k = (i + 1) % across, a = j * across + i, b = next + i, c = next + k;
+      triangles.push_back({a, b, c}), triangles.push_back({a, c, j * across + k});
+      if (inwards)
+        std::swap(triangles.end()[-1][1], triangles.end()[-1][2]), std::swap(triangles.end()[-2][1], triangles.end()[-2][2]);
+    }
   return make_mesh_shape(nodes, triangles);
 }
 
@@ -117,6 +136,36 @@ TEST(MeshSide, OfABlockIsThatOfItsClosedForm) {
       EXPECT_NEAR(place.depth, inwards ? signed_distance : -signed_distance, 1e-12) << x.transpose();
     }
   }
+}
+
+// By the grid of cells in front, which fills as places are asked about, the answer is that of the nearest point, in the cells as
+// between them and around the grid.
+TEST(MeshSide, WhatIsRememberedOfCellsChangesNoAnswer) {
+  for (const bool inwards : {false, true}) {
+    const MeshSurface mesh = ring(inwards);
+    Random random(9);
+    int behind = 0, asked = 0;
+    for (int trial = 0; trial < 40000; ++trial) {
+      Vec3 x = random.vector(-1, 1);
+      if (trial % 2 == 0) x.z() *= 0.3;
+      if (trial % 100 == 0) x *= 3;
+      MeshPlace place, of_behind;
+      ASSERT_TRUE(find_place(mesh, x, HUGE_VAL, place));
+      ASSERT_EQ(is_behind(mesh, x, HUGE_VAL, of_behind), place.depth > 0) << x.transpose();
+      if (place.depth > 0) {
+        EXPECT_EQ(of_behind.point, place.point);
+      }
+      EXPECT_EQ(is_behind(mesh, x, 0.1, of_behind), place.depth > 0 && place.depth <= 0.1) << x.transpose();
+      behind += place.depth > 0, ++asked;
+    }
+    EXPECT_GT(std::min(behind, asked - behind), 4000);
+    EXPECT_GT(std::ranges::count(mesh.front_cells.cells, MeshSurface::FrontCells::Cell::in_front), 1000);
+  }
+  const MeshSurface mesh = block(false);
+  const Vec3 nowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+  MeshPlace place, of_behind;
+  const bool is_found = find_place(mesh, nowhere, HUGE_VAL, place);
+  EXPECT_EQ(is_behind(mesh, nowhere, HUGE_VAL, of_behind), is_found && place.depth > 0);
 }
 
 // However deep the centre is, and whatever the speed: one manifold, along the way to the nearest point of the surface, as deep as
