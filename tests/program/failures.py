@@ -4,7 +4,7 @@ what failed; or, where no result depends on the call, ends in the same state. No
 import os
 import unittest
 
-from unibody_runs import MPIEXEC, PROGRAM, ProgramTest, execute
+from unibody_runs import PROGRAM, ProgramTest, execute, launch
 
 FAILING = os.environ.get("UNIBODY_FAILING", "")
 
@@ -22,10 +22,7 @@ PILE = """
 class Failures(ProgramTest):
     def run_with(self, *options, fail="", ranks=2, **more):
         """A run in which the call fails; it must end."""
-        environment = {"LD_PRELOAD": FAILING, "UNIBODY_FAIL": fail, **more}
-        words = [MPIEXEC, "-n", str(ranks)]
-        for name, value in environment.items():
-            words += ["-x", f"{name}={value}"]
+        words = launch(ranks, LD_PRELOAD=FAILING, UNIBODY_FAIL=fail, **more)
         scene = self.folder / "scene.yaml"
         if not scene.exists():
             self.scene(PILE)

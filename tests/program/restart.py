@@ -10,7 +10,7 @@ import unittest
 import h5py
 
 from restart_scenes import BREAKING, CLOTH, GEARED, JOINTED, PERIODIC, PILE, TIED, TRIAXIAL
-from unibody_runs import SCENES, ProgramTest, command, comparable, contents, end, start, tree, unibody
+from unibody_runs import SCENES, ProgramTest, command, comparable, contents, end, is_hydra, start, tree, unibody
 
 
 def frame_of(checkpoint):
@@ -239,7 +239,7 @@ class Restart(ProgramTest):
             while not (output / "checkpoint.h5").exists() and time.monotonic() < deadline:
                 time.sleep(0.01)
             time.sleep(0.05 + 0.037 * attempt)
-            ranks = children(process.pid)
+            ranks = ranks_of(process.pid)
             self.assertEqual(len(ranks), 2, "mpirun has other children than the two ranks")
             for rank in ranks:
                 os.kill(rank, signal.SIGKILL)
@@ -288,8 +288,13 @@ class Restart(ProgramTest):
                     self.assertFalse((self.folder / "rest_20").exists())
 
 
+def ranks_of(pid):
+    """The ranks of an mpirun: what it has started, or what another process has that it has started."""
+    found = children(pid)
+    return [rank for child in found for rank in children(child)] if is_hydra() else found
+
+
 def children(pid):
-    """The processes that mpirun has started itself."""
     with open(f"/proc/{pid}/task/{pid}/children") as file:
         listed = {int(word) for word in file.read().split()}
     # Some kernels give no list: then all processes are asked for their parent.

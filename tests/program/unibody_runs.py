@@ -6,6 +6,7 @@ scripts/. UNIBODY_MPIEXEC names another mpirun. ctest sets them; by hand, the re
 import atexit
 import csv
 import dataclasses
+import functools
 import os
 import pathlib
 import re
@@ -62,6 +63,20 @@ class Run:
 def command(arguments, ranks):
     """One rank starts by itself, as users start it; mpirun would take longer."""
     return [*([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []), PROGRAM, *map(str, arguments)]
+
+
+def launch(ranks, **environment):
+    """What starts so many ranks of a program with variables of their own."""
+    words = [MPIEXEC, "-n", str(ranks)]
+    for name, value in environment.items():
+        words += ["-genv", name, value] if is_hydra() else ["-x", f"{name}={value}"]
+    return words
+
+
+@functools.cache
+def is_hydra():
+    """Whether mpirun is that of MPICH. It starts ranks by a process of its own, and gives them no terminal."""
+    return "HYDRA" in subprocess.run([MPIEXEC, "--version"], env=ENVIRONMENT, capture_output=True, text=True, check=False).stdout
 
 
 def start(words, folder=None, environment=ENVIRONMENT):
