@@ -5,6 +5,7 @@
 #include <limits>
 #include <sstream>
 
+#include "meshes/corners.hpp"
 #include "meshes/mesh_file.hpp"
 
 namespace unibody {
@@ -137,29 +138,12 @@ class Reader {
     const auto nodes = static_cast<std::int64_t>(mesh_.nodes.size());
     for (const std::int64_t node : polygon.nodes)
       if (node >= nodes) fail("node " + std::to_string(node + 1) + " of " + nodes_text(), "a node that is there");
-    if (polygon.nodes.size() > 3 && !is_convex(polygon)) fail("a face that isn't convex", "triangles or convex faces");
+    std::vector<Vec3> places;
+    for (const std::int64_t node : polygon.nodes) places.push_back(mesh_.nodes[static_cast<std::size_t>(node)]);
+    if (places.size() > 3 && !is_convex(places)) fail("a face that isn't convex", "triangles or convex faces");
     for (std::size_t i = 2; i < polygon.nodes.size(); ++i)
       mesh_.triangles.push_back({static_cast<std::int32_t>(polygon.nodes[0]), static_cast<std::int32_t>(polygon.nodes[i - 1]),
                                  static_cast<std::int32_t>(polygon.nodes[i])});
-  }
-
-  // Seen along its mean normal, the polygon turns left at every corner, and so does every triangle of the fan (which a star's
-  // don't). Straight corners pass.
-  bool is_convex(const Polygon& polygon) const {
-    const std::size_t n = polygon.nodes.size();
-    const auto node = [&](std::size_t i) -> const Vec3& { return mesh_.nodes[static_cast<std::size_t>(polygon.nodes[i % n])]; };
-    const auto twice_area = [&](std::size_t i, std::size_t j, std::size_t k) -> Vec3 {
-      return (node(j) - node(i)).cross(node(k) - node(i));
-    };
-    Vec3 normal = Vec3::Zero();
-    for (std::size_t i = 2; i < n; ++i) normal += twice_area(0, i - 1, i);
-    if (!(normal.squaredNorm() > 0)) return false;  // as much turns left as right
-    const double straight = -1e-9 * normal.squaredNorm();
-    for (std::size_t i = 0; i < n; ++i) {
-      if (!(twice_area(i, i + 1, i + 2).dot(normal) >= straight)) return false;
-      if (i >= 2 && !(twice_area(0, i - 1, i).dot(normal) >= straight)) return false;
-    }
-    return true;
   }
 };
 

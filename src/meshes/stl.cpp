@@ -8,8 +8,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <map>
 
+#include "meshes/corners.hpp"
 #include "meshes/mesh_file.hpp"
 
 namespace unibody {
@@ -21,35 +21,8 @@ static_assert(std::endian::native == std::endian::little, "binary STL is little-
 constexpr std::size_t header = 84, record = 50;  // bytes
 const std::string a_mesh = "a mesh in STL";
 
-// Makes one node of equal corners.
-class Welder {
- public:
-  TriangleMesh mesh;
-
-  explicit Welder(bool soup) : soup_(soup) {}
-
-  // False where two corners are the same, unless all is kept.
-  bool add(const std::array<Vec3, 3>& corners) {
-    std::array<std::int32_t, 3> t;
-    for (std::size_t k = 0; k < 3; ++k) t[k] = node(corners[k]);
-    if (!soup_ && (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])) return false;
-    mesh.triangles.push_back(t);
-    return true;
-  }
-
- private:
-  std::int32_t node(const Vec3& x) {
-    const std::array<double, 3> key{x.x() + 0.0, x.y() + 0.0, x.z() + 0.0};  // -0 becomes 0
-    const auto [at, is_new] = numbers_.try_emplace(key, static_cast<std::int32_t>(mesh.nodes.size()));
-    if (is_new) mesh.nodes.emplace_back(key[0], key[1], key[2]);
-    return at->second;
-  }
-  std::map<std::array<double, 3>, std::int32_t> numbers_;
-  bool soup_;
-};
-
 TriangleMesh read_binary(const std::string& path, const std::string& bytes, std::size_t count, bool soup) {
-  Welder welder(soup);
+  CornerMesh found(soup);
   for (std::size_t t = 0; t < count; ++t) {
     float numbers[12];  // the normal, then three corners
     std::memcpy(numbers, bytes.data() + header + record * t, sizeof numbers);
@@ -60,14 +33,14 @@ TriangleMesh read_binary(const std::string& path, const std::string& bytes, std:
       if (!std::isfinite(x)) fail_at(path, 0, (std::isnan(x) ? "nan" : "infinity") + where, "a finite number (m)");
       corners[k / 3][static_cast<Eigen::Index>(k % 3)] = x;
     }
-    if (!welder.add(corners)) fail_at(path, 0, "a corner twice" + where, "three different corners");
+    if (!found.add(corners)) fail_at(path, 0, "a corner twice" + where, "three different corners");
   }
-  return std::move(welder.mesh);
+  return std::move(found.mesh);
 }
 
 class AsciiReader {
  public:
-  AsciiReader(const std::string& path, const std::string& text, bool soup) : path_(path), text_(text), welder_(soup) {}
+  AsciiReader(const std::string& path, const std::string& text, bool soup) : path_(path), text_(text), welded_(soup) {}
 
   TriangleMesh read() {
     while (next()) {
@@ -76,7 +49,7 @@ class AsciiReader {
       while (need("facet or endsolid") != "endsolid") facet();
       skip_line();
     }
-    return std::move(welder_.mesh);
+    return std::move(welded_.mesh);
   }
 
  private:
@@ -85,7 +58,7 @@ class AsciiReader {
   std::size_t at_ = 0;
   std::int64_t line_ = 1;
   std::string_view word_;
-  Welder welder_;
+  CornerMesh welded_;
 
   // The next word, whatever line it stands on; false at the end.
   bool next() {
@@ -124,7 +97,7 @@ class AsciiReader {
       for (Eigen::Index k = 0; k < 3; ++k) x[k] = number();
     }
     take("endloop"), take("endfacet");
-    if (!welder_.add(corners)) fail_at(path_, first, "a corner twice in a facet", "three different corners");
+    if (!welded_.add(corners)) fail_at(path_, first, "a corner twice in a facet", "three different corners");
   }
 };
 

@@ -93,10 +93,11 @@ ClothLaw read_law(const KeyedMap& entry, double thickness) {
 MeshShape read_shape_of(const KeyedMap& entry, const ClothLaw& law, const Scene& scene) {
   entry.only_one_of({"grid", "mesh"});
   const Value *grid = entry.find("grid"), *mesh = entry.find("mesh");
-  if (!grid && !mesh) entry.value().fail_missing("grid", "a map with size and nodes, or mesh: an OBJ or STL file");
-  if (grid) entry.none_of({"scale"}, "beside a grid");
+  if (!grid && !mesh)
+    entry.value().fail_missing("grid", "a map with size and nodes, or mesh: an OBJ, STL, PLY, glTF or DAE file");
+  if (grid) entry.none_of({"scale", "up"}, "beside a grid");
   const double share = read_weld(entry, "mesh");
-  return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, entry.number("scale"), share, law, scene);
+  return grid ? grid_cloth(*grid, law) : mesh_cloth(*mesh, read_mesh_scale(entry), share, law, scene);
 }
 
 void check_node_mass(const KeyedMap& entry, const MeshShape& shape) {
@@ -156,8 +157,9 @@ const Keys& cloth_keys() {
               {"",
                "",
                {keys::map("grid", grid_keys, "a map with size and nodes", "a mesh", "a flat cloth"),
-                keys::text("mesh", "an OBJ or STL file", "a grid", "OBJ or STL file, its path from the scene's folder"),
-                keys::scale(), keys::weld(),
+                keys::text("mesh", "an OBJ, STL, PLY, glTF or DAE file", "a grid",
+                           "OBJ, STL, PLY, glTF or DAE file, its path from the scene's folder"),
+                keys::scale(), keys::up(), keys::weld(),
                 keys::number("mass", "kg", positive, "a mass_per_area", "mass of the whole, the same for each node"),
                 keys::number("mass_per_area", "kg/m^2", positive, "a mass",
                              "mass by area: a node has its share of each cell or triangle at it"),

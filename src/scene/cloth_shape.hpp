@@ -4,6 +4,7 @@
 
 #include "meshes/triangle_mesh.hpp"
 #include "scene/flexible.hpp"
+#include "scene/mesh_keys.hpp"
 
 namespace unibody {
 
@@ -31,7 +32,7 @@ struct ClothLaw {
 
 const Keys& grid_keys();
 MeshShape grid_cloth(const Value& grid, const ClothLaw& law);
-MeshShape mesh_cloth(const Value& file, double scale, double weld_share, const ClothLaw& law, const Scene& scene);
+MeshShape mesh_cloth(const Value& file, const MeshScale& scale, double weld_share, const ClothLaw& law, const Scene& scene);
 
 // Constraints at rest between nodes at these places; ids and colours are the caller's.
 template <class Link>

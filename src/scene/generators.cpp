@@ -6,9 +6,9 @@
 #include "scene/articulated.hpp"
 #include "scene/mix.hpp"
 #include "scene/random.hpp"
+#include "scene/robot.hpp"
 #include "scene/static_parts.hpp"
 #include "scene/triaxial.hpp"
-#include "scene/urdf.hpp"
 
 namespace unibody {
 
@@ -246,6 +246,7 @@ const std::vector<GeneratorType>& generator_types() {
       {key("tree", tree_keys, "generates links that branch at their ends"), Takes::no_shape, read_tree},
       {key("ragdolls", ragdolls_keys, "generates figures of eleven parts"), Takes::no_shape, read_ragdolls},
       {key("urdf", urdf_keys, "generates a robot from a URDF file"), Takes::material, read_urdf_robot},
+      {key("mjcf", mjcf_keys, "generates robots and other bodies from an MJCF file"), Takes::material, read_mjcf_robot},
       {key("inlet", inlet_keys, "generates bodies that come in while the scene runs"), Takes::no_shape, read_inlet},
   };
   return types;

@@ -1,4 +1,4 @@
-// Mesh cloths: nodes and triangles of an OBJ or STL file.
+// Mesh cloths: nodes and triangles of an OBJ, STL, PLY, glTF or DAE file.
 #include <algorithm>
 #include <memory>
 #include <set>
@@ -126,10 +126,10 @@ TriangleMesh read_mesh(const Value& file, const Scene& scene, std::string& path)
 
 }  // namespace
 
-MeshShape mesh_cloth(const Value& file, double scale, double weld_share, const ClothLaw& law, const Scene& scene) {
+MeshShape mesh_cloth(const Value& file, const MeshScale& scale, double weld_share, const ClothLaw& law, const Scene& scene) {
   std::string path;
   TriangleMesh mesh = read_mesh(file, scene, path);
-  for (Vec3& node : mesh.nodes) node *= scale;
+  scale.apply(mesh.nodes);
   const auto cloth = std::make_shared<const MeshCloth>(std::move(mesh), weld_share, path, law);
   MeshShape shape;
   shape.note = cloth->note;

@@ -37,7 +37,7 @@ struct MeshSolid {
   }
 };
 
-ReadTetMesh read_mesh(const Value& file, double scale, double weld_share, const Scene& scene) {
+ReadTetMesh read_mesh(const Value& file, const MeshScale& scale, double weld_share, const Scene& scene) {
   namespace fs = std::filesystem;
   const std::string path = (fs::path(scene.path).parent_path() / file.string("a .msh or .vtu file")).string();
   std::error_code error;
@@ -46,13 +46,13 @@ ReadTetMesh read_mesh(const Value& file, double scale, double weld_share, const 
               std::string("a .msh or .vtu file, its path from the scene's folder") +
                   (path.find("results/meshes/") != path.npos ? " (scripts/get-meshes fetches it)" : ""));
   ReadTetMesh read = read_tet_mesh(path, weld_share);
-  for (Vec3& node : read.mesh.nodes) node *= scale;
+  scale.apply(read.mesh.nodes);
   return read;
 }
 
 }  // namespace
 
-MeshShape mesh_solid(const Value& file, double scale, double weld_share, const SolidLaw& law, const Scene& scene) {
+MeshShape mesh_solid(const Value& file, const MeshScale& scale, double weld_share, const SolidLaw& law, const Scene& scene) {
   ReadTetMesh read = read_mesh(file, scale, weld_share, scene);
   MeshShape shape;
   shape.note = read.note;

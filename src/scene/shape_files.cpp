@@ -25,11 +25,11 @@ namespace unibody {
 
 namespace {
 
-// A mesh from the key `key` with the factor `scale`.
+// A mesh from the key `key`, by `scale` and `up`.
 TriangleMesh read_mesh(const KeyedMap& map, const char* key, const Scene& scene, std::string& path, bool soup = false) {
   path = surface_path(map.need(key), scene);
   TriangleMesh mesh = read_surface(path, soup);
-  for (Vec3& x : mesh.nodes) x *= map.number("scale");
+  read_mesh_scale(map).apply(mesh.nodes);
   return mesh;
 }
 
@@ -153,7 +153,7 @@ Shape read_soup(const KeyedMap& map, const Scene& scene) {
 }
 
 Key surface_file(const char* name, const char* without, const char* about) {
-  return keys::text(name, "an OBJ or STL file", without, about);
+  return keys::text(name, "an OBJ, STL, PLY, glTF or DAE file", without, about);
 }
 
 }  // namespace
@@ -164,8 +164,9 @@ const Keys& hull_keys() {
       "The convex hull of points, in axes and from an origin of their own; its centre of mass comes to the entry's position.",
       {keys::list("points", "m", "a list of points", "a mesh", "points that span the hull",
                   [] { return keys::list_of(keys::of_type("number"), 3); }),
-       surface_file("mesh", "points", "OBJ or STL file, its path from the scene's folder, whose nodes span the hull"),
-       keys::scale()}};
+       surface_file("mesh", "points",
+                    "OBJ, STL, PLY, glTF or DAE file, its path from the scene's folder, whose nodes span the hull"),
+       keys::scale(), keys::up()}};
   return table;
 }
 
@@ -176,8 +177,8 @@ const Keys& compound_keys() {
       {keys::list_of_maps("parts", compound_part_keys, "a list of shapes with positions", "a mesh", "convex shapes"),
        keys::choice("overlap", {"twice", "once"}, "twice",
                     "how mass counts where parts overlap: that of each, or that of the first of them"),
-       surface_file("mesh", "parts", "OBJ or STL file of a closed surface, its path from the scene's folder"), keys::scale(),
-       keys::weld(),
+       surface_file("mesh", "parts", "OBJ, STL, PLY, glTF or DAE file of a closed surface, its path from the scene's folder"),
+       keys::scale(), keys::up(), keys::weld(),
        keys::integer("pieces", 1, 32, 6,
                      "cells along the mesh's longest side, by which it is cut into convex pieces for contact")}};
   return table;
@@ -187,7 +188,8 @@ const Keys& mesh_shape_keys() {
   static const Keys table{
       "mesh",
       "A surface of triangles, which is fixed or kinematic.",
-      {surface_file("file", "another", "OBJ or STL file, its path from the scene's folder"), keys::scale(), keys::weld(),
+      {surface_file("file", "another", "OBJ, STL, PLY, glTF or DAE file, its path from the scene's folder"), keys::scale(),
+       keys::up(), keys::weld(),
        keys::choice("sides", {"auto", "front", "back", "both"}, "auto",
                     "from where a surface of a file, or a revolved one, is touched: front is where its triangles turn "
                     "counterclockwise; auto: an open one from both sides, a closed one from where bodies start"),
@@ -198,11 +200,11 @@ const Keys& mesh_shape_keys() {
 }
 
 std::string surface_path(const Value& file, const Scene& scene) {
-  const auto path = std::filesystem::path(scene.path).parent_path() / file.string("an OBJ or STL file");
+  const auto path = std::filesystem::path(scene.path).parent_path() / file.string("an OBJ, STL, PLY, glTF or DAE file");
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     file.fail(path.string() + (std::filesystem::exists(path, error) ? ", which isn't a file" : ", which isn't there"),
-              "an OBJ or STL file, its path from the scene's folder");
+              "an OBJ, STL, PLY, glTF or DAE file, its path from the scene's folder");
   return path.string();
 }
 
@@ -214,7 +216,7 @@ Shape read_hull(const Value& value, const Scene& scene) {
     std::string path;
     return add_hull(value, read_mesh(map, "mesh", scene, path).nodes);
   }
-  map.none_of({"scale"}, "beside points");
+  map.none_of({"scale", "up"}, "beside points");
   std::vector<Vec3> points;
   for (const Value& point : list->list("points")) points.push_back(point.vector(any_number, "m"));
   return add_hull(*list, points);
@@ -226,7 +228,7 @@ Shape read_compound(const Value& value, const Scene& scene) {
   if ((list != nullptr) == (file != nullptr)) value.fail("both or none of parts and mesh", "one of the two");
   std::vector<Compound::Part> parts;
   if (list) {
-    map.none_of({"scale", "weld", "pieces"}, "beside parts");
+    map.none_of({"scale", "up", "weld", "pieces"}, "beside parts");
     for (const Value& part : list->list("shapes with positions")) parts.push_back(read_compound_part(part, scene));
     const std::vector<double> densities = read_densities(*list);
     const auto overlap = static_cast<Overlap>(map.choice("overlap"));
@@ -262,7 +264,7 @@ Shape read_mesh_shape(const Value& value, const Scene& scene) {
   if (count != 1) value.fail("not one of file, height_field, tube and revolve", "one of the four");
   const bool revolves = made != nullptr && made == map.find("revolve");
   if (file) return read_soup(map, scene);
-  map.none_of({"scale", "weld"}, "without a file");
+  map.none_of({"scale", "up", "weld"}, "without a file");
   if (!revolves) map.none_of({"sides"}, "without a file or a revolved surface");
   double below = 0;
   const TriangleMesh mesh = revolves                           ? read_revolved(*made)

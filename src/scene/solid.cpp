@@ -56,9 +56,9 @@ MeshShape read_shape_of(const KeyedMap& entry, const SolidLaw& law, const Scene&
   entry.only_one_of({"block", "mesh"});
   const Value *block = entry.find("block"), *mesh = entry.find("mesh");
   if (!block && !mesh) entry.value().fail_missing("block", "a map with size and cells, or mesh: a .msh or .vtu file");
-  if (block) entry.none_of({"scale"}, "beside a block");
+  if (block) entry.none_of({"scale", "up"}, "beside a block");
   const double share = read_weld(entry, "mesh");
-  return block ? block_solid(*block, law) : mesh_solid(*mesh, entry.number("scale"), share, law, scene);
+  return block ? block_solid(*block, law) : mesh_solid(*mesh, read_mesh_scale(entry), share, law, scene);
 }
 
 void read_solid(const Value& value, Scene& scene) {
@@ -126,12 +126,13 @@ void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const s
 const Keys& solid_keys() {
   static const Keys table =
       node_keys("solid", "A soft solid of tetrahedra.", "[i, j, k] of a block or k of a mesh, from 0")
-          .with({"",
-                 "",
-                 {keys::map("block", block_keys, "a map with size and cells", "a mesh", "a block of tetrahedra"),
-                  keys::text("mesh", "a .msh or .vtu file", "a block",
-                             "Gmsh (2.2, 4.1) or VTK file of tetrahedra, its path from the scene's folder"),
-                  keys::scale(), keys::weld(), keys::number("density", "kg/m^3", positive, needed, "density at rest")}})
+          .with(
+              {"",
+               "",
+               {keys::map("block", block_keys, "a map with size and cells", "a mesh", "a block of tetrahedra"),
+                keys::text("mesh", "a .msh or .vtu file", "a block",
+                           "Gmsh (2.2, 4.1) or VTK file of tetrahedra, its path from the scene's folder"),
+                keys::scale(), keys::up(), keys::weld(), keys::number("density", "kg/m^3", positive, needed, "density at rest")}})
           .with({"", "", elasticity_keys(true)})
           .with({"",
                  "",

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "scene/flexible.hpp"
+#include "scene/mesh_keys.hpp"
 
 namespace unibody {
 
@@ -30,7 +31,7 @@ struct SolidLaw {
 
 const Keys& block_keys();
 MeshShape block_solid(const Value& block, const SolidLaw& law);
-MeshShape mesh_solid(const Value& file, double scale, double weld_share, const SolidLaw& law, const Scene& scene);
+MeshShape mesh_solid(const Value& file, const MeshScale& scale, double weld_share, const SolidLaw& law, const Scene& scene);
 
 // Reads the forces (N) on nodes from the entry's `loads`, a list of {within: {min, max}, force}: each force is spread over the
 // triangles of the surface that lie within.

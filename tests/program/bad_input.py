@@ -180,7 +180,7 @@ class BadScenes(RefusedTest):
     def test_cloth_of_a_missing_mesh(self):
         cloth = "cloths:\n  - {mesh: flag.obj, mass: 1, thickness: 0.1}\n"
         self.bad(("bodies:", cloth + "bodies:"), 4, "cloths[0].mesh", str(self.folder / "flag.obj") + ", which isn't there",
-                 "an OBJ or STL file")
+                 "an OBJ, STL, PLY, glTF or DAE file")
 
     def test_cloth_of_a_mesh_with_three_triangles_at_an_edge(self):
         (self.folder / "flag.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n")

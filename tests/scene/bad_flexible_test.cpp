@@ -32,13 +32,15 @@ const std::vector<BadInput> bad_flexibles{
     {"thread_without_end", "threads:\n  - {points: [[0, 0, 0], [1.0e+300, 0, 0]], segments: 2, radius: 0.1, mass: 1}\n",
      "FILE:2: key 'threads[0].points[1]': found a point too far from the one before, expected a finite distance"},
     {"mesh_that_is_missing", "cloths:\n  - mesh: no/flag.obj\n    mass: 1\n    thickness: 0.01\n",
-     "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ or STL file, its path from the "
+     "FILE:2: key 'cloths[0].mesh': found FOLDER/no/flag.obj, which isn't there, expected an OBJ, STL, PLY, glTF or DAE file, "
+     "its path from the "
      "scene's "
      "folder"},
     {"grid_and_mesh", with_cloth("mesh: flag.obj"),
      "FILE:5: key 'cloths[0].mesh': found mesh beside grid, expected only one of grid and mesh"},
     {"neither_grid_nor_mesh", "cloths:\n  - mass: 1\n    thickness: 0.01\n",
-     "FILE:2: key 'cloths[0].grid': found nothing, expected a map with size and nodes, or mesh: an OBJ or STL file"},
+     "FILE:2: key 'cloths[0].grid': found nothing, expected a map with size and nodes, or mesh: an OBJ, STL, PLY, glTF or DAE "
+     "file"},
     {"scale_of_a_grid", with_cloth("scale: 2"), "FILE:5: key 'cloths[0].scale': found 2, expected no such key beside a grid"},
     {"grid_of_one_row", "cloths:\n  - grid: {size: [1, 1], nodes: [1, 5]}\n    mass: 1\n    thickness: 0.01\n",
      "FILE:2: key 'cloths[0].grid.nodes[0]': found 1, expected an integer >= 2"},

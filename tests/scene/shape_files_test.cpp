@@ -49,6 +49,22 @@ TEST(ShapeFiles, ClosedMeshHasTheMassOfItsSolid) {
   EXPECT_LT((compound.size - Vec3(0.2, 0.4, 0.6)).norm(), 1e-9);
 }
 
+// Of a file whose y axis is up, y becomes z and -z becomes y, for shapes and cloths alike.
+TEST(ShapeFiles, TheYAxisOfAFileMayPointUp) {
+  const TextFile file("v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 4\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", ".obj");
+  const TextFile flat("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n", ".obj");
+  const auto name = [](const TextFile& of) { return of.path().substr(of.path().rfind('/') + 1); };
+  const Scene scene =
+      scene_from("bodies: [{shape: {hull: {mesh: " + name(file) +
+                 ", scale: 0.5, up: y}}, mass: 1}]\ncloths: [{mesh: " + name(flat) + ", up: y, mass: 1, thickness: 0.01}]\n");
+  const Body body = scene.body(0);
+  const Hull& hull = shape_library().hulls[body.properties.shape.data];
+  Vec3 high = Vec3::Constant(-HUGE_VAL);
+  for (const Vec3& x : hull.corners) high = high.cwiseMax(body.state.orientation * x);
+  EXPECT_LT((high - (Vec3(0.5, 0, 1) - Vec3(0.125, -0.5, 0.25))).norm(), 1e-12);  // less the centre
+  EXPECT_LT((scene.body(3).state.position - Vec3(0, 0, 2)).norm(), 1e-15);
+}
+
 TEST(ShapeFiles, TerrainIsStatic) {
   const Scene scene =
       scene_from("bodies:\n  - {shape: {mesh: {height_field: {size: [2, 2], cells: [1, 1], heights: [0, 0, 0, 1]}}}}\n");
@@ -84,7 +100,8 @@ TEST(ShapeFiles, BadShapesAreRefused) {
             hull + ".points': found points that lie in one plane, expected " + solid);
   EXPECT_EQ(fault_of(body_of("hull: {}")), hull + "': found both or none of points and mesh, expected one of the two");
   const std::string missing =
-      ": found FOLDER/no/part.stl, which isn't there, expected an OBJ or STL file, its path from the scene's folder";
+      ": found FOLDER/no/part.stl, which isn't there, expected an OBJ, STL, PLY, glTF or DAE file, its path from the scene's "
+      "folder";
   for (const std::string shape : {"hull.mesh", "compound.mesh", "mesh.file"}) {
     const auto dot = shape.find('.');
     EXPECT_EQ(fault_of(body_of(shape.substr(0, dot) + ": {" + shape.substr(dot + 1) + ": no/part.stl}", "motion: fixed")),

@@ -161,6 +161,28 @@ TEST(Urdf, SwingsAsTheSameBodiesOfAScene) {
   EXPECT_EQ(robot.position(0), Vec3(0, 0, 0));  // the base is held
 }
 
+// A body on a planar joint falls along the plane, and not out of it. Two links between slide with it, with 1 % of its mass each.
+TEST(Urdf, APlanarJointLeavesItsPlaneAlone) {
+  const TextFile file("<robot name=\"p\">\n" + link("base") + link("plate", inertial(2, "xyz=\"0.1 0 0\"", solid)) +
+                          joint("j", "planar", "base", "plate", "<origin xyz=\"0 0 1\"/><axis xyz=\"0 0 1\"/>") + "</robot>\n",
+                      ".urdf");
+  Scene scene = scene_from(entry(file) + "solver: {joints: direct}\n");
+  ASSERT_EQ(scene.body_count(), 4);
+  EXPECT_EQ(scene.body_name(1), "r/plate_x");
+  ASSERT_EQ(scene.joints.size(), 3U);
+  EXPECT_EQ(scene.joints[0].kind, JointKind::slider);
+  EXPECT_EQ(scene.joints[1].kind, JointKind::slider);
+  EXPECT_EQ(scene.joints[2].kind, JointKind::hinge);
+  EXPECT_EQ(scene.joints_named.at("r/j_y"), std::vector<std::size_t>{1});
+  EXPECT_NEAR(scene.body(1).properties.mass + scene.body(2).properties.mass + scene.body(3).properties.mass, 2, 1e-14);
+  scene.gravity = Vec3(3, -2, -9.81);
+  small_worlds::Experiment run(std::move(scene));
+  constexpr int steps = 30;
+  const double h = run.simulation->traits.step, fallen = h * h * steps * (steps + 1) / 2;
+  for (int k = 0; k < steps; ++k) run.step();
+  EXPECT_LT((run.position(3) - Vec3(0.1 + 3 * fallen, -2 * fallen, 1)).norm(), 1e-9);
+}
+
 // Links without collision touch nothing; the same link with one lies on the ground.
 TEST(Urdf, OnlyWhatHasACollisionTouches) {
   for (const bool touches : {false, true}) {
@@ -219,8 +241,8 @@ const std::vector<Fault> faults{
      "2: found <xacro:macro>, expected a robot without macros, as the program xacro makes one"},
     {"unknown_link", robot(two + joint("j", "continuous", "a", "c", "")), "",
      "4: found 'c', a name that no link has, expected the name of a link"},
-    {"unknown_type", robot(two + joint("j", "planar", "a", "b", "")), "",
-     "4: found a joint of type 'planar', expected fixed, revolute, continuous, prismatic or floating"},
+    {"unknown_type", robot(two + joint("j", "sideways", "a", "b", "")), "",
+     "4: found a joint of type 'sideways', expected fixed, revolute, continuous, prismatic, planar or floating"},
     {"two_roots", robot(two), "", "1: found 2 links that are nobody's child, expected one, from which joints lead to all others"},
     {"no_limit", robot(two + joint("j", "revolute", "a", "b", "")), "", "4: found no <limit> in a revolute joint, expected one"},
     {"no_number", robot(two + joint("j", "continuous", "a", "b", "<origin xyz=\"0 0 x\"/>")), "",
