@@ -284,6 +284,7 @@ class MjcfReader {
       shape.size = mesh->second.scale, shape.points = mesh->second.points;
       return;
     }
+    if (of.has("mesh")) of.fail("mesh", "type mesh with it");
     std::vector<double> size = of.numbers("size", 1, 3);
     if (of.has("fromto")) {
       if (type == "sphere") of.fail("fromto", "none of a sphere");

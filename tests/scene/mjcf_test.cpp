@@ -331,6 +331,8 @@ const std::vector<Fault> faults{
      "3: found type 'plane', expected sphere, capsule, ellipsoid, cylinder, box or mesh"},
     {"no_mesh", body("<freejoint/><geom type=\"mesh\" mesh=\"k\"/>"),
      "3: found mesh 'k', expected the name of a mesh of <asset>"},
+    {"a_mesh_of_another_type", body("<freejoint/><geom mesh=\"k\" size=\"1\"/>"),
+     "3: found mesh 'k', expected type mesh with it"},
     {"no_mass", body("<joint/><geom size=\"1\" mass=\"0\"/>"),
      "3: found link 'b' without <inertial>, nor one of what is fixed to it, expected a mass and an inertia, since it moves"},
     {"free_within", body("<freejoint/>" + good + "<body><freejoint/>" + good + "</body>"),
