@@ -26,7 +26,7 @@ class FrameTimes {
     before_ = clock_.seconds();
     for (std::size_t i = 0; i < spent.size(); ++i) own_[i] += spent[i];
     make_largest(comm_, spent);
-    for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.push_back(spent[i]);
+    for (std::size_t i = 0; i < spent.size(); ++i) phases[i].seconds.add(spent[i]);
     const auto of = [&](Phase phase) { return spent[static_cast<std::size_t>(phase)]; };
     report.wall_collide = of(Phase::collide), report.wall_solve = of(Phase::solve);
     report.wall_halo = of(Phase::halo), report.wall_output = of(Phase::output);

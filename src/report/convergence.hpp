@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "constraints/solver_settings.hpp"
 #include "core/json.hpp"
+#include "report/figures.hpp"
 #include "scene/scene.hpp"
 #include "step/worst_constraint.hpp"
 
@@ -30,27 +30,24 @@ Off off_by(const FrameReport& report, bool asked);
 
 // Natural residuals (m) of the frames, each of the frame's worst step; and what each frame is off by (m).
 struct Convergence {
-  double tolerance = 0;                 // m; 0: the solver's iterations never stop early
-  double smallest_size = 0;             // m, of the smallest body that moves; infinite: none does
-  double accuracy = default_accuracy;   // share of that size by which the frames are judged
-  bool asked = false;                   // by the scene: the iterations were picked for it
-  std::vector<double> residuals, offs;  // m
-  std::vector<double> rates;            // m/s, FrameReport::residual_rate
-  std::int64_t unconverged = 0;         // frames of which a step did not converge
-  double worst_residual = 0;            // m
-  std::int64_t worst_frame = 0;         // the first of those with that residual; 0: none has more than 0
-  Off most_off;                         // of all frames
+  double tolerance = 0;                // m; 0: the solver's iterations never stop early
+  double smallest_size = 0;            // m, of the smallest body that moves; infinite: none does
+  double accuracy = default_accuracy;  // share of that size by which the frames are judged
+  bool asked = false;                  // by the scene: the iterations were picked for it
+  Figures residuals, offs;             // m
+  Figures rates;                       // m/s, FrameReport::residual_rate
+  std::int64_t held = 0;               // frames that are off by no more than allowed()
+  std::int64_t unconverged = 0;        // frames of which a step did not converge
+  double worst_residual = 0;           // m
+  std::int64_t worst_frame = 0;        // the first of those with that residual; 0: none has more than 0
+  Off most_off;                        // of all frames
   std::int64_t most_off_frame = 0;
   std::optional<WorstConstraint> worst;  // of worst_frame, where its residual is not 0
 
   void add(const FrameReport& report);
   bool judges() const;     // there is a body that moves, and a frame
   double allowed() const;  // m
-  std::int64_t held() const;
 };
-
-// The least of these figures that this share of them, 0 to 1, is within.
-double within(const std::vector<double>& figures, double share);
 
 // "contacts of crate and pile[17]"
 std::string told(const WorstConstraint& worst, const Scene& scene);

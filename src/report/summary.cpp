@@ -2,11 +2,9 @@
 
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <numeric>
 #include <stdexcept>
 
 #include "core/agreement.hpp"
@@ -66,18 +64,12 @@ Json peak_memory(MPI_Comm comm) {
   return Json::object().set("largest_rank (B)", most).set("all_ranks (B)", sum);
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-}
-
 Json timings(const Summary& summary) {
   Json phases = Json::object();
   for (const PhaseTimes& p : summary.phases)
     phases.set(p.name, Json::object()
-                           .set("total (s)", std::accumulate(p.seconds.begin(), p.seconds.end(), 0.0))
-                           .set("median a frame (s)", median(p.seconds))
+                           .set("total (s)", p.seconds.total())
+                           .set("median a frame (s)", p.seconds.median())
                            .set("least of a rank (s)", p.least_rank)
                            .set("mean of the ranks (s)", p.mean_rank)
                            .set("most of a rank (s)", p.most_rank));

@@ -17,7 +17,7 @@ namespace unibody {
 // The wall times of one phase, a figure a frame.
 struct PhaseTimes {
   std::string name;
-  std::vector<double> seconds;
+  Figures seconds;  // of each frame
   // s, of the ranks' own totals over the frames: the larger the mean beside the maximum, the more evenly the ranks are at work.
   double least_rank = 0, mean_rank = 0, most_rank = 0;
 };
