@@ -1,5 +1,6 @@
 """Runs programs, reads what they report, and writes tables: what the benchmarks have in common."""
 import csv
+import functools
 import os
 import statistics
 import subprocess
@@ -17,11 +18,18 @@ COMMON = ['solver.tolerance=0', 'solver.recovery_speed=1', 'output.checkpoint_ev
 DEFAULTS = ['solver.tolerance=auto', 'solver.recovery_speed=0.25']  # what COMMON changes of them, taken back
 
 
+@functools.cache
+def bound_to_threads():
+    """What tells mpirun that each rank keeps to a hardware thread: that of MPICH counts them by itself."""
+    is_hydra = 'HYDRA' in subprocess.run(['mpirun', '--version'], text=True, capture_output=True, check=False).stdout
+    return ([] if is_hydra else ['--use-hwthread-cpus']) + ['--bind-to', 'hwthread']
+
+
 def command(words, ranks=0, core=None):
     """Runs `words`, on `ranks` ranks if not 0, pinned to `core` if given; returns what it printed."""
     if ranks:
         spread = os.cpu_count() >= ranks > 1
-        words = ['mpirun', '-n', str(ranks)] + (['--use-hwthread-cpus', '--bind-to', 'hwthread'] if spread else ['--bind-to', 'none']) + words
+        words = ['mpirun', '-n', str(ranks)] + (bound_to_threads() if spread else ['--bind-to', 'none']) + words
     if core is not None and ranks < 2:
         words = ['taskset', '-c', str(core)] + words
     shell = 'source "$0/scripts/common.sh"; mpi_environment "$1"; shift; exec "$@"'

@@ -39,7 +39,8 @@ Progress::Progress(int rank, std::int64_t first, std::int64_t last, Id bodies)
       first_(first),
       last_(last),
       bodies_(bodies),
-      start_(MPI_Wtime()) {}
+      start_(MPI_Wtime()),
+      printed_(start_) {}
 
 void Progress::frame_done(const FrameReport& report) {
   if (rank_ != 0) return;

@@ -22,7 +22,7 @@ class Progress {
   std::int64_t first_, last_;
   Id bodies_;
   double body_frames_ = 0;  // bodies that were there, summed over the frames
-  double start_, printed_ = 0;
+  double start_, printed_;
 };
 
 }  // namespace unibody
