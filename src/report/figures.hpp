@@ -20,11 +20,11 @@ class Figures {
 
   std::int64_t count() const { return count_; }
   double total() const { return total_; }
-  // The least figure that this share of them, 0 to 1, is within; 0 where there are none. Exact for all of them (1), and for any
-  // share while there are no more than `most_kept`; of more the first, and each second, fourth or further one after it, speak
-  // for all.
+  // The smallest value that at least this share (0 to 1) of all figures does not exceed; 0 where there are no figures. It is
+  // exact for the share 1, and for any share while there are no more than `most_kept` figures. Of a longer run it is computed
+  // from every second figure, later from every fourth, and so on.
   double within(double share) const;
-  // Of those that speak for all.
+  // The median of the same figures.
   double median() const;
   const std::vector<double>& kept() const { return kept_; }
 

@@ -11,7 +11,7 @@ namespace unibody {
 
 class XmlFile {
  public:
-  // what: the file's kind, for messages, as "a robot (URDF)". Throws InputError where it is not there or no XML.
+  // `what` names the kind of file in messages, as "a robot (URDF)". Throws InputError where the file is not there, or is no XML.
   XmlFile(const std::string& path, const std::string& what);
 
   const std::string& path() const { return path_; }
