@@ -9,7 +9,7 @@ namespace unibody {
 
 class Figures {
  public:
-  static constexpr std::size_t most_kept = std::size_t{1} << 16;
+  static constexpr std::size_t most_kept = std::size_t{1} << 14;
 
   Figures() = default;
   Figures(std::initializer_list<double> figures) {
