@@ -34,7 +34,8 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
   add(strain_columns(comm, scene, world, simulation.constraints));
   columns.push_back({"impacts (1)", static_cast<double>(step.impacts)});
-  if (!scene.constraint_groups.empty()) columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
+  if (!scene.constraint_groups.empty() || simulation.traits.complies)
+    columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
   if (simulation.coarse.exists()) {
     columns.push_back({"coarse_touching (1)", static_cast<double>(report.coarse.touching)});
     columns.push_back({"coarse_gaining (1)", static_cast<double>(report.coarse.gaining)});

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "app/contact_times.hpp"
 #include "app/misplaced.hpp"
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
@@ -180,6 +181,7 @@ void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector
     warnings.push_back("a step of " + number_text(step, 3) + " s lets a body fall by " + number_text(fall, 3) +
                        " m, more than the smallest one's size of " + number_text(bodies.smallest, 3) +
                        " m: more time.substeps, or a shorter time.frame, would follow it");
+  for (std::string& warning : unresolved_contacts(simulation)) warnings.push_back(std::move(warning));
   if (any && (bodies.smallest > largest_usual || bodies.largest < least_usual))
     warnings.push_back("all that moves is " + std::string(bodies.smallest > largest_usual ? "thicker than " : "smaller than ") +
                        number_text(bodies.smallest > largest_usual ? largest_usual : least_usual, 3) +

@@ -231,9 +231,11 @@ FrameReport Run::do_frame(std::int64_t frame) {
   warn_of_crowds(frame);
   report.error = last.error;
   report.measures = measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity_at(report.time),
-                            static_cast<double>(simulation_.bytes()));
+                            static_cast<double>(simulation_.bytes()), &scene_.pairs);
   if (!scene_.constraint_groups.empty())
     report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
+  if (simulation_.traits.complies)
+    report.measures.elastic_energy += contact_energy(comm_, simulation_.world, simulation_.contacts, scene_.pairs);
   last.guard = held, last.impacts = impacts;
   summary_.plans = last.plans;
   report.constraint_columns = further_columns(last, report);

@@ -44,7 +44,8 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       uneven_shares_(memory),
       creeps_(memory),
       constrained_(memory),
-      hidden_(memory) {}
+      hidden_(memory),
+      soft_points_(memory) {}
 
 // Manifolds are read in key order, where each is next to the one before and so are its bodies: in the order of colours they are
 // strangers, which in large scenes costs more than all that is done with them. Each colour has a block that fills up.
@@ -83,6 +84,7 @@ void ContactBatch::build(const BuildContext& context) {
     else
       scale_jacobi(block, bodies, counts);
   }
+  soften(context);
 }
 
 // Gives each manifold its place, in the given order, and each block its rows: as many as its longest manifold has.

@@ -124,6 +124,7 @@ class ContactBatch : public BatchDefaults {
   void start_stage(const Stage& stage);
   bool bounces() const { return !bouncing_.empty(); }
 
+  // The rows of contacts that give way (compliance.hpp), which follow their multipliers.
   // Gaps and normals between round bodies at the present velocities, where the stage asks for it: the kernels then work on their
   // linearisation. And how fast bodies must part where they bounce.
   void renew(const SolveState& state);
@@ -277,6 +278,13 @@ class ContactBatch : public BatchDefaults {
   using HiddenRow = std::array<double, 7>;  // in one lane: scales and their inverses, normal and tangential; multipliers
   template <class F>
   void for_each_hidden(F&& f);
+  // A point of a contact that gives way: its row's residual is u + bias + softness lambda (compliance.hpp).
+  struct SoftPoint {
+    std::uint32_t point, lane, contact;  // the last: into Contacts::points
+    double softness, bias;               // 1/kg, m/s
+  };
+  void soften(const BuildContext& context);
+  void renew_soft_points();
   void start_bounces();
   bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
@@ -298,6 +306,7 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<Creep> creeps_;           // of each manifold, from before the step, then after it; empty: none
   std::pmr::vector<std::uint8_t> constrained_;  // of each manifold: its island has constraints; empty: nobody asks
   std::pmr::vector<HiddenRow> hidden_;          // of the rows that are not selected
+  std::pmr::vector<SoftPoint> soft_points_;
   Islands selected_ = Islands::all;
   bool any_selected_ = true;
   double free_leak_ = 0;

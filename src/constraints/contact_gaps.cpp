@@ -28,6 +28,7 @@ struct Moved {
 void ContactBatch::renew(const SolveState& state) {
   if (stage_.reevaluates) reevaluate(state.bodies);
   limit_bounces(state.bodies);
+  renew_soft_points();
 }
 
 void ContactBatch::reevaluate(std::span<const SolverBody> bodies) {

@@ -76,15 +76,16 @@ SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Upd
   return sums;
 }
 
-// The natural residual's own step, 1/K of the point alone, so that it does not depend on the solver's scaling.
+// The natural residual's own step, 1/K of the point alone, so that it does not depend on the solver's scaling. softness: what the
+// normal row has beside it (compliance.hpp): the residual is then the speed that the multiplier's error makes.
 template <FrictionModel model, bool tangential>
 Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal& normal, const TangentImpulse* sideways,
-                     const Side& a, const Side& b, const Inertia* inertia) {
+                     const Side& a, const Side& b, const Inertia* inertia, Vec4d softness) {
   const Mask4 in_use = p.inverse_scale > broadcast(0);
   const Mobility k = mobility<tangential>(block, t, p, a, b, inertia);
   const PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
   const Vec4d along = select(in_use, k.nn, broadcast(0)), lambda = normal.lambda;
-  p.inverse_scale = inverse_or_zero(along);
+  p.inverse_scale = select(in_use, inverse_or_zero(along + softness), broadcast(0));
   if constexpr (!tangential) {
     const ConeForce next = project_step<model, false>(block, p, nullptr, u, {lambda, lambda, lambda});
     return along * abs(next.n - lambda);
@@ -92,7 +93,7 @@ Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal&
     Vec4d across = select(in_use & (block.friction > broadcast(0)), k.tangential(), broadcast(0));
     if (uses_cone_projection(model)) across = max(along, across);
     const Tangents own{inverse_or_zero(across)};
-    if (uses_cone_projection(model)) p.inverse_scale = own.inverse_scale;
+    if (uses_cone_projection(model)) p.inverse_scale = inverse_or_zero(across + softness);
     const ConeForce next = project_step<model, true>(block, p, &own, u, {lambda, sideways->lambda_s, sideways->lambda_t});
     const Vec4d ds = next.s - sideways->lambda_s, dt = next.t - sideways->lambda_t;
     return max(along * abs(next.n - lambda), across * sqrt(ds * ds + dt * dt));
@@ -149,6 +150,8 @@ void ContactBatch::sweep(SolveState& state, const Extrapolation& extrapolation, 
 
 template <class F>
 void ContactBatch::for_each_block_residual(std::span<const SolverBody> bodies, F&& f) const {
+  std::vector<Vec4d> softness(soft_points_.empty() ? 0 : points.size(), broadcast(0));
+  for (const SoftPoint& soft : soft_points_) softness[soft.point][soft.lane] = soft.softness;
   with_model(friction_, [&]<FrictionModel model>() {
     for (std::size_t number = 0; number < blocks.size(); ++number) {
       const Block& block = blocks[number];
@@ -161,8 +164,9 @@ void ContactBatch::for_each_block_residual(std::span<const SolverBody> bodies, F
         const Point& p = points[block.first_point + k];
         const Normal& normal = normals[block.first_point + k];
         const TangentImpulse* sideways = block.first_tangent < 0 ? nullptr : &tangent_impulses[block.first_tangent + k];
-        worst = max(worst, sideways ? point_residual<model, true>(block, t, p, normal, sideways, a, b, inertia)
-                                    : point_residual<model, false>(block, t, p, normal, nullptr, a, b, inertia));
+        const Vec4d soft = softness.empty() ? broadcast(0) : softness[block.first_point + k];
+        worst = max(worst, sideways ? point_residual<model, true>(block, t, p, normal, sideways, a, b, inertia, soft)
+                                    : point_residual<model, false>(block, t, p, normal, nullptr, a, b, inertia, soft));
       }
       f(block, worst);
     }

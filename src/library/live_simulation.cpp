@@ -265,7 +265,7 @@ Measures LiveSimulation::measures() {
   Simulation& simulation = running_->simulation;
   simulation.detect();
   return measure(comm_, simulation.world, simulation.contacts, scene_.gravity_at(time()),
-                 static_cast<double>(simulation.bytes()));
+                 static_cast<double>(simulation.bytes()), &scene_.pairs);
 }
 
 std::vector<JointState> LiveSimulation::joint_states() {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "collide/collide.hpp"
+#include "constraints/compliance.hpp"
 #include "core/exact_sum.hpp"
 #include "report/stretch.hpp"
 
@@ -37,6 +39,18 @@ double elastic_energy(MPI_Comm comm, const World& world, const ConstraintSet& co
       if (stores && counts_here(world, c)) sum[0] += energy_of(world, c);
     }
   });
+  return all_sums(comm, sum)[0];
+}
+
+double contact_energy(MPI_Comm comm, const World& world, const Contacts& contacts, const MaterialPairs& pairs) {
+  std::array<ExactSum, 1> sum;
+  for (const Manifold& m : contacts.manifolds) {
+    const ContactLaw law = contact_law(pairs, world.properties[static_cast<std::size_t>(m.slot_a)],
+                                       world.properties[static_cast<std::size_t>(m.slot_b)]);
+    if (!law.complies() || m.is_inner_ring || !counts_here(world, m)) continue;
+    for (std::uint32_t p = m.first; p < m.first + m.count; ++p)
+      if (const double gap = contacts.points[p].gap; gap < 0) sum[0] += law.energy(-gap);
+  }
   return all_sums(comm, sum)[0];
 }
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "collide/collide.hpp"
+#include "constraints/compliance.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
 #include "core/largest.hpp"
@@ -35,8 +36,13 @@ struct Depths {
 };
 
 // A pair of bodies with many parts, or whose faces turn on each other, has several manifolds in a row.
-Depths depths_of(const World& world, const Contacts& contacts) {
+Depths depths_of(const World& world, const Contacts& contacts, const MaterialPairs* materials) {
   Depths result;
+  const auto gives_way = [&](const Manifold& m) {
+    return materials != nullptr && contact_law(*materials, world.properties[static_cast<std::size_t>(m.slot_a)],
+                                               world.properties[static_cast<std::size_t>(m.slot_b)])
+                                       .complies();
+  };
   for (std::size_t first = 0, end = 0; first < contacts.manifolds.size(); first = end) {
     const Manifold& pair = contacts.manifolds[first];
     double depth = 0;
@@ -47,7 +53,7 @@ Depths depths_of(const World& world, const Contacts& contacts) {
       for (std::uint32_t k = 0; k < m.count; ++k) depth = std::max(depth, -contacts.points[m.first + k].gap);
       points += m.count;
     }
-    if (counts_here(world, pair)) result.add(depth, points);
+    if (counts_here(world, pair)) result.add(gives_way(pair) ? 0 : depth, points);
   }
   for (const SurfaceContact& c : contacts.surface)
     if (counts_here(world, c)) result.add(std::max(0.0, -c.gap), 1);
@@ -73,10 +79,11 @@ bool is_sound(const BodyState& state) {
   return is_finite(state) && state.position.cwiseAbs().maxCoeff() <= farthest && state.velocity.norm() < fastest;
 }
 
-Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here) {
+Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here,
+                 const MaterialPairs* materials) {
   std::array<ExactSum, sum_count> sums;
   std::array<std::int64_t, integer_count> counts{};
-  const Depths depths = depths_of(world, contacts);
+  const Depths depths = depths_of(world, contacts, materials);
   std::array<double, 2> largest{depths.deepest, bytes_here};  // depth, memory of a rank
   sums[depth_squared] = depths.squares;
   counts[penetrating] = depths.penetrating, counts[pairs] = depths.pairs, counts[points] = depths.points;

@@ -4,6 +4,7 @@
 #include <mpi.h>
 
 #include "collide/contacts.hpp"
+#include "world/material_pairs.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -24,8 +25,10 @@ struct Measures {
   double bytes_of_largest_rank = 0;  // the most of them
 };
 
-// `bytes_here`: what this rank's arrays occupy (of bodies, contacts, solver, halo). Collective.
-Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here = 0);
+// `bytes_here`: what this rank's arrays occupy (of bodies, contacts, solver, halo). Pairs of `materials` whose contacts give way
+// (constraints/compliance.hpp) are meant to overlap, and count as pairs that do not penetrate. Collective.
+Measures measure(MPI_Comm comm, const World& world, const Contacts& contacts, const Vec3& gravity, double bytes_here = 0,
+                 const MaterialPairs* materials = nullptr);
 
 // Whether all numbers of a state are finite, and the place and the speed within the limits of world/limits.hpp.
 bool is_sound(const BodyState& state);

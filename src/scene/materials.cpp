@@ -34,6 +34,19 @@ const Keys& material_pair_keys() {
   return table;
 }
 
+// Two laws at once would be neither; and how a contact that gives way rebounds follows from its damping.
+void check_law(const Value& value, const Scene& scene, std::size_t a, std::size_t b) {
+  const std::string between = a == b ? "" : " between " + scene.materials[a] + " and " + scene.materials[b];
+  const auto of = [&](PairValue which) { return scene.pairs.of(which, static_cast<int>(a), static_cast<int>(b)); };
+  const bool linear = of(PairValue::stiffness) > 0, hertz = of(PairValue::elastic_modulus) > 0;
+  if (linear && hertz) value.fail("stiffness and elastic_modulus" + between, "one of the two");
+  if ((linear || hertz) && of(PairValue::restitution) > 0)
+    value.fail(std::string("restitution beside ") + (linear ? "stiffness" : "elastic_modulus") + between,
+               "damping or damping_ratio, from which the rebound of such a contact follows");
+  if (!linear && !hertz && (of(PairValue::damping) > 0 || of(PairValue::damping_ratio) > 0))
+    value.fail("a damping of rigid contacts" + between, "stiffness or elastic_modulus beside it");
+}
+
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
 void read_pair(const Value& value, Scene& scene, Pairs& listed, FrictionInTime& friction) {
@@ -53,6 +66,15 @@ void read_pair(const Value& value, Scene& scene, Pairs& listed, FrictionInTime& 
   }
   if (pair.has("friction") || !other)
     friction.pairs[a * n + b] = friction.pairs[b * n + a] = read_in_time(pair, "friction", scene);
+}
+
+// Of each material with itself, and of each pair, which may have them from its materials.
+void check_all_laws(const Value& value, const Scene& scene) {
+  std::size_t a = 0;
+  for (const auto& [name, material] : value.children)
+    if (name != "pairs") check_law(material, scene, a, a), ++a;
+  for (a = 0; a < scene.materials.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) check_law(value, scene, a, b);
 }
 
 }  // namespace
@@ -95,6 +117,7 @@ void read_materials(const Value& value, Scene& scene) {
   Pairs listed;
   if (const Value* pairs = value.find("pairs"))
     for (const Value& pair : pairs->list("pairs of materials")) read_pair(pair, scene, listed, friction);
+  check_all_laws(value, scene);
   scene.friction = friction.at(0);
   if (friction.changes()) scene.friction_in_time = std::move(friction);
 }

@@ -56,11 +56,6 @@ double bridge_force(double reduced_radius, double gap, double volume, double ten
   return 2 * M_PI * radius * tension * std::cos(angle) / (1 + 1.05 * apart + 2.5 * apart * apart);
 }
 
-double reduced_radius(const Shape& a, const Shape& b) {
-  const double of_a = is_round(a) ? 1 / a.size.x() : 0, of_b = is_round(b) ? 1 / b.size.x() : 0;
-  return of_a + of_b > 0 ? 1 / (of_a + of_b) : 0;
-}
-
 void renew_bridges(RankState& state) {
   if (!state.traits.is_wet) return;
   const Contacts& contacts = state.contacts;

@@ -17,9 +17,6 @@ double rupture_distance(double volume, double angle);
 // touch each other: of two equal balls their radius (Willett, Adams, Johnson, Seville, Langmuir 16, 2000, 9396).
 double bridge_force(double reduced_radius, double gap, double volume, double tension, double angle);
 
-// m, the radius of the ball that touches a plane as two bodies touch each other; 0 where neither of them is round.
-double reduced_radius(const Shape& a, const Shape& b);
-
 // Makes the history's bridges those of the present contacts: of pairs that touch, or pressed on each other in the last step, and
 // of pairs that had one and are within its reach. Called again for the same state, it changes nothing.
 void renew_bridges(RankState& state);

@@ -28,6 +28,7 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
   traits.adheres = scene.pairs.any(PairValue::adhesion) || scene.pairs.any(PairValue::surface_energy);
   if (traits.adheres) traits.adhesion_range = std::ranges::max(scene.pairs[PairValue::adhesion_range]);
+  traits.complies = scene.pairs.any(PairValue::stiffness) || scene.pairs.any(PairValue::elastic_modulus);
   traits.is_wet = scene.pairs.any(PairValue::liquid_volume);
   if (traits.is_wet) {
     const double volume = std::ranges::max(scene.pairs[PairValue::liquid_volume]),

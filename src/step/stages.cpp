@@ -51,7 +51,7 @@ SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, co
   start_stage(system, stage);
   system.keeps_places = kind == Stage::Kind::position && plan.islands != Islands::free && state.traits.has_centre_constraints;
   system.acceleration = kind == Stage::Kind::velocity ? plan.velocity_acceleration : plan.position_acceleration;
-  system.renews = stage.reevaluates || facts.bounces;
+  system.renews = stage.reevaluates || facts.bounces || state.traits.complies;
   const SolveReport report = solver(system, state.exchange, iterations, rule);
   if (facts.bounces && !state.solver.sweeps_by_colour) {
     for_each_acting(system, [&](auto, auto& batch) { batch.give_back_gains(system); });

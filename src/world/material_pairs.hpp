@@ -20,7 +20,11 @@ enum class PairValue {
   adhesion_range,
   liquid_volume,
   surface_tension,
-  contact_angle
+  contact_angle,
+  stiffness,
+  elastic_modulus,
+  damping,
+  damping_ratio
 };
 
 struct PairValueType {
@@ -31,7 +35,7 @@ struct PairValueType {
   const char *mark, *about;  // in the text by which a checkpoint knows its scene; in the reference
 };
 
-inline constexpr std::array<PairValueType, 11> pair_value_types{
+inline constexpr std::array<PairValueType, 15> pair_value_types{
     {{"restitution", "", 0, 1, false, true, "bounce", "speed after an impact over that before it"},
      {"rolling_friction", "m", 0, 1e308, true, false, "roll", "torque that resists rolling, over the normal force"},
      {"spinning_friction", "m", 0, 1e308, true, false, "spin", "torque that resists spinning, over the normal force"},
@@ -43,7 +47,12 @@ inline constexpr std::array<PairValueType, 11> pair_value_types{
       "gap up to which that acts; 0: 0.01 of the smaller body's size"},
      {"liquid_volume", "m^3", 0, 1e308, true, true, "wet", "volume of the bridge of liquid between bodies that have touched"},
      {"surface_tension", "N/m", 0.072, 1e308, true, true, "wet by", "surface tension of that liquid"},
-     {"contact_angle", "degrees", 0, 90, true, true, "wet at", "angle at which that liquid meets the bodies"}}};
+     {"contact_angle", "degrees", 0, 90, true, true, "wet at", "angle at which that liquid meets the bodies"},
+     {"stiffness", "N/m", 0, 1e308, true, false, "give way", "force over overlap of a point of contact; 0: rigid"},
+     {"elastic_modulus", "Pa", 0, 1e308, true, false, "give way by",
+      "E* of Hertz' contact, where one of two bodies is round; 0: rigid"},
+     {"damping", "N s/m", 0, 1e308, true, false, "damped by", "force over speed of a point of contact that gives way"},
+     {"damping_ratio", "", 0, 1e308, true, false, "damped", "of such a contact, 1 where it is critical"}}};
 
 struct MaterialPairs {
   using Values = std::vector<double>;  // materials x materials, row major, symmetric

@@ -25,6 +25,11 @@ double volume(const Shape& shape) { return type_of(shape.kind).volume(shape); }
 Vec3 inertia(const Shape& shape, double mass) { return type_of(shape.kind).inertia(shape, mass); }
 double smallest_size(const Shape& shape) { return type_of(shape.kind).smallest_size(shape); }
 
+double reduced_radius(const Shape& a, const Shape& b) {
+  const double of_a = is_round(a) ? 1 / a.size.x() : 0, of_b = is_round(b) ? 1 / b.size.x() : 0;
+  return of_a + of_b > 0 ? 1 / (of_a + of_b) : 0;
+}
+
 Quat frame_of(const Shape& shape) {
   if (shape.kind == ShapeKind::hull) return shape_library().hulls[shape.data].frame;
   if (shape.kind == ShapeKind::compound) return shape_library().compounds[shape.data].frame;

@@ -4,7 +4,8 @@ PILE = """
     time: {frame: 0.016, frames: 60}
     output: {every: 20, checkpoint_every: 30}
     gravity: [{sine: {amplitude: 2, frequency: 1.5}}, 0, -9.81]
-    materials: {stone: {friction: [[0.2, 0.6], [0.7, 0.1]], stiction: 0.3, adhesion: 2, surface_energy: 1}}
+    materials: {stone: {friction: [[0.2, 0.6], [0.7, 0.1]], stiction: 0.3, adhesion: 2, surface_energy: 1,
+                        stiffness: 2.0e+5, damping_ratio: 0.3}}
     bodies:
       - container: {size: [1, 1]}
       - shape: {box: {size: [0.2, 0.9, 0.2]}}

@@ -155,6 +155,19 @@ const std::vector<BadInput> bad_values{
      "FILE:2: key 'materials.wood.friction': found nothing, expected a number >= 0"},
     {"negative_friction", "materials: {wood: {friction: -1}}\n",
      "FILE:1: key 'materials.wood.friction': found -1, expected a number >= 0"},
+    {"two_laws", "materials:\n  wood: {friction: 1, stiffness: 1, elastic_modulus: 1}\n",
+     "FILE:2: key 'materials.wood': found stiffness and elastic_modulus, expected one of the two"},
+    {"law_and_restitution", "materials:\n  wood: {friction: 1, stiffness: 1, restitution: 0.5}\n",
+     "FILE:2: key 'materials.wood': found restitution beside stiffness, expected damping or damping_ratio, from which the "
+     "rebound "
+     "of such a contact follows"},
+    {"damping_of_a_rigid_contact", "materials:\n  wood: {friction: 1, damping_ratio: 0.5}\n",
+     "FILE:2: key 'materials.wood': found a damping of rigid contacts, expected stiffness or elastic_modulus beside it"},
+    {"laws_that_do_not_mix",
+     "materials:\n  wood: {friction: 1, stiffness: 1, damping: 1}\n  gum: {friction: 1, elastic_modulus: 1, damping: 1}\n",
+     "FILE:2: key 'materials': found a damping of rigid contacts between gum and wood, expected stiffness or elastic_modulus "
+     "beside "
+     "it"},
     {"pair_of_unknown_material", "materials: {wood: {friction: 1}, pairs: [{between: [wood, iron], friction: 1}]}\n",
      "FILE:1: key 'materials.pairs[0].between[1]': found iron, expected wood"},
     {"pair_of_one", "materials: {wood: {friction: 1}, pairs: [{between: [wood, wood], friction: 1}]}\n",
