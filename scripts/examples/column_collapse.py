@@ -25,7 +25,7 @@ def collapse(aspect, seconds, settings):
     count = int(round(GRAINS_OF_A_SQUARE * aspect))
     substeps = 4 if aspect < 1.2 else 8  # the higher they start, the faster they fall
     scene = unibody.Scene.load(os.path.join(ROOT, "scenes", "column_collapse.yaml"),
-                               set={"bodies[3].pile.count": count, "time.substeps": substeps, **settings})
+                               set={"bodies[4].pile.count": count, "time.substeps": substeps, **settings})
     with unibody.Simulation(scene) as simulation:
         while simulation.time < 0.6 - 1e-9:
             simulation.step()

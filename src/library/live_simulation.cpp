@@ -264,8 +264,8 @@ Measures LiveSimulation::measures() {
   check_open();
   Simulation& simulation = running_->simulation;
   simulation.detect();
-  return measure(comm_, simulation.world, simulation.contacts, scene_.gravity_at(time()),
-                 static_cast<double>(simulation.bytes()), &scene_.pairs);
+  return measure(comm_, simulation.world, simulation.contacts, scene_.gravity_at(time()), static_cast<double>(simulation.bytes()),
+                 &scene_.pairs);
 }
 
 std::vector<JointState> LiveSimulation::joint_states() {

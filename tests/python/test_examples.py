@@ -7,6 +7,8 @@ import sys
 
 import numpy as np
 
+import unibody
+
 from conftest import ENVIRONMENT, SOURCE, mpirun
 
 EXAMPLES = SOURCE / "scripts" / "examples"
@@ -118,3 +120,25 @@ def test_orifice_flow_is_that_of_beverloo(tmp_path):
     assert abs(exponent - 2.5) < 0.4 and small < large  # two orifices of coarse steps; the four of the page are within 0.1
     assert abs(large / 0.098 - 1) < 0.15  # kg/s, of 24 mm, as the page has it
     assert os.path.getsize(tmp_path / "plot.png") > 10000
+
+
+def test_column_collapse_reaches_as_far_as_experiments_say(tmp_path):
+    lines = run(tmp_path, "column_collapse.py", "--quick", "--plot", tmp_path / "plot.png")
+    aspect, reach, law, left, speed = [float(word) for word in lines[1].split()]
+    assert 0.9 < aspect < 1.2 and abs(law - 1.2 * aspect) < 0.01
+    assert abs(reach - law) < 0.2 * law
+    assert left < aspect and speed < 0.01  # m/s: it lies
+    assert os.path.getsize(tmp_path / "plot.png") > 10000
+
+
+def test_equal_balls_without_friction_fill_0_64():
+    def filled(friction):
+        scene = unibody.Scene.load(str(SOURCE / "scenes" / "random_packing.yaml"), set={
+            "bodies[1].lattice.count": 1000, "solver.iterations": 50, "time.substeps": 2, "materials.glass.friction": friction,
+            "probes[0].box.low": [-0.05, -0.05, 0.025], "probes[0].box.high": [0.05, 0.05, 0.065]})
+        with unibody.Simulation(scene) as simulation:
+            simulation.step(160)
+            return simulation.probe("inside")["solid_fraction (1)"]
+    without, rough = filled(0), filled(0.5)
+    assert abs(without - 0.64) < 0.015  # one ball in 490 is 0.0013; a crystal would fill 0.74
+    assert 0.55 < rough < without - 0.02

@@ -165,7 +165,7 @@ const std::vector<BadInput> bad_values{
      "FILE:2: key 'materials.wood': found a damping of rigid contacts, expected stiffness or elastic_modulus beside it"},
     {"laws_that_do_not_mix",
      "materials:\n  wood: {friction: 1, stiffness: 1, damping: 1}\n  gum: {friction: 1, elastic_modulus: 1, damping: 1}\n",
-     "FILE:2: key 'materials': found a damping of rigid contacts between gum and wood, expected stiffness or elastic_modulus "
+     "FILE:1: key 'materials': found a damping of rigid contacts between gum and wood, expected stiffness or elastic_modulus "
      "beside "
      "it"},
     {"pair_of_unknown_material", "materials: {wood: {friction: 1}, pairs: [{between: [wood, iron], friction: 1}]}\n",
