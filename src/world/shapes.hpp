@@ -55,8 +55,8 @@ Vec3 inertia(const Shape& shape, double mass);
 // measures.
 double smallest_size(const Shape& shape);
 
-// m, R of two bodies that touch, 1/R = 1/R_a + 1/R_b, with 1/R of what is not round 0: the radius of the ball that touches a plane
-// as the two touch each other. 0 where neither of them is round.
+// m, R of two bodies that touch, 1/R = 1/R_a + 1/R_b, with 1/R of what is not round 0: the radius of the ball that touches a
+// plane as the two touch each other. 0 where neither of them is round.
 double reduced_radius(const Shape& a, const Shape& b);
 
 // The turn from the body's axes to those in which the shape is given: of a hull or a compound. Else none.
