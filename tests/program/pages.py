@@ -12,7 +12,7 @@ import yaml
 
 from unibody_runs import SOURCE, ProgramTest, unibody
 
-PAGES = sorted(p for folder in (".", "docs", "scenes", "scripts/benchmarks") for p in (SOURCE / folder).glob("*.md"))
+PAGES = sorted(p for folder in (".", "docs", "scenes") for p in (SOURCE / folder).glob("*.md"))
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
