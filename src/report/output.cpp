@@ -74,6 +74,18 @@ struct BlockWriter {
   }
 };
 
+// A group that no other names yet. A run may be killed at any moment: what is new is on the disk before link_group() names it,
+// which changes a few bytes of what was there.
+h5::Handle make_unlinked_group(hid_t file) {
+  const h5::Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "make a property list");
+  if (H5Pset_obj_track_times(properties, false) < 0) throw std::runtime_error("HDF5: cannot turn times off");
+  return {H5Gcreate_anon(file, properties, H5P_DEFAULT), H5Gclose, "make a group"};
+}
+
+bool link_group(hid_t group, hid_t parent, const std::string& name) {
+  return H5Olink(group, parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0;
+}
+
 }  // namespace
 
 void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep,
@@ -315,7 +327,7 @@ void Output::write(std::int64_t frame, double time, const World& world) {
   const h5::Quiet quiet;
   std::string fault;
   try {
-    const auto group = h5::create_group(frames_, h5::numbered(frame));
+    const auto group = make_unlinked_group(file_);
     BlockWriter writer{group, present.total, present.first};
     writer.reals("position", single_, rows, 0, 3);
     writer.reals("orientation", single_, rows, 3, 4);
@@ -324,7 +336,8 @@ void Output::write(std::int64_t frame, double time, const World& world) {
     if (changing_) writer.good = write_present(group, present) && writer.good;
     h5::write_attribute(group, "time", time);
     h5::write_attribute(group, "frame", frame);
-    if (!writer.good || H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = cannot_write(path_);
+    const auto flush = [this] { return H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0; };
+    if (!writer.good || !flush() || !link_group(group, frames_, h5::numbered(frame)) || !flush()) fault = cannot_write(path_);
   } catch (const std::exception& e) {
     fault = e.what();
   }
