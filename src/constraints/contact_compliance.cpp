@@ -1,6 +1,6 @@
-// ContactBatch: the rows of contacts that give way. Their softness is added to the rows' scales once a step, and what it makes of
-// the multipliers to their biases before each iteration: the kernels do not know of it, and scenes without such contacts pay
-// nothing.
+// ContactBatch: the rows of contacts that give way. The softness of such a row is added to its scale once a step. What the
+// softness and the row's present multiplier make together is added to the row's bias before each iteration. The kernels therefore
+// do not know of it, and scenes without such contacts pay nothing.
 
 #include "constraints/compliance.hpp"
 #include "constraints/contact_for_each.hpp"
