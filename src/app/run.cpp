@@ -23,6 +23,7 @@
 #include "report/breaks.hpp"
 #include "report/changing_bodies.hpp"
 #include "report/contact_file.hpp"
+#include "report/damaged_files.hpp"
 #include "report/elastic_energy.hpp"
 #include "report/folder_lock.hpp"
 #include "report/joint_report.hpp"
@@ -249,7 +250,11 @@ std::vector<NamedValue> Run::further_columns(const StepReport& step, const Frame
 
 void Run::open_files() {
   const std::int64_t kept_to = options_.appends ? summary_.first_frame : -1;
-  if (options_.appends) ReportFile::check_columns(comm_, options_.output + "/report.csv", further_columns({}, {}));
+  if (options_.appends) {
+    ReportFile::check_columns(comm_, options_.output + "/report.csv", further_columns({}, {}));
+    for (const std::string& warning : set_aside_damaged_files(comm_, options_.output))
+      if (rank_ == 0) std::fprintf(stderr, "warning: %s\n", warning.c_str());
+  }
   if (scene_.output.every > 0)
     frames_.emplace(comm_, options_.output, scene_.output, scene_.body_count(), simulation_.world, scene_.surfaces, kept_to,
                     changing_bodies(scene_));

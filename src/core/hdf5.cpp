@@ -16,9 +16,10 @@ void check(herr_t result, const std::string& what) {
 
 namespace {
 
+// MPI_COMM_NULL: of one rank, without MPI-IO.
 Handle file_access(MPI_Comm comm) {
   Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make a property list");
-  check(H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL), "use MPI-IO");
+  if (comm != MPI_COMM_NULL) check(H5Pset_fapl_mpio(access, comm, MPI_INFO_NULL), "use MPI-IO");
   // The format of HDF5 1.8: objects without times, and no mark in the file that a killed run would leave behind.
   check(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18), "choose a file format");
   return access;
@@ -64,6 +65,20 @@ Handle memory_space(hid_t file_space) {
   Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose, "make a data space");
   if (count == 0) check(H5Sselect_none(space), "select nothing");
   return space;
+}
+
+Handle table_space(hsize_t rows, hsize_t columns) {
+  const std::array<hsize_t, 2> extent{rows, columns};
+  return Handle(H5Screate_simple(columns == 0 ? 1 : 2, extent.data(), nullptr), H5Sclose, "make a data space");
+}
+
+Handle allocated_at_once() {
+  Handle create(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make a property list");
+  check(H5Pset_obj_track_times(create, false), "turn times off");
+  check(H5Pset_layout(create, H5D_CONTIGUOUS), "choose a layout");
+  check(H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY), "choose when to allocate");
+  check(H5Pset_fill_time(create, H5D_FILL_TIME_NEVER), "turn filling off");
+  return create;
 }
 
 void write_scalar(hid_t object, const std::string& name, hid_t type, hid_t memory_type, const void* value) {
@@ -118,6 +133,11 @@ Handle open_file_to_extend(MPI_Comm comm, const std::string& path) {
   return file;
 }
 
+Handle open_file_to_mend(const std::string& path) {
+  const Handle access = file_access(MPI_COMM_NULL);
+  return Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access), H5Fclose, "open " + path);
+}
+
 std::string numbered(std::int64_t number) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%06lld", static_cast<long long>(number));
@@ -155,16 +175,21 @@ Handle create_group(hid_t parent, const std::string& name) {
   return Handle(H5Gcreate2(parent, name.c_str(), H5P_DEFAULT, create, H5P_DEFAULT), H5Gclose, "make group " + name);
 }
 
-Handle create_dataset(hid_t parent, const std::string& name, hid_t type, hsize_t rows, hsize_t columns) {
-  const std::array<hsize_t, 2> extent{rows, columns};
-  Handle space(H5Screate_simple(columns == 0 ? 1 : 2, extent.data(), nullptr), H5Sclose, "make a data space");
-  Handle create(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make a property list");
+Handle create_unlinked_group(hid_t file) {
+  const Handle create(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "make a property list");
   check(H5Pset_obj_track_times(create, false), "turn times off");
-  check(H5Pset_layout(create, H5D_CONTIGUOUS), "choose a layout");
-  check(H5Pset_alloc_time(create, H5D_ALLOC_TIME_EARLY), "choose when to allocate");
-  check(H5Pset_fill_time(create, H5D_FILL_TIME_NEVER), "turn filling off");
+  return Handle(H5Gcreate_anon(file, create, H5P_DEFAULT), H5Gclose, "make a group");
+}
+
+Handle create_dataset(hid_t parent, const std::string& name, hid_t type, hsize_t rows, hsize_t columns) {
+  const Handle space = table_space(rows, columns), create = allocated_at_once();
   return Handle(H5Dcreate2(parent, name.c_str(), type, space, H5P_DEFAULT, create, H5P_DEFAULT), H5Dclose,
                 "make data set " + name);
+}
+
+Handle create_unlinked_dataset(hid_t file, hid_t type, hsize_t rows, hsize_t columns) {
+  const Handle space = table_space(rows, columns), create = allocated_at_once();
+  return Handle(H5Dcreate_anon(file, type, space, create, H5P_DEFAULT), H5Dclose, "make a data set");
 }
 
 bool write_rows(hid_t dataset, hid_t memory_type, hsize_t first, hsize_t count, const void* data) {

@@ -54,11 +54,17 @@ class Quiet {
 Handle create_file(MPI_Comm comm, const std::string& path, hsize_t user_block = 0);
 Handle create_group(hid_t parent, const std::string& name);
 
+// A group, or a data set as create_dataset() makes it, that has no name yet. Collective.
+Handle create_unlinked_group(hid_t file);
+Handle create_unlinked_dataset(hid_t file, hid_t type, hsize_t rows, hsize_t columns);
+
 // The name of a member that has a number: of six digits, or more where it needs them.
 std::string numbered(std::int64_t number);
 
 // Opens a file to write more into it. Collective.
 Handle open_file_to_extend(MPI_Comm comm, const std::string& path);
+// The same of one rank, while no other has it open.
+Handle open_file_to_mend(const std::string& path);
 // The numbers that a group's members have as names, ascending; other names are left out.
 std::vector<std::int64_t> member_numbers(hid_t parent, const std::string& group);
 // Removes a group or a data set from the file, which does not become smaller by it. Collective.

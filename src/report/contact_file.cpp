@@ -88,17 +88,13 @@ void ContactFile::open(std::int64_t kept_to) {
   if (kept_to < 0 || !std::filesystem::exists(path)) {
     file_ = h5::create_file(MPI_COMM_SELF, path);
     h5::write_attribute(file_, "format", std::string("unibody contacts 1"));
-    frames_ = h5::create_group(file_, "frames");
+    frames_.create(MPI_COMM_SELF, file_, path);
     return;
   }
   file_ = h5::open_file_to_extend(MPI_COMM_SELF, path);
-  frames_ = h5::Handle(H5Gopen2(file_, "frames", H5P_DEFAULT), H5Gclose, "open group frames");
-  for (const std::int64_t frame : h5::member_numbers(file_, "frames")) {
-    if (frame > kept_to) {
-      h5::remove_link(frames_, h5::numbered(frame));
-      continue;
-    }
-    kept_.push_back(frame);
+  frames_.extend(MPI_COMM_SELF, file_, path, kept_to);
+  kept_ = frames_.kept();
+  for (const std::int64_t frame : kept_) {
     const h5::Handle group(H5Gopen2(frames_, h5::numbered(frame).c_str(), H5P_DEFAULT), H5Gclose, "open a frame");
     const auto count = h5::dimensions(h5::open_dataset(group, "ids"))[0];
     if (!draw(frame, h5::read_double(group, "time"), static_cast<Id>(count))) throw std::runtime_error("contacts.xdmf");
@@ -107,7 +103,7 @@ void ContactFile::open(std::int64_t kept_to) {
 
 void ContactFile::close() {
   on_first_rank([&] {
-    bool good = frames_.close() >= 0;
+    bool good = frames_.close();
     good = file_.close() >= 0 && good;
     if (!xdmf_.close() || !good) throw std::runtime_error("is the disk full?");
   });
@@ -126,7 +122,7 @@ void ContactFile::write(std::int64_t frame, double time, std::span<const Contact
 }
 
 void ContactFile::write_rows(std::int64_t frame, double time, const std::vector<ContactImpulse>& contacts, double step) {
-  const auto group = h5::create_group(frames_, h5::numbered(frame));
+  const auto group = h5::create_unlinked_group(file_);
   ArrayWriter out{group, contacts};
   out.write<std::int64_t>("ids", H5T_STD_I64LE, H5T_NATIVE_INT64, 4, 1, [](const auto& c) { return c.ids; });
   out.reals("shares", 4, [](const auto& c) { return c.shares; });
@@ -148,8 +144,8 @@ void ContactFile::write_rows(std::int64_t frame, double time, const std::vector<
   out.good = write_bodies(group, bodies) && out.good;
   h5::write_attribute(group, "time", time);
   h5::write_attribute(group, "frame", frame);
-  const bool drawn = draw(frame, time, static_cast<Id>(contacts.size()));
-  if (!drawn || !out.good || H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) throw std::runtime_error("is the disk full?");
+  const bool written = out.good && frames_.add(group, frame);
+  if (!written || !draw(frame, time, static_cast<Id>(contacts.size()))) throw std::runtime_error("is the disk full?");
 }
 
 // A frame in which nothing touches is not drawn: readers take arrays without rows for faults.

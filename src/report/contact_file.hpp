@@ -23,6 +23,7 @@
 #include <vector>
 
 #include "core/hdf5.hpp"
+#include "report/frame_group.hpp"
 #include "report/xdmf_file.hpp"
 #include "scene/scene.hpp"
 #include "step/contact_impulse.hpp"
@@ -53,7 +54,8 @@ class ContactFile {
   std::string directory_;
   const Scene& scene_;
   std::vector<std::int64_t> kept_;  // frames, ascending
-  h5::Handle file_, frames_;
+  h5::Handle file_;
+  FrameGroup frames_;
   XdmfFile xdmf_;
 };
 

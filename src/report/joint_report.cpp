@@ -61,8 +61,10 @@ JointFiles::JointFiles(MPI_Comm comm, const std::string& directory, std::span<co
   std::string fault;
   if (rank_ == 0) try {
       const h5::Quiet quiet;
-      open_table(kept_to);
+      const bool has_rows = open_table(kept_to);
       open_file(kept_to);
+      // Of a frame whose rows are in one file alone the forces are known no more: it is not written again.
+      if (has_rows && !holds(kept_to)) kept_.push_back(kept_to);
     } catch (const std::runtime_error& e) {
       fault = "cannot write in '" + directory + "': " + e.what();
     }
@@ -74,11 +76,12 @@ JointFiles::JointFiles(MPI_Comm comm, const std::string& directory, std::span<co
   check_mpi(MPI_Bcast(kept_.data(), static_cast<int>(count), MPI_INT64_T, 0, comm));
 }
 
-void JointFiles::open_table(std::int64_t kept_to) {
+bool JointFiles::open_table(std::int64_t kept_to) {
   const std::string path = directory_ + "/joints.csv", header = std::string("frame,time (s),joint,type,") + column_names;
   const bool goes_on = kept_to >= 0 && keep_rows(path, header, kept_to);
   csv_ = std::fopen(path.c_str(), goes_on ? "a" : "w");
   if (csv_ == nullptr || (!goes_on && std::fprintf(csv_, "%s\n", header.c_str()) < 0)) throw std::runtime_error("joints.csv");
+  return goes_on;
 }
 
 void JointFiles::open_file(std::int64_t kept_to) {
@@ -87,16 +90,12 @@ void JointFiles::open_file(std::int64_t kept_to) {
     h5_ = h5::create_file(MPI_COMM_SELF, path);
     h5::write_attribute(h5_, "columns", std::string(column_names));
     h5::write_attribute(h5_, "rows", std::string("joints, in the order of the scene"));
-    frames_ = h5::create_group(h5_, "frames");
+    frames_.create(MPI_COMM_SELF, h5_, path);
     return;
   }
   h5_ = h5::open_file_to_extend(MPI_COMM_SELF, path);
-  frames_ = h5::Handle(H5Gopen2(h5_, "frames", H5P_DEFAULT), H5Gclose, "open group frames");
-  for (const std::int64_t frame : h5::member_numbers(h5_, "frames"))
-    if (frame > kept_to)
-      h5::remove_link(frames_, h5::numbered(frame));
-    else
-      kept_.push_back(frame);
+  frames_.extend(MPI_COMM_SELF, h5_, path, kept_to);
+  kept_ = frames_.kept();
 }
 
 JointFiles::~JointFiles() {
@@ -105,7 +104,7 @@ JointFiles::~JointFiles() {
 
 void JointFiles::close() {
   const h5::Quiet quiet;
-  bool good = frames_.close() >= 0;
+  bool good = frames_.close();
   good = h5_.close() >= 0 && good;
   good = (csv_ == nullptr || std::fclose(std::exchange(csv_, nullptr)) == 0) && good;
   const auto fault = first_fault(comm_, good ? "" : "cannot write joints in '" + directory_ + "': is the disk full?");
@@ -150,10 +149,10 @@ void JointFiles::write_rows(std::int64_t frame, double time, const std::vector<R
     good = std::fputc('\n', csv_) != EOF && good;
     values.insert(values.end(), row.value.begin(), row.value.end());
   }
-  const auto table = h5::create_dataset(frames_, h5::numbered(frame), H5T_IEEE_F64LE, rows.size(), joint_values);
+  const auto table = h5::create_unlinked_dataset(h5_, H5T_IEEE_F64LE, rows.size(), joint_values);
   h5::write_attribute(table, "time", time);
   good = h5::write_rows(table, H5T_NATIVE_DOUBLE, 0, rows.size(), values.data()) && good;
-  good = H5Fflush(h5_, H5F_SCOPE_GLOBAL) >= 0 && std::fflush(csv_) == 0 && good;
+  good = good && frames_.add(table, frame) && std::fflush(csv_) == 0;
   if (!good) throw std::runtime_error("is the disk full?");
 }
 

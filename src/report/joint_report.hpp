@@ -10,6 +10,7 @@
 
 #include "core/hdf5.hpp"
 #include "joints/joint_set.hpp"
+#include "report/frame_group.hpp"
 #include "report/stretch.hpp"
 
 namespace unibody {
@@ -39,7 +40,7 @@ class JointFiles {
 
  private:
   struct Row;
-  void open_table(std::int64_t kept_to);
+  bool open_table(std::int64_t kept_to);  // true: it goes on with a table that is there
   void open_file(std::int64_t kept_to);
   void write_rows(std::int64_t frame, double time, const std::vector<Row>& rows);
 
@@ -49,7 +50,8 @@ class JointFiles {
   std::span<const Joint> joints_;
   std::vector<std::int64_t> kept_;  // frames, ascending
   std::FILE* csv_ = nullptr;
-  h5::Handle h5_, frames_;
+  h5::Handle h5_;
+  FrameGroup frames_;
 };
 
 }  // namespace unibody

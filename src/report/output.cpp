@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
 #include <filesystem>
 
 #include "core/agreement.hpp"
@@ -19,8 +18,9 @@ namespace unibody {
 
 namespace {
 
-constexpr std::array result_files{"frames.h5",  "frames.xdmf", "report.csv",  "summary.json", "checkpoint.h5",
-                                  "joints.csv", "joints.h5",   "contacts.h5", "contacts.xdmf"};
+constexpr std::array result_files{"frames.h5",     "frames.xdmf",     "report.csv",      "summary.json",
+                                  "checkpoint.h5", "joints.csv",      "joints.h5",       "contacts.h5",
+                                  "contacts.xdmf", "frames.h5.links", "joints.h5.links", "contacts.h5.links"};
 
 std::string prepare_on_one_rank(const std::string& directory, bool overwrite, const std::string& keep, bool appends) {
   namespace fs = std::filesystem;
@@ -74,18 +74,6 @@ struct BlockWriter {
   }
 };
 
-// A group that no other names yet. A run may be killed at any moment: what is new is on the disk before link_group() names it,
-// which changes a few bytes of what was there.
-h5::Handle make_unlinked_group(hid_t file) {
-  const h5::Handle properties(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, "make a property list");
-  if (H5Pset_obj_track_times(properties, false) < 0) throw std::runtime_error("HDF5: cannot turn times off");
-  return {H5Gcreate_anon(file, properties, H5P_DEFAULT), H5Gclose, "make a group"};
-}
-
-bool link_group(hid_t group, hid_t parent, const std::string& name) {
-  return H5Olink(group, parent, name.c_str(), H5P_DEFAULT, H5P_DEFAULT) >= 0;
-}
-
 }  // namespace
 
 void prepare_output_directory(MPI_Comm comm, const std::string& directory, bool overwrite, const std::string& keep,
@@ -127,8 +115,7 @@ void Output::create(const World& world) {
     write_bodies(world);
     write_surfaces();
     write_shapes();
-    frames_ = h5::create_group(file_, "frames");
-    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_;
+    frames_.create(comm_, file_, path_);
   } catch (const std::exception& e) {
     fault = e.what();
   }
@@ -144,36 +131,32 @@ void Output::extend(std::int64_t kept_to) {
     const h5::Handle real(H5Dget_type(sizes), H5Tclose, "get the type of bodies/size");
     if (h5::dimensions(ids)[0] != static_cast<hsize_t>(count_)) throw std::runtime_error("it is of another number of bodies");
     if (H5Tget_size(real) != (single_ ? 4U : 8U)) throw std::runtime_error("it has another output.precision");
-    kept_ = h5::member_numbers(old, "frames");
   });
   std::string fault;
   try {
     file_ = h5::open_file_to_extend(comm_, path_);
-    frames_ = h5::Handle(H5Gopen2(file_, "frames", H5P_DEFAULT), H5Gclose, "open group frames");
-    for (const std::int64_t frame : kept_)
-      if (frame > kept_to) h5::remove_link(frames_, h5::numbered(frame));
-    std::erase_if(kept_, [&](std::int64_t frame) { return frame > kept_to; });
-    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fault = "cannot write " + path_;
+    frames_.extend(comm_, file_, path_, kept_to);
   } catch (const std::exception& e) {
     fault = e.what();
   }
   throw_if_any(fault);
   std::vector<double> times;
   std::vector<Id> rows;
-  for (const std::int64_t frame : kept_) {
+  const std::vector<std::int64_t>& kept = frames_.kept();
+  for (const std::int64_t frame : kept) {
     const h5::Handle group(H5Gopen2(frames_, h5::numbered(frame).c_str(), H5P_DEFAULT), H5Gclose,
                            "open group " + h5::numbered(frame));
     times.push_back(h5::read_double(group, "time"));
     rows.push_back(static_cast<Id>(h5::dimensions(h5::open_dataset(group, "position"))[0]));
   }
   bool good = rank_ != 0 || xdmf_.start(xdmf_path_);
-  for (std::size_t k = 0; k < kept_.size() && rank_ == 0 && good; ++k) good = append_xdmf(kept_[k], times[k], rows[k]);
+  for (std::size_t k = 0; k < kept.size() && rank_ == 0 && good; ++k) good = append_xdmf(kept[k], times[k], rows[k]);
   throw_if_any(good ? "" : "cannot write " + xdmf_path_);
 }
 
 void Output::close() {
   const h5::Quiet quiet;
-  bool good = frames_.close() >= 0;
+  bool good = frames_.close();
   good = file_.close() >= 0 && good;
   good = xdmf_.close() && good;
   throw_if_any(good ? "" : cannot_write(path_));
@@ -181,7 +164,7 @@ void Output::close() {
 
 Output::~Output() {
   const h5::Quiet quiet;
-  frames_.close();
+  frames_.let_go();
   file_.close();
 }
 
@@ -327,7 +310,7 @@ void Output::write(std::int64_t frame, double time, const World& world) {
   const h5::Quiet quiet;
   std::string fault;
   try {
-    const auto group = make_unlinked_group(file_);
+    const auto group = h5::create_unlinked_group(file_);
     BlockWriter writer{group, present.total, present.first};
     writer.reals("position", single_, rows, 0, 3);
     writer.reals("orientation", single_, rows, 3, 4);
@@ -336,8 +319,7 @@ void Output::write(std::int64_t frame, double time, const World& world) {
     if (changing_) writer.good = write_present(group, present) && writer.good;
     h5::write_attribute(group, "time", time);
     h5::write_attribute(group, "frame", frame);
-    const auto flush = [this] { return H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0; };
-    if (!writer.good || !flush() || !link_group(group, frames_, h5::numbered(frame)) || !flush()) fault = cannot_write(path_);
+    if (!writer.good || !frames_.add(group, frame)) fault = cannot_write(path_);
   } catch (const std::exception& e) {
     fault = e.what();
   }

@@ -12,7 +12,6 @@
 // Both files are whole after each frame: a run that is killed between two frames leaves all that it wrote.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -22,6 +21,7 @@
 
 #include "core/hdf5.hpp"
 #include "partition/by_id.hpp"
+#include "report/frame_group.hpp"
 #include "report/xdmf_file.hpp"
 #include "scene/scene.hpp"
 #include "world/world.hpp"
@@ -53,8 +53,8 @@ class Output {
 
   // Throws RunError on every rank if the disk fails on any.
   void write(std::int64_t frame, double time, const World& world);
-  void close();                                                                              // the same; nothing may follow
-  bool holds(std::int64_t frame) const { return std::ranges::binary_search(kept_, frame); }  // since before this run
+  void close();                                                          // the same; nothing may follow
+  bool holds(std::int64_t frame) const { return frames_.holds(frame); }  // since before this run
 
  private:
   void create(const World& world);
@@ -75,8 +75,8 @@ class Output {
   std::vector<Surface> surfaces_;
   std::optional<ChangingBodies> changing_;  // none: all bodies are always there
   int rank_ = 0;
-  std::vector<std::int64_t> kept_;  // frames, ascending
-  h5::Handle file_, frames_;
+  h5::Handle file_;
+  FrameGroup frames_;
   XdmfFile xdmf_;  // of rank 0
 };
 

@@ -96,13 +96,41 @@ class Continuing(ProgramTest):
                 self.assertIn(told, run.message[0])
                 self.assertEqual(tree(part), before)
 
+    def test_damaged_files_are_set_aside(self):
+        scene = self.scene(JOINTED)
+        options = [*EVERY, "-set", "output.joints=true", "-set", "output.contacts=5"]
+        straight = self.good(scene, "straight", *options)
+        part = self.crashed(scene, *options)
+        whole = contents(part / "contacts.h5")
+        for attempt, kept in ((1, "frames-damaged.h5"), (2, "frames-damaged-2.h5")):
+            for name in ("frames.h5", "joints.h5"):
+                data = (part / name).read_bytes()
+                (part / name).write_bytes(data[: len(data) // 2])
+            damaged = contents(part / "frames.h5")
+            run = self.good(scene, "part", *options, "-restart", "auto", ranks=attempt)
+            self.assertEqual(run.state, straight.state)
+            warnings = [line for line in run.err.splitlines() if "damaged" in line]
+            self.assertEqual(len(warnings), 2, run.err)
+            self.assertIn("frames.h5' is damaged", warnings[0])
+            self.assertIn(kept, warnings[0])
+            self.assertIn("joints.h5' is damaged", warnings[1])
+            self.assertEqual(contents(part / kept), damaged)
+            first = 30 if attempt == 1 else 60
+            with h5py.File(part / "frames.h5") as file:
+                self.assertEqual([int(frame) for frame in file["frames"]], list(range(first, 61, 5)))
+            with h5py.File(part / "joints.h5") as file:
+                self.assertEqual([int(frame) for frame in file["frames"]], list(range(first + 5, 61, 5)))
+        self.assertEqual(contents(part / "joints.csv"), contents(self.folder / "straight/joints.csv"))
+        self.assertGreater(len(contents(part / "contacts.h5")), len(whole))  # it was whole, and went on
+
     def test_killed_again_and_again(self):
         """SIGKILL of any rank at any moment, writes included; `-restart auto` until the run has come to its end. UNIBODY_KILLS=100 does
         so a hundred times."""
         kills, moments = int(os.environ.get("UNIBODY_KILLS", "8")), random.Random(5)
         frames = 40 * kills
-        scene = self.scene(PILE)
-        options = ["-set", "output.every=1", "-set", "output.checkpoint_every=1", "-set", f"time.frames={frames}"]
+        scene = self.scene(JOINTED)
+        options = ["-set", "output.every=1", "-set", "output.checkpoint_every=1", "-set", "output.joints=true",
+                   "-set", "output.contacts=1", "-set", f"time.frames={frames}"]
         straight = self.good(scene, "straight", *options, timeout=300)
         checkpoint, report = self.folder / "part/checkpoint.h5", self.folder / "part/report.csv"
         words = [scene, "-output", self.folder / "part", *options, "-restart", "auto", "-overwrite"]
@@ -121,6 +149,10 @@ class Continuing(ProgramTest):
         self.assertLess(frame_of(checkpoint), frames, "the machine was faster than foreseen: no run was killed at work")
         self.assertEqual(unibody(*words, timeout=300).state, straight.state)
         self.assert_same_results("part", "straight")
+        self.assertEqual(contents(self.folder / "part/joints.csv"), contents(self.folder / "straight/joints.csv"))
+        for name in ("joints.h5", "contacts.h5"):
+            with h5py.File(self.folder / "part" / name) as one, h5py.File(self.folder / "straight" / name) as other:
+                self.assertEqual(list(one["frames"]), list(other["frames"]))
 
 
 class ProgressLines(ProgramTest):
