@@ -6,6 +6,7 @@
 
 #include "app/contact_times.hpp"
 #include "app/misplaced.hpp"
+#include "app/round_laws.hpp"
 #include "collide/collide.hpp"
 #include "core/checked.hpp"
 #include "core/exact_sum.hpp"
@@ -182,6 +183,7 @@ void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector
                        " m, more than the smallest one's size of " + number_text(bodies.smallest, 3) +
                        " m: more time.substeps, or a shorter time.frame, would follow it");
   for (std::string& warning : unresolved_contacts(simulation)) warnings.push_back(std::move(warning));
+  for (std::string& warning : laws_without_effect(simulation)) warnings.push_back(std::move(warning));
   if (any && (bodies.smallest > largest_usual || bodies.largest < least_usual))
     warnings.push_back("all that moves is " + std::string(bodies.smallest > largest_usual ? "thicker than " : "smaller than ") +
                        number_text(bodies.smallest > largest_usual ? largest_usual : least_usual, 3) +

@@ -1,9 +1,14 @@
 #include "meshes/convex_pieces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <stdexcept>
+#include <string>
+
+#include "meshes/sets.hpp"
 
 namespace unibody {
 
@@ -57,6 +62,38 @@ std::vector<Hull> convex_pieces(const TriangleMesh& mesh, int cells) {
     try {
       pieces.push_back(make_hull(list));
     } catch (const std::invalid_argument&) {  // a corner of a triangle in this cell: its neighbours hold the rest
+    }
+  }
+  return pieces;
+}
+
+std::vector<Hull> convex_parts(const TriangleMesh& mesh) {
+  Sets sets(mesh.nodes.size());
+  for (const auto& t : mesh.triangles)
+    for (std::size_t k = 1; k < 3; ++k) sets.join(t[0], t[k]);
+  std::map<std::int32_t, std::vector<std::array<std::int32_t, 3>>> parts;  // in the order of their first nodes
+  for (const auto& t : mesh.triangles) parts[sets.root(t[0])].push_back(t);
+  std::vector<Hull> pieces;
+  for (const auto& [root, triangles] : parts) {
+    const std::string which =
+        "part " + std::to_string(pieces.size()) + " of " + std::to_string(parts.size()) + " (numbered from 0)";
+    std::vector<Vec3> points;
+    double volume = 0;
+    const Vec3& origin = mesh.nodes[static_cast<std::size_t>(root)];
+    for (const auto& t : triangles) {
+      for (const std::int32_t node : t) points.push_back(mesh.nodes[static_cast<std::size_t>(node)]);
+      const Vec3 *a = &points.back() - 2, *b = a + 1, *c = b + 1;
+      volume += (*a - origin).dot((*b - origin).cross(*c - origin)) / 6;
+    }
+    try {
+      pieces.push_back(make_hull(points));
+    } catch (const std::invalid_argument& fault) {
+      throw std::invalid_argument(which + " spans no volume: " + fault.what());
+    }
+    if (std::abs(volume) < 0.99 * pieces.back().volume) {
+      std::array<char, 96> text{};
+      std::snprintf(text.data(), text.size(), " encloses %.3g of its hull's %.3g m^3", std::abs(volume), pieces.back().volume);
+      throw std::invalid_argument(which + text.data());
     }
   }
   return pieces;

@@ -180,7 +180,11 @@ const Keys& compound_keys() {
        surface_file("mesh", "parts", "OBJ, STL, PLY, glTF or DAE file of a closed surface, its path from the scene's folder"),
        keys::scale(), keys::up(), keys::weld(),
        keys::integer("pieces", 1, 32, 6,
-                     "cells along the mesh's longest side, by which it is cut into convex pieces for contact")}};
+                     "cells along the mesh's longest side, by which it is cut into convex pieces for contact"),
+       surface_file(
+           "pieces_file", "pieces",
+           "OBJ, STL, PLY, glTF or DAE file of the convex pieces instead, each a surface of its own, in the mesh's axes and "
+           "lengths")}};
   return table;
 }
 
@@ -222,13 +226,53 @@ Shape read_hull(const Value& value, const Scene& scene) {
   return add_hull(*list, points);
 }
 
+namespace {
+
+struct Extent {
+  Vec3 low, high;
+};
+
+Extent extent_of_nodes(const std::vector<Vec3>& nodes) {
+  Extent extent{nodes[0], nodes[0]};
+  for (const Vec3& x : nodes) extent.low = extent.low.cwiseMin(x), extent.high = extent.high.cwiseMax(x);
+  return extent;
+}
+
+std::string place_text(const Vec3& x) {
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "[%.4g, %.4g, %.4g]", x.x(), x.y(), x.z());
+  return text.data();
+}
+
+// Pieces of another length or in other axes than the mesh would be wrong without a word: they must reach as far.
+std::vector<Hull> pieces_from_file(const KeyedMap& map, const Scene& scene, const TriangleMesh& mesh) {
+  std::string path;
+  const Value& file = map.need("pieces_file");
+  const TriangleMesh surfaces = read_mesh(map, "pieces_file", scene, path);
+  const Extent of_mesh = extent_of_nodes(mesh.nodes), of_pieces = extent_of_nodes(surfaces.nodes);
+  const double allowed = 0.05 * (of_mesh.high - of_mesh.low).maxCoeff();
+  for (const auto end : {&Extent::low, &Extent::high}) {
+    const Vec3 &expected = of_mesh.*end, &found = of_pieces.*end;
+    if ((expected - found).cwiseAbs().maxCoeff() <= allowed) continue;
+    file.fail(path + ", whose pieces reach to " + place_text(found) + " m, by scale and up",
+              "pieces that reach as far as the mesh, to " + place_text(expected) + " m, within 5 % of its longest side");
+  }
+  try {
+    return convex_parts(surfaces);
+  } catch (const std::invalid_argument& fault) {
+    file.fail(path + ", of which " + fault.what(), "convex pieces, each a closed surface of its own");
+  }
+}
+
+}  // namespace
+
 Shape read_compound(const Value& value, const Scene& scene) {
   const KeyedMap map(value, compound_keys());
   const Value *list = map.find("parts"), *file = map.find("mesh");
   if ((list != nullptr) == (file != nullptr)) value.fail("both or none of parts and mesh", "one of the two");
   std::vector<Compound::Part> parts;
   if (list) {
-    map.none_of({"scale", "up", "weld", "pieces"}, "beside parts");
+    map.none_of({"scale", "up", "weld", "pieces", "pieces_file"}, "beside parts");
     for (const Value& part : list->list("shapes with positions")) parts.push_back(read_compound_part(part, scene));
     const std::vector<double> densities = read_densities(*list);
     const auto overlap = static_cast<Overlap>(map.choice("overlap"));
@@ -248,7 +292,10 @@ Shape read_compound(const Value& value, const Scene& scene) {
     if (mesh.nodes.size() < before) renumber(mesh.triangles, number);
   }
   const SolidMoments moments = check_closed(mesh, *file, path);
-  for (Hull& piece : convex_pieces(mesh, static_cast<int>(map.integer("pieces")))) {
+  if (map.has("pieces_file")) map.none_of({"pieces"}, "beside pieces_file");
+  std::vector<Hull> pieces =
+      map.has("pieces_file") ? pieces_from_file(map, scene, mesh) : convex_pieces(mesh, static_cast<int>(map.integer("pieces")));
+  for (Hull& piece : pieces) {
     const Vec3 centre = piece.centre;
     parts.push_back({shape_library().add(std::move(piece)), centre, Quat::Identity()});
   }

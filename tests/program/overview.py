@@ -102,6 +102,26 @@ class Overview(ProgramTest):
                          ["a step of 0.1 s lets a body fall by 0.0981 m, more than the smallest one's size of 0.02 m: more "
                           "time.substeps, or a shorter time.frame, would follow it"])
 
+    def test_laws_without_effect(self):
+        scene = """
+            gravity: [0, 0, 0]
+            materials: {{rubber: {{friction: 0.5, {law}}}, wood: {{friction: 0.5}}, dust: {{friction: 0.5, {law}}}}}
+            bodies:
+              - {{shape: {{{shape}}}, mass: 1, material: rubber}}
+              - {{shape: {{box: {{size: [1, 1, 1]}}}}, motion: fixed, position: [3, 0, 0], material: {other}}}
+              - {{shape: {{sphere: {{radius: 1}}}}, mass: 1, position: [9, 0, 0], material: dust}}
+        """
+        box, ball = "box: {size: [1, 1, 1]}", "sphere: {radius: 0.5}"
+        for law, effect in (("elastic_modulus: 1.0e+3", "their contacts are rigid"),
+                            ("surface_energy: 0.1", "they do not hold each other by it"),
+                            ("liquid_volume: 1.0e-6", "no liquid bridges them")):
+            with self.subTest(law=law):
+                told = [f"{law.split(':')[0]} of rubber and rubber has no effect between two of their bodies neither of which is a sphere, "
+                        f"a disc or a particle: its law needs a radius, and {effect}"]
+                self.assertEqual(self.warnings(scene.format(law=law, shape=box, other="rubber"), ranks=2), told)
+                self.assertEqual(self.warnings(scene.format(law=law, shape=box, other="wood")), [])  # the only one of its kind
+                self.assertEqual(self.warnings(scene.format(law=law, shape=ball, other="rubber")), [])
+
     def test_ranks_without_work(self):
         self.assertEqual(self.warnings("bodies: [{shape: {sphere: {radius: 1}}, mass: 1}]", ranks=3),
                          ["3 ranks for 1 dynamic bodies: the others have nothing to do; fewer ranks are faster"])

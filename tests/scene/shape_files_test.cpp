@@ -1,6 +1,7 @@
 // Shapes in scene files: what is read, and the one clear error where it is bad.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -47,6 +48,61 @@ TEST(ShapeFiles, ClosedMeshHasTheMassOfItsSolid) {
   EXPECT_LT((body.state.orientation.toRotationMatrix() - Mat3::Identity()).norm(), 1e-9);
   const Compound& compound = shape_library().compounds[body.properties.shape.data];
   EXPECT_LT((compound.size - Vec3(0.2, 0.4, 0.6)).norm(), 1e-9);
+}
+
+// An L of two blocks, 1 x 1 x 3 and 1 x 1 x 1 m, beside each other along x.
+constexpr const char* angle_surface =
+    "v 0 0 0\nv 2 0 0\nv 2 0 1\nv 1 0 1\nv 1 0 3\nv 0 0 3\nv 0 1 0\nv 2 1 0\nv 2 1 1\nv 1 1 1\nv 1 1 3\nv 0 1 3\n"
+    "f 1 2 3 4\nf 1 4 5 6\nf 10 9 8 7\nf 12 11 10 7\nf 1 7 8 2\nf 2 8 9 3\nf 3 9 10 4\nf 4 10 11 5\nf 5 11 12 6\nf 6 12 7 1\n";
+
+std::string block_between(const Vec3& low, const Vec3& high, int before) {
+  std::string text;
+  for (int k = 0; k < 8; ++k) {
+    text += "v";
+    for (int axis = 0; axis < 3; ++axis) text += " " + std::to_string(k >> axis & 1 ? high[axis] : low[axis]);
+    text += "\n";
+  }
+  for (const std::array<int, 4>& face :
+       {std::array{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}}) {
+    text += "f";
+    for (const int corner : face) text += " " + std::to_string(corner + before);
+    text += "\n";
+  }
+  return text;
+}
+
+TEST(ShapeFiles, ConvexPiecesMayComeFromAFile) {
+  const TextFile mesh(angle_surface, ".obj"),
+      pieces(block_between(Vec3(0, 0, 0), Vec3(1, 1, 3), 0) + block_between(Vec3(1, 0, 0), Vec3(2, 1, 1), 8), ".obj");
+  const auto shape = [&](const std::string& more) {
+    return body_of("compound: {mesh: " + mesh.path() + ", scale: 0.5, " + more + "}");
+  };
+  const Body body = scene_from(shape("pieces_file: " + pieces.path())).body(0);
+  EXPECT_NEAR(body.properties.mass, 1000 * 4 * 0.125, 1e-9);
+  const Compound& compound = shape_library().compounds[body.properties.shape.data];
+  ASSERT_EQ(compound.parts.size(), 2u);
+  const Vec3 centre = 0.5 * Vec3((3 * 0.5 + 1.5) / 4, 0.5, (3 * 1.5 + 0.5) / 4);  // m, of mass, in the mesh's axes
+  EXPECT_NEAR(shape_library().hulls[compound.parts[0].shape.data].volume, 3 * 0.125, 1e-12);
+  EXPECT_NEAR(shape_library().hulls[compound.parts[1].shape.data].volume, 0.125, 1e-12);
+  EXPECT_LT((body.state.orientation * compound.parts[0].place + centre - 0.5 * Vec3(0.5, 0.5, 1.5)).norm(), 1e-12);
+  EXPECT_LT((body.state.orientation * compound.parts[1].place + centre - 0.5 * Vec3(1.5, 0.5, 0.5)).norm(), 1e-12);
+
+  const TextFile longer(block_between(Vec3(0, 0, 0), Vec3(2, 1, 3.2), 0), ".obj"),
+      flat("v 0 0 0\nv 2 1 3\nv 0 1 3\nf 1 2 3\n", ".obj");
+  const auto told = [&](const TextFile& file) {
+    std::string message = fault_of(shape("pieces_file: " + file.path()));
+    return message.substr(message.find(".obj, ") + 4);
+  };
+  EXPECT_EQ(
+      told(longer),
+      ", whose pieces reach to [1, 0.5, 1.6] m, by scale and up, expected pieces that reach as far as the mesh, to [1, 0.5, "
+      "1.5] m, within 5 % of its longest side");
+  EXPECT_EQ(told(mesh),
+            ", of which part 0 of 1 (numbered from 0) encloses 0.5 of its hull's 0.625 m^3, expected convex pieces, each "
+            "a closed surface of its own");
+  EXPECT_EQ(told(flat).substr(0, 58), ", of which part 0 of 1 (numbered from 0) spans no volume: ");
+  EXPECT_EQ(fault_of(shape("pieces: 3, pieces_file: " + pieces.path())),
+            "FILE:2: key 'bodies[0].shape.compound.pieces': found 3, expected no such key beside pieces_file");
 }
 
 // Of a file whose y axis is up, y becomes z and -z becomes y, for shapes and cloths alike.
