@@ -4,7 +4,8 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 packages=(g++ cmake make ninja-build pkgconf
   libopenmpi-dev openmpi-bin libpetsc-real-dev libmetis-dev libhdf5-openmpi-dev libeigen3-dev libyaml-cpp-dev
   libpugixml-dev libmuparser-dev libassimp-dev zlib1g-dev)
-tool_packages=(ccache clang-format clang-tidy libgtest-dev libmujoco-dev libfclib0 libxdmf-dev libxml2-dev
+pieces_packages=(libbullet-extras-dev)
+tool_packages=(ccache clang-format clang-tidy "${pieces_packages[@]}" libgtest-dev libmujoco-dev libfclib0 libxdmf-dev libxml2-dev
   procps python3 python3-numpy python3-h5py python3-matplotlib python3-jsonschema python3-yaml python3-vtk9 xvfb)
 python_packages=(python3-dev pybind11-dev python3-numpy python3-mpi4py python3-pytest)
 slurm_packages=(slurmctld slurmd slurm-client munge)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "world/shape_library.hpp"
 #include "world/shape_type.hpp"
@@ -16,10 +17,32 @@ namespace {
 using Triangle = std::array<std::int32_t, 3>;
 constexpr std::size_t most_corners = 48;
 
-// Triangles of the hull, by adding one point after the other. Points within `rounding` of a face belong to it.
+__extension__ typedef __int128 LongInteger;
+using Whole = std::array<std::int64_t, 3>;
+
+Whole operator-(const Whole& a, const Whole& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+
+// Of differences of at most 2^30, which gives numbers below 2^62.
+Whole cross(const Whole& a, const Whole& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+LongInteger dot(const Whole& a, const Whole& b) {
+  return LongInteger{a[0]} * b[0] + LongInteger{a[1]} * b[1] + LongInteger{a[2]} * b[2];
+}
+
+// Triangles of the hull, by adding one point after the other. On which side of a triangle a point lies is told from places in
+// whole multiples of 2^-30 of the extent, without rounding: with it, triangles of points nearly in one plane would contradict
+// each other, and close to a surface that covers the solid more than once. Points of one such place are one.
 class Builder {
  public:
-  Builder(std::span<const Vec3> points, double extent) : points_(points), rounding_(1e-10 * extent), flat_(1e-6 * extent) {}
+  Builder(std::span<const Vec3> points, const Vec3& low, double extent) : points_(points), flat_(1e-6 * extent) {
+    const double scale = std::ldexp(1, 30) / extent;
+    for (const Vec3& x : points) {
+      const Vec3 place = scale * (x - low);
+      places_.push_back({std::llround(place[0]), std::llround(place[1]), std::llround(place[2])});
+    }
+  }
 
   std::vector<Triangle> run() {
     start();
@@ -32,16 +55,13 @@ class Builder {
  private:
   struct Facet {
     Triangle corners;
-    Vec3 normal;
-    double offset;
+    Whole normal;
   };
   const Vec3& at(std::int32_t i) const { return points_[static_cast<std::size_t>(i)]; }
+  const Whole& place(std::int32_t i) const { return places_[static_cast<std::size_t>(i)]; }
 
   Facet facet(std::int32_t i, std::int32_t j, std::int32_t k) const {
-    Vec3 n = (at(j) - at(i)).cross(at(k) - at(i));
-    const double length = n.norm();
-    n = length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero());
-    return {{i, j, k}, n, n.dot(at(i))};
+    return {{i, j, k}, cross(place(j) - place(i), place(k) - place(i))};
   }
 
   template <class F>
@@ -60,18 +80,18 @@ class Builder {
     const Vec3 along = (at(b) - at(a)).normalized();
     const auto off_line = [&](const Vec3& x) { return (x - at(a) - along * along.dot(x - at(a))).norm(); };
     const std::int32_t c = furthest(off_line);
-    const Facet base = facet(a, b, c);
-    const auto off_plane = [&](const Vec3& x) { return std::abs(base.normal.dot(x) - base.offset); };
+    const Vec3 normal = (at(b) - at(a)).cross(at(c) - at(a)).normalized();
+    const auto off_plane = [&](const Vec3& x) { return std::abs(normal.dot(x - at(a))); };
     const std::int32_t d = furthest(off_plane);
     if (!(off_line(at(c)) > flat_) || !(off_plane(at(d)) > flat_)) throw std::invalid_argument("points that lie in one plane");
-    const bool below = base.normal.dot(at(d)) < base.offset;
+    const bool below = normal.dot(at(d) - at(a)) < 0;
     const std::int32_t e = below ? b : c, f = below ? c : b;
     facets_ = {facet(a, e, f), facet(a, d, e), facet(e, d, f), facet(f, d, a)};
   }
 
   void add(std::int32_t p) {
     std::vector<std::array<std::int32_t, 2>> edges;
-    const auto seen = [&](const Facet& f) { return f.normal.dot(at(p)) - f.offset > rounding_; };
+    const auto seen = [&](const Facet& f) { return dot(f.normal, place(p) - place(f.corners[0])) > 0; };
     for (const Facet& f : facets_)
       if (seen(f))
         for (std::size_t k = 0; k < 3; ++k) edges.push_back({f.corners[k], f.corners[(k + 1) % 3]});
@@ -83,7 +103,8 @@ class Builder {
   }
 
   std::span<const Vec3> points_;
-  double rounding_, flat_;
+  std::vector<Whole> places_;
+  double flat_;
   std::vector<Facet> facets_;
 };
 
@@ -112,23 +133,28 @@ std::vector<std::uint32_t> outline_in_plane(const std::vector<Vec3>& corners, st
   return outline;
 }
 
-// Faces of all corners in one plane.
-void merge_faces(Hull& hull, const std::vector<Triangle>& triangles, double tolerance) {
+// Faces of all corners in one plane, that of the largest triangle among them: places in single precision turn it least.
+void merge_faces(Hull& hull, std::vector<Triangle> triangles, double tolerance) {
   const auto at = [&](std::int32_t i) -> const Vec3& { return hull.corners[static_cast<std::size_t>(i)]; };
+  const auto area = [&](const Triangle& t) { return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).squaredNorm(); };
+  std::stable_sort(triangles.begin(), triangles.end(), [&](const Triangle& a, const Triangle& b) { return area(a) > area(b); });
+  std::vector<double> offsets;  // m, of each face
   for (const Triangle& t : triangles) {
     const Vec3 cross = (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0]));
     const double longest = std::max({(at(t[1]) - at(t[0])).norm(), (at(t[2]) - at(t[1])).norm(), (at(t[0]) - at(t[2])).norm()});
-    if (!(cross.norm() > 10 * tolerance * longest)) continue;  // a sliver, whose normal means nothing: it lies in another face
+    if (!(cross.norm() > tolerance * longest)) continue;  // a sliver, whose normal means nothing: it lies in another face
     const Vec3 n = cross.normalized();
-    if (std::any_of(hull.corners.begin(), hull.corners.end(),
-                    [&](const Vec3& x) { return n.dot(x - at(t[0])) > 10 * tolerance; }))
+    if (std::any_of(hull.corners.begin(), hull.corners.end(), [&](const Vec3& x) { return n.dot(x - at(t[0])) > tolerance; }))
       continue;
-    const auto same = [&](const Hull::Face& f) {
-      const double offset = f.normal.dot(hull.corners[hull.face_corners[f.first]]);
-      return f.normal.dot(n) > 0 &&
-             std::all_of(t.begin(), t.end(), [&](std::int32_t i) { return std::abs(f.normal.dot(at(i)) - offset) <= tolerance; });
+    const auto same = [&](std::size_t face) {  // all of its corners are among those that the face has
+      const Vec3& normal = hull.faces[face].normal;
+      return normal.dot(n) > 0 && std::all_of(t.begin(), t.end(), [&](std::int32_t i) {
+               return std::abs(normal.dot(at(i)) - offsets[face]) <= tolerance;
+             });
     };
-    if (std::any_of(hull.faces.begin(), hull.faces.end(), same)) continue;
+    bool is_there = false;
+    for (std::size_t face = 0; face < hull.faces.size() && !is_there; ++face) is_there = same(face);
+    if (is_there) continue;
     const double offset = n.dot(at(t[0]));
     std::vector<std::uint32_t> on;
     Vec3 middle = Vec3::Zero();
@@ -141,6 +167,7 @@ void merge_faces(Hull& hull, const std::vector<Triangle>& triangles, double tole
       for (std::size_t k = 0; k < most_corners; ++k) on[k] = on[k * all / most_corners];
       on.resize(most_corners);
     }
+    offsets.push_back(offset);
     hull.faces.push_back({n, static_cast<std::uint32_t>(hull.face_corners.size()), static_cast<std::uint32_t>(on.size())});
     hull.face_corners.insert(hull.face_corners.end(), on.begin(), on.end());
   }
@@ -153,7 +180,7 @@ Hull make_hull(std::span<const Vec3> points) {
   Vec3 low = points[0], high = points[0];
   for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
   const double extent = (high - low).maxCoeff();
-  const std::vector<Triangle> triangles = Builder(points, extent).run();
+  const std::vector<Triangle> triangles = Builder(points, low, extent).run();
 
   const SolidMoments moments = solid_moments(points, triangles);
   Hull hull;
@@ -172,7 +199,7 @@ Hull make_hull(std::span<const Vec3> points) {
   }
   for (Triangle& t : renumbered)
     for (std::int32_t& i : t) i = number[static_cast<std::size_t>(i)];
-  merge_faces(hull, renumbered, 1e-7 * extent);
+  merge_faces(hull, std::move(renumbered), 1e-6 * extent);
 
   low = high = hull.corners[0];
   for (const Vec3& x : hull.corners) {

@@ -55,11 +55,13 @@ TEST(Hull, OfPointsOnASphere) {
   for (int i = 0; i < 1500; ++i) points.push_back(Vec3(normal(engine), normal(engine), normal(engine)).normalized());
   const Hull hull = make_hull(points);
   EXPECT_EQ(hull.corners.size(), points.size());
-  EXPECT_EQ(hull.faces.size(), 2 * points.size() - 4);
+  std::size_t triangles = 0;  // of which the faces are made: two of them may lie in one plane by chance
+  for (const Hull::Face& f : hull.faces) triangles += f.count - 2;
+  EXPECT_EQ(triangles, 2 * points.size() - 4);
   EXPECT_NEAR(hull.volume, 4 * std::numbers::pi / 3, 0.05);
   EXPECT_LT((hull.inertia - Vec3::Constant(0.4)).norm(), 0.01);
   for (const Hull::Face& f : hull.faces)
-    for (const Vec3& x : hull.corners) ASSERT_LE(f.normal.dot(x - hull.corners[hull.face_corners[f.first]]), 1e-9);
+    for (const Vec3& x : hull.corners) ASSERT_LE(f.normal.dot(x - hull.corners[hull.face_corners[f.first]]), 2e-6);
 }
 
 TEST(Hull, WithoutVolumeIsRefused) {
