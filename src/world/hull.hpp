@@ -26,7 +26,7 @@ struct Hull {
 };
 
 // Points are in m. Throws std::invalid_argument with what was found where they span no volume: fewer than four, or all within
-// 1e-6 of their extent of one plane. Corners so near to one plane are of one face, of which 48 at most, evenly chosen, are listed.
+// 1e-6 of their extent of one plane. Corners so near to one plane are of one face, of which 48 at most are listed.
 Hull make_hull(std::span<const Vec3> points);
 
 }  // namespace unibody
