@@ -25,6 +25,39 @@ constexpr const char* column_names =
     "limit (N m or N),motor (N m or N),friction (N m or N),"
     "spring (N m or N),broken (1)";
 
+template <class T>
+void write_table(hid_t group, const char* name, hid_t file_type, hid_t memory_type, std::size_t columns,
+                 const std::vector<T>& values, std::size_t rows) {
+  const auto table = h5::create_dataset(group, name, file_type, rows, columns);
+  if (!h5::write_rows(table, memory_type, 0, rows, values.data())) throw std::runtime_error("is the disk full?");
+}
+
+// What the joints are, for programs that draw them.
+void write_joints(hid_t file, std::span<const Joint> joints) {
+  const auto group = h5::create_group(file, "joints");
+  std::vector<std::int64_t> ids;
+  std::vector<std::int8_t> kinds;
+  std::array<std::vector<double>, 2> anchors;
+  std::vector<double> axes;
+  for (const Joint& joint : joints) {
+    ids.insert(ids.end(), joint.ids.begin(), joint.ids.end());
+    kinds.push_back(static_cast<std::int8_t>(joint.kind));
+    for (std::size_t side = 0; side < 2; ++side)
+      anchors[side].insert(anchors[side].end(), joint.anchor[side].begin(), joint.anchor[side].end());
+    const Vec3 axis = joint.frame[0] * Vec3::UnitZ();
+    axes.insert(axes.end(), axis.begin(), axis.end());
+  }
+  const std::size_t n = joints.size();
+  write_table(group, "bodies", H5T_STD_I64LE, H5T_NATIVE_INT64, 2, ids, n);
+  write_table(group, "type", H5T_STD_I8LE, H5T_NATIVE_INT8, 0, kinds, n);
+  write_table(group, "anchor_a", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 3, anchors[0], n);
+  write_table(group, "anchor_b", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 3, anchors[1], n);
+  write_table(group, "axis", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, 3, axes, n);
+  std::string names;
+  for (const auto name : joint_names) names.append(names.empty() ? "" : " ").append(name);
+  h5::write_attribute(group, "type_names", names);
+}
+
 }  // namespace
 
 std::vector<NamedValue> joint_columns(MPI_Comm comm, std::span<const Joint> joints, const JointList& here,
@@ -90,6 +123,7 @@ void JointFiles::open_file(std::int64_t kept_to) {
     h5_ = h5::create_file(MPI_COMM_SELF, path);
     h5::write_attribute(h5_, "columns", std::string(column_names));
     h5::write_attribute(h5_, "rows", std::string("joints, in the order of the scene"));
+    write_joints(h5_, joints_);
     frames_.create(MPI_COMM_SELF, h5_, path);
     return;
   }

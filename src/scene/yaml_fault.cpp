@@ -44,10 +44,20 @@ std::vector<std::size_t> open_indentations(const std::vector<std::string>& lines
 
 std::string spaces_text(std::size_t count) { return std::to_string(count) + (count == 1 ? " space" : " spaces"); }
 
+// Whether the last line above asks for a deeper one: it ends with a key or a dash.
+bool asks_for_more(const std::vector<std::string>& lines, std::size_t at) {
+  while (at > 0 && is_empty(lines[at - 1])) --at;
+  if (at == 0) return true;
+  std::string last = lines[at - 1].substr(0, lines[at - 1].find(" #"));
+  last.erase(last.find_last_not_of(" \t\r") + 1);
+  return last.ends_with(':') || last.ends_with('-');
+}
+
 std::string wrong_indentation(const std::vector<std::string>& lines, std::size_t at) {
   const std::size_t here = start_of(lines[at]).size();
   const std::vector<std::size_t> open = open_indentations(lines, at);
-  if (open.empty() || here >= open.back() || std::ranges::find(open, here) != open.end()) return {};
+  if (open.empty() || std::ranges::find(open, here) != open.end()) return {};
+  if (here > open.back() && asks_for_more(lines, at)) return {};
   std::string allowed;
   for (std::size_t k = 0; k < open.size(); ++k)
     allowed += (k == 0 ? "" : k + 1 == open.size() ? " or " : ", ") + std::to_string(open[k]);

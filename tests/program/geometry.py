@@ -153,6 +153,40 @@ class Geometry(ProgramTest):
             pressure = after.cells["pressure"][after.cells["body"] == body]
             self.assertTrue(np.allclose(pressure, weights * 9.81 * 0.1 / 0.2**3 / 3, rtol=0.01), pressure[:3])
 
+    def test_joints(self):
+        """A hanging weight on a rod of two links, and a pair that has broken: where they are joined, and the weights that they bear."""
+        self.good(self.scene("""
+            time: {frame: 0.01, frames: 20, substeps: 2}
+            output: {every: 20, joints: true}
+            bodies:
+              - {shape: {box: {size: [0.1, 0.1, 0.4]}}, mass: 2, position: [1, 2, -0.2], name: upper}
+              - {shape: {box: {size: [0.1, 0.1, 0.4]}}, mass: 3, position: [1, 2, -0.6], name: lower}
+              - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [5, 0, 0], name: weight}
+            joints:
+              - {type: hinge, bodies: [upper, world], anchor: [1, 2, 0], axis: [0, 1, 0]}
+              - {type: ball, bodies: [upper, lower], anchor: [1, 2, -0.4]}
+              - {type: fixed, bodies: [weight, world], anchor: [5, 0, 0.1], strength: {force: 1, duration: 0}}
+        """), "rod")
+        self.geometry("rod")
+        before, after = (self.lines(self.folder / f"rod/geometry/joints_{n}.vtp") for n in ("000000", "000020"))
+        self.assertEqual((before[1]["joint"].tolist(), after[1]["joint"].tolist()), ([0, 1, 2], [0, 1]))
+        self.assertEqual(before[1]["type"].tolist(), [1, 0, 3])
+        expected = [[[1, 2, -0.2], [1, 2, 0], [1, 2, 0]], [[1, 2, -0.2], [1, 2, -0.4], [1, 2, -0.6]]]
+        self.assertTrue(np.allclose(after[0], expected, atol=1e-5))
+        self.assertTrue(np.allclose(after[1]["force"], [[0, 0, 5 * 9.81], [0, 0, -3 * 9.81]], atol=0.01), after[1]["force"])
+        sets = xml.etree.ElementTree.parse(self.folder / "rod/joints.pvd").getroot().findall("Collection/DataSet")
+        self.assertEqual([(float(s.get("timestep")), s.get("file")) for s in sets],
+                         [(0.0, "geometry/joints_000000.vtp"), (0.2, "geometry/joints_000020.vtp")])
+
+    def lines(self, path):
+        """Of each line its three points, and the arrays of the lines."""
+        reader = vtkXMLPolyDataReader()
+        reader.SetFileName(str(path))
+        reader.Update()
+        data, cells = reader.GetOutput(), reader.GetOutput().GetCellData()
+        points = vtk_to_numpy(data.GetPoints().GetData())[vtk_to_numpy(data.GetLines().GetConnectivityArray()).reshape(-1, 3)]
+        return points, {cells.GetArrayName(k): vtk_to_numpy(cells.GetArray(k)) for k in range(cells.GetNumberOfArrays())}
+
     def test_refusals(self):
         self.assertIn("cannot read frames", self.geometry("nothing", code=1))
         self.good(self.scene(FLIGHT), "run")
