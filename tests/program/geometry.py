@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """scripts/geometry: the volumes, corners and velocities of the surfaces it makes are those of the bodies, by closed forms."""
+import csv
 import subprocess
 import unittest
 import xml.etree.ElementTree
@@ -7,7 +8,7 @@ import xml.etree.ElementTree
 import h5py
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
-from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLUnstructuredGridReader
 
 from unibody_runs import SOURCE, ProgramTest
 
@@ -126,6 +127,77 @@ class Geometry(ProgramTest):
         self.assertTrue(np.allclose(surface.points[surface.lines], x[thread], atol=1e-6))
         self.assertTrue((of[:5] == 1).all())
         self.assertTrue(np.allclose(surface.points[surface.triangles[of[5:] == 0]], x[cloth], atol=1e-6))
+
+    def test_stretch(self):
+        """Of a thread that bears a weight by its law; of cloths the length of their longest image of a unit circle, sampled."""
+        self.good(self.scene("""
+            time: {frame: 0.01, frames: 200}
+            output: {every: 100}
+            solver: {iterations: 400}
+            cloths:
+              - {grid: {size: [1, 0.6], nodes: [5, 4]}, mass: 0.4, thickness: 0.01, position: [0, 5, 5], links: {stiffness: 30, damping: 0.05},
+                 pins: [{node: [0, 0]}, {node: [4, 0]}]}
+            threads: [{points: [[0, 0, 0], [0, 0, -1]], segments: 4, radius: 0.01, mass: 0.4, stretch: {stiffness: 50, damping: 0.1}, pins: [{node: 0}]}]
+        """), "hung")
+        self.geometry("hung")
+        file = h5py.File(self.folder / "hung/frames.h5")
+        x0, x1 = (file[f"frames/{frame}/position"][:] for frame in ("000000", "000200"))
+        cloth, thread = (file[f"surfaces/00000{k}/cells"][:] for k in (0, 1))
+        surface = Surface(self.folder / "hung/geometry/000200.vtp")
+        lengths = [np.linalg.norm(x[thread[:, 1]] - x[thread[:, 0]], axis=1) for x in (x0, x1)]
+        stretch = surface.cells["stretch"]
+        self.assertTrue(np.allclose(stretch[:4], lengths[1] / lengths[0], rtol=1e-6))
+        # Each segment bears the nodes below it, of 0.1 kg each and 0.05 kg at the end, and is longer by that over its stiffness.
+        self.assertTrue(np.allclose(stretch[:4], 1 + 9.81 * np.array([0.35, 0.25, 0.15, 0.05]) / 50 / 0.25, rtol=1e-3), stretch[:4])
+        angle = np.linspace(0, np.pi, 2001)
+        for k, cell in enumerate(cloth):
+            # Unit vectors in the plane of the triangle as it was, and where its motion takes them.
+            a, b = x0[cell[1]] - x0[cell[0]], x0[cell[2]] - x0[cell[0]]
+            u = a / np.linalg.norm(a)
+            v = b - (b @ u) * u
+            v /= np.linalg.norm(v)
+            image = np.linalg.solve(np.array([[a @ u, a @ v], [b @ u, b @ v]]), np.array([x1[cell[1]] - x1[cell[0]], x1[cell[2]] - x1[cell[0]]]))
+            longest = np.linalg.norm(np.column_stack([np.cos(angle), np.sin(angle)]) @ image, axis=1).max()
+            self.assertAlmostEqual(stretch[4 + k], longest, delta=1e-5 * longest)
+        self.geometry("hung", "--unstretched", "200", "--frame", "last")
+        self.assertTrue(np.allclose(Surface(self.folder / "hung/geometry/000200.vtp").cells["stretch"], 1, atol=1e-6))
+        self.assertIn("no frame 7", self.geometry("hung", "--unstretched", "7", code=1))
+
+    def test_strain_of_solids(self):
+        """Beside the columns of the report, and of a block that flies as it is."""
+        self.good(self.scene("""
+            time: {frame: 0.01, frames: 30}
+            output: {every: 15}
+            materials: {jelly: {friction: 0.5}, stone: {friction: 0.5}}
+            bodies: [{shape: {plane: {normal: [0, 0, 1]}}}]
+            solids:
+              - {block: {size: [0.4, 0.3, 0.2], cells: [4, 3, 2]}, density: 1000, youngs_modulus: 2.0e+4, poissons_ratio: 0.3, thickness: 0.01,
+                 position: [0, 0, 0.15], material: jelly}
+              - {block: {size: [0.2, 0.2, 0.2], cells: [2, 2, 2]}, density: 1000, youngs_modulus: 2.0e+4, poissons_ratio: 0.3, thickness: 0.01, position: [0, 0, 9],
+                 material: stone}
+        """), "solids")
+        self.geometry("solids")
+        with open(self.folder / "solids/report.csv", encoding="utf-8") as file:
+            last = list(csv.DictReader(file))[-1]
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.folder / "solids/geometry/solids_000030.vtu"))
+        reader.Update()
+        arrays = reader.GetOutput().GetCellData()
+        cells = {arrays.GetArrayName(k): vtk_to_numpy(arrays.GetArray(k)) for k in range(arrays.GetNumberOfArrays())}
+        for number, material in enumerate(("jelly", "stone")):
+            of = cells["surface"] == number
+            self.assertGreater(of.sum(), 30)
+            for column, found in (("strain_max", cells["greatest_strain"][of].max()), ("volume_min", cells["volume"][of].min()),
+                                  ("volume_max", cells["volume"][of].max())):
+                told = float(next(value for name, value in last.items() if name.startswith(f"{column}[{material}]")))
+                self.assertAlmostEqual(found, told, delta=1e-6, msg=f"{column} of {material}")
+        jelly = cells["surface"] == 0
+        self.assertGreater(cells["greatest_strain"][jelly].max(), 0.005)
+        tensor = cells["strain"][jelly][:, [0, 5, 4, 5, 1, 3, 4, 3, 2]].reshape(-1, 3, 3)
+        self.assertTrue(np.allclose(np.abs(np.linalg.eigvalsh(tensor)).max(1), cells["greatest_strain"][jelly], atol=1e-9))
+        # det(1 + 2 E) is the square of the volume's ratio.
+        self.assertTrue(np.allclose(np.linalg.det(np.eye(3) + 2 * tensor), cells["volume"][jelly] ** 2, atol=1e-9))
+        self.assertTrue((self.folder / "solids/solids.pvd").exists())
 
     def test_the_series_has_the_frames_at_their_times(self):
         self.flight()
