@@ -98,7 +98,7 @@ void FrameGroup::extend(MPI_Comm comm, hid_t file, const std::string& path, std:
   if (!left_out.empty() && !note("=\n")) throw std::runtime_error("cannot write " + list_);
 }
 
-// Every rank goes through all of it, also where it fails on one.
+// All calls are collective: a rank on which one of them has failed makes the others too.
 bool FrameGroup::add(hid_t object, std::int64_t frame) {
   const auto flush = [this] { return H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0; };
   bool good = flush();
