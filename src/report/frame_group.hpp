@@ -1,4 +1,4 @@
-// Group /frames of a result file: one object a frame, each under its number.
+// The group /frames of a result file, which has an object for each frame, named by the frame's number.
 //
 // HDF5 keeps the names of a group in several places of the file and changes one after the other, so that a run killed between two
 // of them leaves a group that nothing can read. Beside the file there is therefore a list of where each frame lies, PATH.links:
