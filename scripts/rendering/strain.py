@@ -23,10 +23,15 @@ def stretches_of(now, before):
     return np.sqrt(half_trace + np.sqrt(np.maximum(half_trace**2 - determinant, 0)))
 
 
+def gradients_of(now, before):
+    """Of tetrahedra [cells, 4, 3], the derivatives dx/dX of places now by places before."""
+    return np.swapaxes(np.linalg.solve(sides_of(before), sides_of(now)), 1, 2)  # sides now are sides before times its transpose
+
+
 def strains_of(now, before):
     """Of tetrahedra [cells, 4, 3]: Green's strain, xx, yy, zz, yz, xz, xy in the axes in which they were before; the greatest
     magnitude of its principal values; and their volumes over those before."""
-    gradient = np.swapaxes(np.linalg.solve(sides_of(before), sides_of(now)), 1, 2)  # dx/dX: sides now are sides before times its transpose
+    gradient = gradients_of(now, before)
     strain = (np.swapaxes(gradient, 1, 2) @ gradient - np.eye(3)) / 2
     parts = strain[:, [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
     return parts, np.abs(np.linalg.eigvalsh(strain)).max(1), np.linalg.det(gradient)

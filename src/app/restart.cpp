@@ -83,8 +83,21 @@ std::string physics_of(const Scene& scene) {
     if (const SurfaceMotionInTime* motion = group.surface_motion.get())
       text << "belt " << group.first << ' ' << motion->velocity.text() << ' ' << motion->angular_velocity.text() << '\n';
   add_comings(scene, text);
-  text << "air " << scene.wind.transpose() << ' ' << scene.air_density << '\n';
-  for (const Surface& surface : scene.surfaces) text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
+  text << "air ";
+  if (scene.wind.changes())
+    text << scene.wind.text();
+  else
+    text << scene.wind.at(0).transpose();
+  text << ' ' << scene.air_density << '\n';
+  for (const PartLoad& load : scene.part_loads) {
+    text << "part load " << load.force.text();
+    for (const auto& [node, share] : load.shares) text << ' ' << node << ' ' << share;
+    text << '\n';
+  }
+  for (const Surface& surface : scene.surfaces) {
+    text << "drag " << surface.drag << ' ' << surface.self_collision << '\n';
+    if (surface.pressure.largest() > 0) text << "pressure " << surface.pressure.text() << '\n';
+  }
   for (const Pin& pin : scene.pins) text << "pin " << pin.id << ' ' << pin.release << ' ' << pin.body << '\n';
   for (const Attachment& a : scene.attachments) text << "tie " << a.node << ' ' << a.body << ' ' << a.release << '\n';
   if (scene.touch_rules.any())

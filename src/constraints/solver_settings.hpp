@@ -38,9 +38,10 @@ enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
 
 // How constraints beside contacts are solved: incremental, robust, off implicit Euler by the turning of the gradients within a
-// step; total, implicit Euler exactly where it converges.
-enum class Form { incremental, total };
-inline constexpr std::array<std::string_view, 2> form_names{"incremental", "total"};
+// step; total, implicit Euler exactly where it converges. auto: total where some of them are no links and all are so soft that it
+// is known to converge (scene/stiffness.hpp), but for steps in which edges move too far; else incremental.
+enum class Form { automatic, incremental, total };
+inline constexpr std::array<std::string_view, 3> form_names{"auto", "incremental", "total"};
 
 // The share of an edge by which its ends may move against each other within a step of the total form. A block of 1e5 Pa that
 // spins by .64 rad a step converges with every solver, and by .96 with Gauss-Seidel alone; a cube thrown against what holds it
@@ -126,7 +127,7 @@ struct SolverSettings {
   // contacts where it is the only stage. Open: automatic_share (less of many iterations), but nothing of
   // tetrahedra and of what touches them. Velocity level: [0, 1], of its one stage.
   std::optional<double> warm_start;
-  Form form = Form::incremental;
+  Form form = Form::automatic;
   JointSolve joints = JointSolve::iterative;
   bool coarse = false;  // the position stage starts with Newton's method on a coarse level (step/coarse_level.hpp)
   // Share of the position stage's multipliers fed to the velocity stage of the next step, where that of this one has not

@@ -259,6 +259,16 @@ void Output::write_surfaces() {
       if (surface.tetrahedron_count > 0)
         write_cells("node_tetrahedra", surface.tetrahedron_count, 4, [&](Id k) { return among_nodes(surface.tetrahedron(k)); });
     }
+    if (surface.elasticity) {
+      const Id count = surface.tetrahedron_count > 0 ? surface.tetrahedron_count : surface.count;
+      const IdBlocks blocks = id_blocks(comm_, count);
+      std::vector<std::array<double, 2>> rows;
+      for (Id k = blocks.first(rank_); k < blocks.first(rank_ + 1); ++k) rows.push_back(surface.elasticity(k));
+      BlockWriter writer{own, count, blocks.first(rank_)};
+      writer.reals("elasticity", single_, rows, 0, 2);
+      good = writer.good && good;
+    }
+    if (!surface.energy_volume.empty()) h5::write_attribute(own, "energy_volume", surface.energy_volume);
     h5::write_attribute(own, "name", surface.name.empty() ? "surface " + std::to_string(n) : surface.name);
   }
   throw_if_any(good ? "" : cannot_write(path_));

@@ -2,7 +2,8 @@
 //
 //   /bodies/{id, shape, size, mass, inertia, motion, material}   row k is body k; what does not change (mass 0: not dynamic)
 //   /surfaces/000000/cells   bodies at the corners of each triangle of a cloth (or segment of a thread); attribute name; only
-//                            where the scene has cloths or threads, in their order
+//                            where the scene has cloths, threads or solids, in their order
+//   /surfaces/000000/elasticity   Young's modulus (Pa) and Poisson's ratio of each cell, of a solid of each of its tetrahedra
 //   /frames/000000/{position, orientation, velocity, angular_velocity}   attributes time (s) and frame
 //
 // Where bodies come and go a frame has a row for each body that is there, and beside these: id, of each row, ascending; row, its

@@ -9,6 +9,7 @@ Json json_of(const StepPlan& plan) {
   const auto acceleration = [](Acceleration a) { return acceleration_names[static_cast<std::size_t>(a)]; };
   Json json = Json::object();
   json.set("islands", islands_names[static_cast<std::size_t>(plan.islands)]);
+  json.set("form", form_names[static_cast<std::size_t>(plan.form)]);
   json.set("stages", stages_names[static_cast<std::size_t>(plan.stages)]);
   json.set("iterations", plan.iterations).set("tolerance (m)", plan.tolerance).set("margin (m)", plan.margin);
   if (plan.least_position_iterations > 0) {

@@ -109,7 +109,8 @@ void check_node_mass(const KeyedMap& entry, const MeshShape& shape) {
 void read_cloth(const Value& value, Scene& scene) {
   const KeyedMap entry(value, cloth_keys());
   const double thickness = entry.number("thickness");
-  const MeshShape shape = read_shape_of(entry, read_law(entry, thickness), scene);
+  const ClothLaw law = read_law(entry, thickness);
+  const MeshShape shape = read_shape_of(entry, law, scene);
   const Value* grid = entry.find("grid");
   check_room(grid ? *grid->find("nodes") : *entry.find("mesh"), scene, shape.count);
   check_node_mass(entry, shape);
@@ -118,6 +119,10 @@ void read_cloth(const Value& value, Scene& scene) {
       scene, nodes, shape.count, [shape, nodes](Id k) { return nodes.at(shape.place(k), shape.mass(k)); }, shape.touching,
       shape.patch);
   add_surface(entry, scene, nodes.name, first, shape);
+  if (law.membrane)
+    scene.surfaces.back().elasticity = [fabric = *law.membrane](Id) {
+      return std::array<double, 2>{fabric.youngs_modulus, fabric.poissons_ratio};
+    };
   read_pins(entry, scene, first, shape.count, shape.number);
   if (!shape.note.empty()) scene.notes.push_back(shape.note);
 }
@@ -168,7 +173,8 @@ const Keys& cloth_keys() {
                 keys::map("membrane", membrane_keys, "a map", "none",
                           "triangles that resist stretch and shear; not beside links"),
                 keys::map("area", area_keys, "a map", "none", "triangles that resist a change of their area, beside links"),
-                keys::map("bending", bending_keys, "a map", "none", "resistance to folding"), self_collision_key(), drag_key()}});
+                keys::map("bending", bending_keys, "a map", "none", "resistance to folding"), self_collision_key(), drag_key(),
+                pressure_key("pushes each triangle along its normal, to the side from which its corners are counterclockwise")}});
   return table;
 }
 

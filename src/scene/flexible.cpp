@@ -1,6 +1,8 @@
 // What cloths, threads and solids have in common (pins: pins.cpp).
 #include "scene/flexible.hpp"
 
+#include "scene/in_time.hpp"
+
 namespace unibody {
 
 Body Nodes::at(const Vec3& place, double mass) const {
@@ -29,6 +31,8 @@ Key self_collision_key() { return keys::flag("self_collision", false, "it touche
 Key drag_key() {
   return keys::number("drag", "", not_negative, 0, "coefficient of the air's drag along the normals of the triangles; 0: none");
 }
+
+Key pressure_key(const char* about) { return keys::number_in_time("pressure", "Pa", any_number, 0, about); }
 
 Nodes read_nodes(const KeyedMap& entry, double radius, const Scene& scene) {
   Nodes nodes;
@@ -84,6 +88,7 @@ void add_surface(const KeyedMap& entry, Scene& scene, const std::string& name, I
     return ids;
   };
   surface.self_collision = entry.flag("self_collision"), surface.drag = entry.number("drag");
+  if (entry.has("pressure")) surface.pressure = read_in_time(entry, "pressure", scene);
 }
 
 }  // namespace unibody

@@ -41,6 +41,7 @@ std::vector<Key> spring_keys(const char* unit, const char* of_what);
 Keys node_keys(const char* name, const char* about, const char* pinned_node);
 Key self_collision_key();
 Key drag_key();
+Key pressure_key(const char* about);
 Nodes read_nodes(const KeyedMap& entry, double radius, const Scene& scene);
 
 // Adds the nodes as bodies first .. first + count - 1, with their constraints; returns the first id.

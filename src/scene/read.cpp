@@ -89,7 +89,18 @@ void read_gravity(const Value& value, Scene& scene) {
 
 Key gravity_key() { return keys::vector_in_time("gravity", "m/s^2", "[0, 0, -9.81]", "acceleration of all bodies"); }
 
-Key wind_key() { return keys::vector("wind", "m/s", "[0, 0, 0]", "velocity of the air, felt by cloths and solids with drag"); }
+void read_wind(const Value& value, Scene& scene) {
+  if (is_vector_in_time(value)) {
+    scene.wind = read_planar_in_time(value, scene, "m/s", false);
+    return;
+  }
+  const Vec3 wind = read_vector(value, scene, "m/s");
+  for (std::size_t k = 0; k < 3; ++k) scene.wind[k] = wind[static_cast<Eigen::Index>(k)];
+}
+
+Key wind_key() {
+  return keys::vector_in_time("wind", "m/s", "[0, 0, 0]", "velocity of the air, felt by cloths and solids with drag");
+}
 Key air_density_key() { return keys::number("air_density", "kg/m^3", not_negative, 1.2, "density of the air"); }
 
 Key settings_key(const char* name, const char* about, const std::function<Json()>& schema) {
@@ -148,7 +159,7 @@ const std::vector<Section>& sections() {
       {keys::map("periodic", periodic_keys, "a map of x, y and z", "none", "directions in which the scene repeats itself"),
        read_periodic},
       {gravity_key(), read_gravity},
-      {wind_key(), [](const Value& v, Scene& s) { s.wind = read_vector(v, s, wind_key().unit); }},
+      {wind_key(), read_wind},
       {air_density_key(),
        [](const Value& v, Scene& s) { s.air_density = v.number(air_density_key().range, air_density_key().unit); }},
       {settings_key("solver", "how steps are solved", [] { return schema_of(solver_settings()); }), read_solver},

@@ -72,6 +72,12 @@ struct LoadInTime {
   TimeVector torque;  // N m, world axes
 };
 
+// A force that changes in time, on a part of a solid's surface.
+struct PartLoad {
+  std::vector<std::pair<Id, double>> shares;  // nodes, ascending, and what part of it each bears
+  TimeVector force;                           // N
+};
+
 // What the bodies of an entry are when a run starts.
 enum class Start : std::uint8_t { present, absent, held };
 inline constexpr std::array<std::string_view, 3> start_names{"present", "absent", "held"};
@@ -152,7 +158,7 @@ struct Scene {
   TimeSettings time;
   Vec3 gravity{0, 0, -9.81};                  // m/s^2, at time 0
   std::optional<TimeVector> gravity_in_time;  // where it changes
-  Vec3 wind{0, 0, 0};                         // m/s
+  TimeVector wind;                            // m/s
   double air_density = 1.2;                   // kg/m^3
   Period period;                              // directions in which the scene repeats itself
   bool planar = false;                        // motion in x and z and one rotation about y
@@ -169,6 +175,7 @@ struct Scene {
   std::vector<Pin> pins;                // ascending ids
   std::vector<Attachment> attachments;  // ascending nodes
   std::vector<Surface> surfaces;
+  std::vector<PartLoad> part_loads;  // besides the bodies' own
   std::vector<Joint> joints;
   std::map<std::string, std::vector<std::size_t>> joints_named;  // their places in `joints`, of those that have a name
   std::int32_t joint_colours = 0, joint_trees = 0;

@@ -52,6 +52,8 @@ SolidLaw read_law(const KeyedMap& entry, const Scene& scene) {
   return law;
 }
 
+Vec3 centroid(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return 0.25 * (a + b + c + d); }
+
 MeshShape read_shape_of(const KeyedMap& entry, const SolidLaw& law, const Scene& scene) {
   entry.only_one_of({"block", "mesh"});
   const Value *block = entry.find("block"), *mesh = entry.find("mesh");
@@ -64,7 +66,8 @@ MeshShape read_shape_of(const KeyedMap& entry, const SolidLaw& law, const Scene&
 void read_solid(const Value& value, Scene& scene) {
   const KeyedMap entry(value, solid_keys());
   const double thickness = entry.number("thickness");
-  MeshShape shape = read_shape_of(entry, read_law(entry, scene), scene);
+  const SolidLaw law = read_law(entry, scene);
+  MeshShape shape = read_shape_of(entry, law, scene);
   const Value* block = entry.find("block");
   check_room(block ? *block->find("cells") : *entry.find("mesh"), scene, shape.count);
   shape.closed = true;
@@ -72,17 +75,28 @@ void read_solid(const Value& value, Scene& scene) {
   const Nodes nodes = read_nodes(entry, thickness / 2, scene);
   Vec3 spin = Vec3::Zero();
   if (entry.has("angular_velocity")) spin = read_vector(entry, "angular_velocity", scene);
-  const auto loads = read_loads(entry, shape, nodes, scene);
+  const Loads loads = read_loads(entry, shape, nodes, scene);
   const Id first = add_flexible(
       scene, nodes, shape.count,
-      [shape, nodes, spin, loads](Id k) {
+      [shape, nodes, spin, constant = loads.constant](Id k) {
         Body body = nodes.at(shape.place(k), shape.mass(k));
         body.state.velocity += spin.cross(body.state.position - nodes.position);
-        if (const auto load = loads.find(k); load != loads.end()) body.properties.force = load->second;
+        if (const auto load = constant.find(k); load != constant.end()) body.properties.force = load->second;
         return body;
       },
       shape.touching, shape.patch);
+  for (PartLoad load : loads.in_time) {
+    for (auto& [node, share] : load.shares) node += first;
+    scene.part_loads.push_back(std::move(load));
+  }
   add_surface(entry, scene, nodes.name, first, shape);
+  scene.surfaces.back().elasticity = [law, shape](Id k) {
+    const auto corners = shape.tetrahedron(k);
+    const Elasticity& elasticity =
+        law.at(centroid(shape.place(corners[0]), shape.place(corners[1]), shape.place(corners[2]), shape.place(corners[3])));
+    return std::array<double, 2>{elasticity.youngs_modulus, elasticity.poissons_ratio};
+  };
+  scene.surfaces.back().energy_volume = law.energy_volume == EnergyVolume::current ? "current" : "rest";
   read_pins(entry, scene, first, shape.count, shape.number);
   if (!shape.note.empty()) scene.notes.push_back(shape.note);
   if (const Value& ratio = *entry.find("poissons_ratio"); ratio.number(any_number, "") > most_unlocked_ratio)
@@ -105,7 +119,7 @@ void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const s
                      ConstraintSet& out) {
   const auto parameters = Tetrahedron::at_rest(at[0], at[1], at[2], at[3]);
   const double length = parameters[9], volume = length * length * length / 6;
-  const Elasticity& elasticity = law.at(0.25 * (at[0] + at[1] + at[2] + at[3]));
+  const Elasticity& elasticity = law.at(centroid(at[0], at[1], at[2], at[3]));
   const auto add = [&](auto& list) {
     auto& c = list.emplace_back();
     c.ids = ids, c.colour = colour, c.parameters = parameters;
@@ -147,7 +161,8 @@ const Keys& solid_keys() {
                   keys::number("thickness", "m", positive, needed,
                                "of its skin: what touches it lies at half of that from its surface"),
                   keys::vector("angular_velocity", "rad/s", "[0, 0, 0]", "angular velocity at the start, about the position"),
-                  loads_key(), self_collision_key(), drag_key()}});
+                  loads_key(), self_collision_key(), drag_key(),
+                  pressure_key("pushes each triangle of the surface outwards; negative: inwards")}});
   return table;
 }
 

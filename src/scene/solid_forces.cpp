@@ -1,4 +1,5 @@
 // Loads of solids: forces spread over a part of the surface.
+#include "scene/in_time.hpp"
 #include "scene/solid_shape.hpp"
 
 namespace unibody {
@@ -20,7 +21,8 @@ const Keys& load_keys() {
       "load",
       "A force on a part of a solid's surface.",
       {within_key(needed, "box, world axes: the triangles of the surface with all of their nodes in it at the start"),
-       keys::vector("force", "N", needed, "the force in all, spread by area, and from each triangle evenly to its nodes")}};
+       keys::vector_in_time("force", "N", needed,
+                            "the force in all, spread by area, and from each triangle evenly to its nodes")}};
   return table;
 }
 
@@ -48,13 +50,13 @@ Part read_part(const Value& value, const Scene& scene) {
 
 // Spreads each force by area over the triangles that lie in the part with all of their nodes: a third of a triangle's share at
 // each.
-std::map<Id, Vec3> read_loads(const KeyedMap& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene) {
-  std::map<Id, Vec3> loads;
+Loads read_loads(const KeyedMap& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene) {
+  Loads loads;
   if (!entry.has("loads")) return loads;
   for (const Value& value : entry.list("loads")) {
     const KeyedMap map(value, load_keys());
     const Part part = read_part(map.need("within"), scene);
-    const Vec3 force = read_vector(map, "force", scene);
+    const TimeVector force = read_planar_in_time(map, "force", scene, false);
     std::map<Id, double> area;
     double total = 0;
     for (Id t = 0; t < shape.triangle_count; ++t) {
@@ -68,9 +70,15 @@ std::map<Id, Vec3> read_loads(const KeyedMap& entry, const MeshShape& shape, con
       for (const Id node : n) area[node] += share, total += share;
     }
     if (!(total > 0)) value.fail("a part without a triangle of the surface", "a box (m, world axes) with some in it");
+    if (force.changes()) {
+      PartLoad& load = loads.in_time.emplace_back();
+      load.force = force;
+      for (const auto& [node, share] : area) load.shares.emplace_back(node, share / total);
+      continue;
+    }
     for (const auto& [node, share] : area) {
-      const auto at = loads.try_emplace(node, Vec3::Zero()).first;
-      at->second += share / total * force;
+      const auto at = loads.constant.try_emplace(node, Vec3::Zero()).first;
+      at->second += share / total * force.at(0);
     }
   }
   return loads;

@@ -33,10 +33,15 @@ const Keys& block_keys();
 MeshShape block_solid(const Value& block, const SolidLaw& law);
 MeshShape mesh_solid(const Value& file, const MeshScale& scale, double weld_share, const SolidLaw& law, const Scene& scene);
 
-// Reads the forces (N) on nodes from the entry's `loads`, a list of {within: {min, max}, force}: each force is spread over the
+struct Loads {
+  std::map<Id, Vec3> constant;    // N, by node
+  std::vector<PartLoad> in_time;  // by node as well
+};
+
+// Reads the forces on nodes from the entry's `loads`, a list of {within: {min, max}, force}: each force is spread over the
 // triangles of the surface that lie within.
 Key loads_key();
-std::map<Id, Vec3> read_loads(const KeyedMap& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene);
+Loads read_loads(const KeyedMap& entry, const MeshShape& shape, const Nodes& nodes, const Scene& scene);
 
 // Adds the constraints of a tetrahedron at rest with these corners, positively oriented.
 void add_tetrahedron(const SolidLaw& law, const std::array<Vec3, 4>& at, const std::array<Id, 4>& ids, std::int32_t colour,

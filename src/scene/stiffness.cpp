@@ -71,6 +71,15 @@ double stiffness_number(const Scene& scene) {
   return worst;
 }
 
+double stiffness_number(const Scene& scene, const ConstraintSet& constraints, double enough) {
+  const double step = scene.time.frame / scene.time.substeps;
+  double worst = 0;
+  for_each_type(constraints, [&](auto, const auto& list) {
+    for (auto c = list.begin(); c != list.end() && worst <= enough; ++c) worst = std::max(worst, stiffness_of(*c, scene, step));
+  });
+  return worst;
+}
+
 double edge_motion(const Scene& scene) {
   const double step = scene.time.frame / scene.time.substeps;
   double worst = 0;

@@ -100,6 +100,10 @@ void read_thread(const Value& value, Scene& scene) {
     if (node > first) out.push_back({node - 1, node, node});
     if (node < last) out.push_back({node, node + 1, node + 1});
   };
+  if (thread.stretch.stiffness > 0)
+    surface.elasticity = [modulus = thread.stretch.stiffness * thread.segment() / (pi * radius * radius)](Id) {
+      return std::array<double, 2>{modulus, 0};
+    };
   surface.self_collision = entry.flag("self_collision");
   read_pins(entry, scene, first, thread.segments + 1, [&](const Value& node) { return node.integer(0, thread.segments); });
 }

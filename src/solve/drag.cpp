@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/capacity.hpp"
+#include "solve/surface_triangles.hpp"
 
 namespace unibody {
 
@@ -28,25 +29,17 @@ void Drag::build(const World& world, const Surfaces& surfaces) {
     const double drag = scene_.surfaces[static_cast<std::size_t>(face.surface)].drag;
     if (drag > 0) triangles_.push_back({face.nodes, 0.5 * scene_.air_density * drag, face.home});
   }
-  const auto key = [&](const Triangle& t) {
-    std::array<Id, 3> ids;
-    for (std::size_t i = 0; i < 3; ++i) ids[i] = world.id[static_cast<std::size_t>(t.nodes[i])];
-    return ids;
-  };
-  std::sort(triangles_.begin(), triangles_.end(), [&](const Triangle& a, const Triangle& b) { return key(a) < key(b); });
+  sort_by_ids(world, triangles_);
 }
 
-void Drag::apply(const World& world, double step, std::size_t homes, std::span<SolverBody> bodies) const {
-  const auto place = [&](Slot s) -> const Vec3& { return world.position[static_cast<std::size_t>(s)]; };
-  const auto normal_of = [&](const Triangle& t) -> Vec3 {  // m^2, twice the area long
-    return (place(t.nodes[1]) - place(t.nodes[0])).cross(place(t.nodes[2]) - place(t.nodes[0]));
-  };
+void Drag::apply(const World& world, double time, double step, std::size_t homes, std::span<SolverBody> bodies) const {
   std::vector<double> area(world.size(), 0);  // m^2, of all triangles at a node; complete at the nodes of homes' triangles
   for (const Triangle& t : triangles_)
-    for (const Slot s : t.nodes) area[static_cast<std::size_t>(s)] += 0.5 * normal_of(t).norm();
+    for (const Slot s : t.nodes) area[static_cast<std::size_t>(s)] += 0.5 * doubled_area(world, t).norm();
+  const Vec3 wind = scene_.wind.mean(time, time + step);
   std::vector<Vec3> change(homes, Vec3::Zero());
   for (const Triangle& t : triangles_) {
-    const Vec3 normal = normal_of(t);
+    const Vec3 normal = doubled_area(world, t);
     const double length = normal.norm();
     if (!t.home || !(length > 0)) continue;
     Vec3 momentum = Vec3::Zero();
@@ -59,7 +52,7 @@ void Drag::apply(const World& world, double step, std::size_t homes, std::span<S
     }
     if (!(movable > 0)) continue;
     const Vec3 n = normal / length;
-    const double speed = n.dot(momentum / mass - scene_.wind);
+    const double speed = n.dot(momentum / mass - wind);
     const double lost = loss(std::abs(speed), step * t.coefficient / mass, movable / mass);
     for (const Slot s : t.nodes) {
       const auto i = static_cast<std::size_t>(s);

@@ -27,9 +27,9 @@ class Drag {
   // Finds the triangles that feel it; whenever slots have moved. The surfaces must be those of this world.
   void build(const World& world, const Surfaces& surfaces);
 
-  // Changes the predicted velocities (m/s) of home bodies by what the air does in a step (s). The same bits on any number of
-  // ranks: guests must hold their predicted velocities, and hold them still when this returns.
-  void apply(const World& world, double step, std::size_t homes, std::span<SolverBody> bodies) const;
+  // Changes the predicted velocities (m/s) of home bodies by what the air does in a step (s) from a time (s) on. The same bits on
+  // any number of ranks: guests must hold their predicted velocities, and hold them still when this returns.
+  void apply(const World& world, double time, double step, std::size_t homes, std::span<SolverBody> bodies) const;
 
   std::size_t bytes() const;
 

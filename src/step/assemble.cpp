@@ -150,7 +150,10 @@ void predict(const RankState& state, System& system) {
     system.gyroscopic[i] = motion.gyroscopic;
     system.bodies[i].inverse_inertia = 0;
   }
-  if (state.drag.any()) state.drag.apply(world, state.step(), world.homes, system.bodies);
+  if (state.drag.any()) state.drag.apply(world, state.time(), state.step(), world.homes, system.bodies);
+  if (state.pressure.any())  // after the drag, which must find the same velocities of guests
+    state.pressure.apply(world, state.time(), state.step(), world.homes, system.bodies);
+  push_on_parts(state, system.bodies);
   if (state.traits.adheres) attract(state, system);
 }
 
@@ -165,7 +168,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
     batch.start_step();
   });
   state.exchange.finish_step();
-  if (state.drag.any() || state.traits.adheres) state.exchange.refresh(system.bodies);
+  if (state.is_pushed() || state.traits.adheres) state.exchange.refresh(system.bodies);
   state.impacts = resolve_impacts(state, system);
   steady_by_stiffness(state, system, geometric_stiffness);
 

@@ -1,6 +1,7 @@
 #include "step/detect.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 
@@ -12,6 +13,7 @@
 #include "core/errors.hpp"
 #include "joints/coupling_set.hpp"
 #include "partition/work.hpp"
+#include "scene/stiffness.hpp"
 #include "step/adhesion.hpp"
 #include "step/assemble.hpp"
 #include "step/attach.hpp"
@@ -56,6 +58,10 @@ void make_constraints(RankState& state) {
   for_each_type(state.constraints, [&]<class C>(auto type, const ConstraintList<C>&) {
     traits.only_links = traits.only_links && (is_link<C> || state.colours[type.value] == 0);
   });
+  if (asks_for_stiffness(state.scene.solver, traits) && std::isinf(traits.stiffness)) {  // of the start, however late it is
+    traits.stiffness = stiffness_number(state.scene, state.constraints, stiffest_for_total);
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &traits.stiffness, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
+  }
   traits.lasting_work = counted_work_of(state.world, state.constraints);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &traits.lasting_work, 1, MPI_INT64_T, MPI_SUM, state.comm()));
   for (const Joint& joint : state.scene.joints) traits.lasting_work += static_cast<std::int64_t>(cost_of(joint));
@@ -93,6 +99,7 @@ void build_lasting(RankState& state, System& system) {
                                    [&](const auto& f) { B::for_each_stencil(context, f); });
   });
   if (state.drag.any()) state.drag.build(state.world, state.surfaces);
+  if (state.pressure.any()) state.pressure.build(state.world, state.surfaces);
 }
 
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/stiffness.hpp"
 #include "solve/solver.hpp"
 
 namespace unibody {
@@ -10,6 +11,11 @@ namespace unibody {
 namespace {
 
 bool at_velocity_level(const SolverSettings& settings) { return settings.level == Level::velocity; }
+
+Form form_of(const SolverSettings& settings, const SceneTraits& traits) {
+  if (settings.form != Form::automatic) return settings.form;
+  return asks_for_stiffness(settings, traits) && traits.stiffness <= stiffest_for_total ? Form::total : Form::incremental;
+}
 
 Stages stages_of(const SolverSettings& settings, const SceneTraits& traits, const Solver& solver) {
   if (at_velocity_level(settings)) return Stages::position;
@@ -111,6 +117,7 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
   const Solver& solver = find_solver(settings.name);
   StepPlan plan;
   plan_sizes(settings, traits, facts, plan);
+  plan.form = form_of(settings, traits);
   plan.stages = stages_of(settings, traits, solver);
   const bool apart = facts.free_contacts && traits.has_constraints();
   plan.islands = apart ? Islands::constrained : Islands::all;
@@ -154,6 +161,11 @@ Stage StepPlan::stage(Stage::Kind kind, const SolverSettings& settings, double s
 double old_share(const SolverSettings& settings, int iterations) {
   const double part = std::min(1.0, static_cast<double>(iterations_of_share) / iterations);
   return settings.warm_start.value_or(automatic_share * part);
+}
+
+bool asks_for_stiffness(const SolverSettings& settings, const SceneTraits& traits) {
+  return settings.form == Form::automatic && traits.has_centre_constraints && !traits.only_links && !settings.coarse &&
+         !at_velocity_level(settings) && find_solver(settings.name).solve != nullptr;
 }
 
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits) {

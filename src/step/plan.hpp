@@ -17,6 +17,7 @@ struct SceneTraits {
   double smallest_size = std::numeric_limits<double>::infinity();  // m, least extent of the smallest dynamic body; infinite: none
   bool has_centre_constraints = false;                             // links, membranes, tetrahedra ... between bodies' centres
   bool only_links = false;                                         // all of these are links
+  double stiffness = std::numeric_limits<double>::infinity();  // of these, as far as asks_for_stiffness() (scene/stiffness.hpp)
   bool has_joints = false;
   bool has_attachments = false;   // to dynamic bodies
   bool adheres = false;           // some pair of materials
@@ -53,6 +54,7 @@ struct StepPlan {
   double recovery_time = 0, surface_recovery_time = 0;  // s
 
   Islands islands = Islands::all;  // of which this is the plan
+  Form form = Form::incremental;   // of constraints between centres; steps in which edges move too far have the incremental one
   Stages stages = Stages::two;
   bool two_stages = false;                            // this step has a velocity stage
   int velocity_iterations = 0;                        // most of them; what they leave of all iterations is the position stage's
@@ -76,7 +78,8 @@ struct StepPlan {
 // What is decided for the whole scene from a property of a part of it:
 // - the smallest body sets the tolerance, the margin and the speed of recovery of all, and the sampled steps of all the ratio of
 //   error to residual by which an accuracy becomes a tolerance;
-// - one contact that bounces makes the momentum of accelerated_jacobi Nesterov's for all.
+// - one contact that bounces makes the momentum of accelerated_jacobi Nesterov's for all;
+// - one constraint that is too stiff makes the form of all incremental, as does an edge that moves too far in a step.
 // Islands without constraints beside contacts are solved apart from the others, where there are both, each kind by its own plan.
 // Where the scene leaves the iterations open, the islands of a kind share one number of them, which falls with the work of all
 // islands of that kind together.
@@ -89,6 +92,9 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
 
 // The share of the old multipliers that the scene asks for, or that so many iterations of a step make best.
 double old_share(const SolverSettings& settings, int iterations);
+
+// Whether it matters to the plan how stiff constraints are: finding out takes a pass over all of them.
+bool asks_for_stiffness(const SolverSettings& settings, const SceneTraits& traits);
 
 // Whether it matters to the plan if links are tight: finding out takes a pass over all of them.
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits);

@@ -43,4 +43,17 @@ BodyProperties properties_in_step(const RankState& state, std::size_t slot) {
   return body;
 }
 
+void push_on_parts(const RankState& state, std::span<SolverBody> bodies) {
+  const double from = state.time(), to = from + state.step();
+  for (const PartLoad& load : state.scene.part_loads) {
+    const Vec3 impulse = state.step() * load.force.mean(from, to);
+    for (const auto& [node, share] : load.shares) {
+      const Slot slot = state.world.find(node);
+      if (slot < 0 || !state.world.is_home(slot)) continue;
+      SolverBody& body = bodies[static_cast<std::size_t>(slot)];
+      Eigen::Map<Vec3>(body.v) += body.inverse_mass * share * impulse;
+    }
+  }
+}
+
 }  // namespace unibody

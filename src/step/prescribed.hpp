@@ -18,4 +18,7 @@ void set_loads(RankState& state);
 // integral of what acts on it.
 BodyProperties properties_in_step(const RankState& state, std::size_t slot);
 
+// Adds to the predicted velocities (m/s) of home bodies what the forces on parts of solids that change in time do in the step.
+void push_on_parts(const RankState& state, std::span<SolverBody> bodies);
+
 }  // namespace unibody

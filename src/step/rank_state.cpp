@@ -19,7 +19,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
                   &pressed_areas, scene.couplings, &couplings,   &coupling_slots,     scene.coupling_colours},
       surfaces(scene.surfaces),
       drag(scene),
-      form(scene.solver.form),
+      pressure(scene),
+      form(scene.solver.form == Form::total ? Form::total : Form::incremental),
       coarse(scene),
       halo(over),
       exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
@@ -96,7 +97,7 @@ std::size_t RankState::bytes() const {
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(world.held_orientation) +
          bytes_of(multipliers.manifolds) + bytes_of(multipliers.points) + bytes_of(multipliers.places) +
          bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(attached) +
-         bytes_of_pairs + drag.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) +
+         bytes_of_pairs + drag.bytes() + pressure.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) +
          bytes_of(history.joints()) + bytes_of(broken) + bytes_of(joint_slots) + bytes_of(lasting_counts) + coarse.bytes();
 }
 

@@ -15,6 +15,7 @@
 #include "scene/scene.hpp"
 #include "solve/drag.hpp"
 #include "solve/solver.hpp"
+#include "solve/surface_pressure.hpp"
 #include "step/coarse_level.hpp"
 #include "step/contact_impulse.hpp"
 #include "step/history.hpp"
@@ -58,8 +59,9 @@ struct RankState {
   std::vector<Id> tied;               // bodies of joints that have not, and of attachments, ascending
   std::vector<std::array<Id, 2>> attachments;  // that touch this rank's home bodies: the node and the dynamic body, ascending
   std::vector<AttachedNode> attached;          // of these, the ones that hold in this step
-  Surfaces surfaces;                           // where they may touch anything, or feel the air; else empty
+  Surfaces surfaces;                           // where they may touch anything, or are pushed by drag or pressure; else empty
   Drag drag;
+  SurfacePressure pressure;
   CollideSettings collide_settings;
   std::vector<std::int32_t> crowd_ranks;    // by slot (crowds.hpp); empty where nothing is crowded
   std::vector<double> geometric_stiffness;  // h^2 K of each slot (kg m^2) that the step is steadied for; empty: no joints
@@ -85,7 +87,8 @@ struct RankState {
   bool is_tied(Id id) const;             // by a joint, an attachment or a constraint between centres: not free
   bool any_over_ranks(bool here) const;  // collective
   bool has_surfaces() const { return !is_alone() && !scene.surfaces.empty(); }  // that may touch something
-  bool needs_surfaces() const { return has_surfaces() || drag.any(); }
+  bool needs_surfaces() const { return has_surfaces() || drag.any() || pressure.any(); }
+  bool is_pushed() const { return drag.any() || pressure.any() || !scene.part_loads.empty(); }  // besides contacts
   bool is_alone() const;  // a single cloth or thread, whose nodes touch nothing
   Elements elements() const { return {world, &constraints, traits.has_joints ? &joint_input : nullptr, attachments}; }
   std::size_t bytes() const;  // of the arrays that last, and of the phases' scratch memory; the batches come on top

@@ -128,11 +128,12 @@ StepReport Simulation::attempt(const StepRequest& request) {
 }
 
 // A step of the total form whose edges move too far, with the prediction (see attempt()) or with what the solve made of it, is
-// taken in the incremental form, which is bounded there. It is not the step that was asked for, and so not converged.
+// taken in the incremental form, which is bounded there. Where the scene asks for the total form, that is not the step that was
+// asked for, and so not converged.
 StepReport Simulation::take_in_form(const StepRequest& request) {
   StepReport report;
   const auto take = [&] { take_steadily(*this, system_, geometric_stiffness, [&] { report = attempt(request); }); };
-  if (scene.solver.form != Form::total || !traits.has_centre_constraints) {
+  if (!traits.has_centre_constraints || plan(scene.solver, traits).form != Form::total) {
     take();
     return report;
   }
@@ -144,7 +145,7 @@ StepReport Simulation::take_in_form(const StepRequest& request) {
     go_back(*this, system_, origin);
     take();
   }
-  report.form_left = form != Form::total;
+  report.form_left = scene.solver.form == Form::total && form != Form::total;
   report.converged = report.converged && !report.form_left;
   return report;
 }

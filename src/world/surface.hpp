@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/time_value.hpp"
 #include "core/types.hpp"
 
 namespace unibody {
@@ -23,9 +24,15 @@ struct Surface {
   // The bodies at the corners of a solid's tetrahedra, for the output, positively oriented at rest.
   Id tetrahedron_count = 0;
   std::function<std::array<Id, 4>(Id k)> tetrahedron = nullptr;
+  // For the output: Young's modulus (Pa) and Poisson's ratio of a solid's tetrahedron k, of a membrane's triangle k or of a
+  // thread's segment k, of which the ratio is 0. Null where they have none: cloths of links, inextensible threads. A pure
+  // function.
+  std::function<std::array<double, 2>(Id k)> elasticity = nullptr;
+  std::string energy_volume;    // of a solid: rest or current, the volume that weighs the energy of its strains
   bool self_collision = false;  // cells touch others of the same surface
   bool closed = false;          // around a solid: cells are counterclockwise from outside, and what is inside belongs outside
   double drag = 0;              // 1, coefficient of the air's resistance to a triangle's motion along its normal
+  TimeValue pressure;           // Pa, pushes each triangle along its normal: counterclockwise corners, of a solid outwards
 };
 
 }  // namespace unibody

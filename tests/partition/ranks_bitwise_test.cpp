@@ -132,6 +132,7 @@ cloths:
     mass_per_area: 0.3
     thickness: 0.02
     drag: 1.3
+    pressure: {sine: {mean: 2, amplitude: 5, frequency: 3}}
     links: {stiffness: 3000, damping: 0.01}
     position: [0, 0, 0.8]
     pins: [{node: [0, 0], to: mill}, {node: [0, 11], to: post}, {node: [12, 0], to: crate, release: 0.4}, {node: [12, 11], to: ball},
@@ -155,6 +156,7 @@ cloths:
     mass: 0.3
     thickness: 0.02
     drag: 1.3
+    pressure: {sine: {mean: 2, amplitude: 5, frequency: 3}}
     pins: [{node: [0, 0]}, {node: [13, 0], release: 0.2}]
 solver: )" +
          solver;

@@ -63,6 +63,8 @@ solids:
     poissons_ratio: 0.4
     thickness: 0.01
     least_volume: 0.1
+    pressure: [[0, 0], [0.2, -400]]
+    loads: [{within: {min: [0.3, -1, 0], max: [0.3, 1, 1]}, force: [{sine: {amplitude: 30, frequency: 4}}, 0, 5]}]
   - block: {size: [0.3, 0.3, 0.3], cells: [1, 2, 1]}
     position: [0.1, 0.1, 0.75]
     orientation: {axis: [0, 1, 0], angle: 12}

@@ -91,6 +91,15 @@ TEST(Wind, TheForceIsThatOfTheTriangles) {
   EXPECT_LT(((run.momentum() - p) / h - force).norm(), 1e-5 * force.norm());
 }
 
+// A wind that grows within the step pushes as its mean.
+TEST(Wind, OneThatChangesInTimePushesAsItsMean) {
+  Experiment changing = crumpled("0.1", "wind: [4, {sine: {mean: 1, amplitude: 0, frequency: 1}}, [[0, -1], [0.016, -3]]]", true),
+             constant = crumpled("0.1", "wind: [4, 1, -2]", true), start = crumpled("0.1", "wind: [4, 1, -1]", true);
+  changing.step(), constant.step(), start.step();
+  EXPECT_LT((changing.momentum() - constant.momentum()).norm(), 1e-13);
+  EXPECT_GT((start.momentum() - constant.momentum()).norm(), 1e-5);
+}
+
 // At any coefficient the sheet comes to rest against the air at most, and the closer the larger it is.
 TEST(Wind, AHugeCoefficientDoesNotOvershoot) {
   double before = 3;

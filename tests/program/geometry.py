@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """scripts/geometry: the volumes, corners and velocities of the surfaces it makes are those of the bodies, by closed forms."""
 import csv
+import os
 import subprocess
+import sys
 import unittest
 import xml.etree.ElementTree
 
@@ -179,11 +181,7 @@ class Geometry(ProgramTest):
         self.geometry("solids")
         with open(self.folder / "solids/report.csv", encoding="utf-8") as file:
             last = list(csv.DictReader(file))[-1]
-        reader = vtkXMLUnstructuredGridReader()
-        reader.SetFileName(str(self.folder / "solids/geometry/solids_000030.vtu"))
-        reader.Update()
-        arrays = reader.GetOutput().GetCellData()
-        cells = {arrays.GetArrayName(k): vtk_to_numpy(arrays.GetArray(k)) for k in range(arrays.GetNumberOfArrays())}
+        cells = self.cells_of_solids(self.folder / "solids/geometry/solids_000030.vtu")
         for number, material in enumerate(("jelly", "stone")):
             of = cells["surface"] == number
             self.assertGreater(of.sum(), 30)
@@ -198,6 +196,98 @@ class Geometry(ProgramTest):
         # det(1 + 2 E) is the square of the volume's ratio.
         self.assertTrue(np.allclose(np.linalg.det(np.eye(3) + 2 * tensor), cells["volume"][jelly] ** 2, atol=1e-9))
         self.assertTrue((self.folder / "solids/solids.pvd").exists())
+
+    def cells_of_solids(self, path):
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(path))
+        reader.Update()
+        arrays = reader.GetOutput().GetCellData()
+        return {arrays.GetArrayName(k): vtk_to_numpy(arrays.GetArray(k)) for k in range(arrays.GetNumberOfArrays())}
+
+    def test_stress_balances_weight(self):
+        """At rest the stresses, each times its cell's volume, sum up to the loads times the ways from where the body is held: of a
+        solid of two regions and one of the paper's law on a floor without friction, of a membrane that fell from lying to hanging, and of a
+        thread the stress of each segment."""
+        self.good(self.scene("""
+            time: {frame: 0.02, frames: 150}
+            output: {every: 150}
+            solver: {iterations: 400}
+            materials: {smooth: {friction: 0}}
+            bodies: [{shape: {plane: {normal: [0, 0, 1]}}, material: smooth}]
+            solids:
+              - {block: {size: [0.2, 0.2, 0.4], cells: [2, 2, 4]}, density: 1000, youngs_modulus: 3.0e+4, poissons_ratio: 0.3, thickness: 0.01, damping: 0.1,
+                 position: [0, 0, 0.205], material: smooth, regions: [{within: {min: [-1, -1, 0.2], max: [1, 1, 1]}, youngs_modulus: 1.0e+5, poissons_ratio: 0.1}]}
+              - {block: {size: [0.2, 0.2, 0.4], cells: [2, 2, 4]}, density: 1000, youngs_modulus: 3.0e+4, poissons_ratio: 0.3, thickness: 0.01, damping: 0.1,
+                 position: [2, 0, 0.205], material: smooth, energy_volume: current}
+            cloths:
+              - {grid: {size: [0.4, 0.3], nodes: [5, 4]}, mass: 0.4, thickness: 0.01, position: [0, 5, 5], drag: 20,
+                 membrane: {youngs_modulus: 3.0e+3, poissons_ratio: 0.3, damping: 0.1}, pins: [PINS]}
+            threads: [{points: [[0, 9, 5], [0, 9, 4]], segments: 4, radius: 0.01, mass: 0.4, stretch: {youngs_modulus: 5.0e+4, damping: 0.1}, pins: [{node: 0}]}]
+        """.replace("PINS", ", ".join(f"{{node: [{i}, 3]}}" for i in range(5)))), "loads")
+        self.geometry("loads", "--frame", "last")
+        file = h5py.File(self.folder / "loads/frames.h5")
+        x, mass, surfaces = file["frames/000150/position"][:], file["bodies/mass"][:], file["surfaces"]
+        self.assertLess(np.abs(file["frames/000150/velocity"][:]).max(), 2e-4)
+        kinds = {key: "solid" if "tetrahedra" in group else "thread" if group["cells"].shape[1] == 2 else "cloth" for key, group in surfaces.items()}
+        self.assertEqual(sorted(kinds.values()), ["cloth", "solid", "solid", "thread"])
+        on_surfaces = Surface(self.folder / "loads/geometry/000150.vtp").cells
+        in_solids = self.cells_of_solids(self.folder / "loads/geometry/solids_000150.vtu")
+        solids = 0
+        for number, key in enumerate(sorted(surfaces)):
+            stress, group = on_surfaces["stress"][on_surfaces["surface"] == number], surfaces[key]
+            nodes = np.unique(group["cells"][:] if kinds[key] != "solid" else group["tetrahedra"][:])
+            if kinds[key] == "thread":
+                expected = 9.81 * np.array([0.35, 0.25, 0.15, 0.05]) / (np.pi * 0.01**2)
+                self.assertTrue(np.allclose(stress[:, 2], expected, rtol=1e-3), stress)
+                self.assertTrue((np.abs(stress[:, [0, 1, 3, 4, 5]]) < 1e-3 * expected[3]).all(), stress)
+                continue
+            if kinds[key] == "cloth":
+                corners = x[group["cells"][:]]
+                volumes = 0.01 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+                held = 5
+            else:
+                corners = x[group["tetrahedra"][:]]
+                volumes = np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) / 6
+                of = in_solids["surface"] == number
+                on_skin, stress, solids = stress, in_solids["stress"][of], solids + 1
+                # A triangle of the surface has the stress of the one tetrahedron that has its corners.
+                skin = group["cells"][:]
+                for k in range(0, len(skin), 7):
+                    below = [t for t, tetrahedron in enumerate(group["tetrahedra"][:]) if set(skin[k]) <= set(tetrahedron)]
+                    self.assertTrue(len(below) == 1 and np.array_equal(on_skin[k], stress[below[0]]))
+                held = 0.005  # half of the thickness
+            load = -9.81 * (mass[nodes] * (x[nodes, 2] - held)).sum()
+            total = (volumes[:, None] * stress).sum(0)
+            self.assertAlmostEqual(total[2], load, delta=2e-3 * abs(load), msg=f"{kinds[key]} {number}: {total}")
+            if kinds[key] == "solid":
+                self.assertTrue((np.abs(total[:2]) < 2e-3 * abs(load)).all(), total)
+        self.assertEqual(solids, 2)
+
+    def test_stress_of_stretched_and_turned_cells(self):
+        """Beside the closed forms of one direction without Poisson's effect: St. Venant-Kirchhoff's E l (l^2 - 1) / 2, the paper's law's
+        E / 8 (l^2 - 1) (5 l^2 - 1), along the direction in which the cell now lies."""
+        sys.path.insert(0, os.path.join(SOURCE, "scripts", "rendering"))
+        import stress  # pylint: disable=import-error,import-outside-toplevel
+        angle, modulus = 0.7, 5e4
+        turn = np.array([[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]])
+        corners = np.array([[[0.1, 0.2, 0.3], [0.5, 0.3, 0.2], [0.2, 0.7, 0.4], [0.0, 0.1, 0.9]]])
+        for stretch in (0.6, 0.9, 1.3):
+            for law, nominal in (("rest", modulus * stretch * (stretch**2 - 1) / 2),
+                                 ("current", modulus / 8 * (stretch**2 - 1) * (5 * stretch**2 - 1))):
+                now = corners * [stretch, 1, 1] @ turn.T
+                found = stress.of_tetrahedra(now, corners, np.array([[modulus, 0]]), law)[0]
+                along = turn[:, 0]
+                tensor = found[[0, 5, 4, 5, 1, 3, 4, 3, 2]].reshape(3, 3)
+                self.assertAlmostEqual(along @ tensor @ along, nominal, delta=1e-9 * modulus)
+                self.assertAlmostEqual(np.abs(tensor @ along - nominal * along).max(), 0, delta=1e-9 * modulus)
+        # A membrane in the plane z = 0, stretched and contracted so that nothing pulls across: the strains' ratio is Poisson's.
+        triangle, poisson, stretch = corners[:, :3] * [1, 1, 0], 0.3, 1.2
+        across = np.sqrt(1 - poisson * (stretch**2 - 1))
+        found = stress.of_triangles(triangle * [stretch, across, 1] @ turn.T, triangle, np.array([[modulus, poisson]]))[0]
+        tensor = found[[0, 5, 4, 5, 1, 3, 4, 3, 2]].reshape(3, 3)
+        expected = modulus * (stretch**2 - 1) / 2 * stretch / across * np.outer(turn[:, 0], turn[:, 0])
+        self.assertLess(np.abs(tensor - expected).max(), 1e-9 * modulus)
+        self.assertTrue(np.isnan(stress.of_tetrahedra(corners * [-1, 1, 1], corners, np.array([[modulus, 0.3]]), "rest")).all())
 
     def test_the_series_has_the_frames_at_their_times(self):
         self.flight()

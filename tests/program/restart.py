@@ -151,7 +151,7 @@ class Restart(ProgramTest):
 
     def test_other_ties_or_another_wind_are_refused(self):
         self.check_refused(TIED, ("cloths[0].pins[1].to=weight", "cloths[0].pins[2].to=crank", "cloths[0].pins[2].release=1",
-                                  "cloths[0].drag=1.1", "wind=[1, 0, 1]", "air_density=1"))
+                                  "cloths[0].drag=1.1", "cloths[0].pressure=2", "wind=[1, 0, 1]", "wind=[1, 0, [[0, 0], [1, 1]]]", "air_density=1"))
 
     def check_refused(self, text, settings):
         scene = self.scene(text)

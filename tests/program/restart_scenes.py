@@ -80,6 +80,7 @@ TIED = """
         mass: 0.5
         thickness: 0.02
         drag: 1
+        pressure: {sine: {amplitude: 1, frequency: 2}}
         links: {stiffness: 3000, damping: 0.01}
         position: [0, 0, 0.35]
         pins: [{node: [0, 0]}, {node: [17, 0], to: crank, release: 0.8}, {node: [0, 17], to: weight, release: 0.9}]

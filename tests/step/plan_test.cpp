@@ -267,6 +267,31 @@ TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   EXPECT_DOUBLE_EQ(unibody::plan(solver("accelerated_jacobi"), grains()).most_weights, 10);
 }
 
+// The total form where constraints that are no links are all soft enough; never of newton, at velocity level, beside a coarse
+// level.
+TEST(StepPlan, TheFormGoesByTheStiffestConstraint) {
+  SceneTraits solid = cloth();
+  solid.only_links = false;
+  EXPECT_EQ(unibody::plan({}, solid).form, Form::incremental) << "it is not known how stiff they are";
+  solid.stiffness = 30.1;
+  EXPECT_EQ(unibody::plan({}, solid).form, Form::incremental);
+  solid.stiffness = 29.9;
+  for (const char* name : {"accelerated_jacobi", "jacobi", "gauss_seidel"})
+    EXPECT_EQ(unibody::plan(solver(name), solid).form, Form::total);
+  EXPECT_EQ(unibody::plan(solver("newton"), solid).form, Form::incremental);
+  EXPECT_EQ(unibody::plan(at_velocity_level(), solid).form, Form::incremental);
+  SolverSettings settings;
+  settings.coarse = true;
+  EXPECT_EQ(unibody::plan(settings, solid).form, Form::incremental);
+  settings.coarse = false, settings.form = Form::incremental;
+  EXPECT_EQ(unibody::plan(settings, solid).form, Form::incremental);
+  settings.form = Form::total, solid.stiffness = infinite;
+  EXPECT_EQ(unibody::plan(settings, solid).form, Form::total) << "as the scene says";
+  SceneTraits links = cloth();
+  links.stiffness = 1;
+  EXPECT_EQ(unibody::plan({}, links).form, Form::incremental);
+}
+
 TEST(StepPlan, GaussSeidelHasMomentumButForElements) {
   SceneTraits links = grains(), solids = grains();
   links.has_centre_constraints = links.only_links = solids.has_centre_constraints = true, solids.only_links = false;
