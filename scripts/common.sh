@@ -10,7 +10,7 @@ tool_packages=(ccache clang-format clang-tidy "${pieces_packages[@]}" libgtest-d
 python_packages=(python3-dev pybind11-dev python3-numpy python3-mpi4py python3-pytest)
 slurm_packages=(slurmctld slurmd slurm-client munge)
 docs_packages=(mkdocs doxygen)
-bench_packages=(libbullet-dev libode-dev libdart-dev libdart-collision-bullet-dev libdart-external-ikfast-dev liggghts lammps python3-siconos)
+bench_packages=(libbullet-dev libode-dev libdart-dev libdart-collision-bullet-dev libdart-external-ikfast-dev liggghts lammps yade python3-siconos)
 
 # How many processes may compute here at a time; nproc alone would tell the threads that OpenMP may have.
 cores_here() { env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc; }

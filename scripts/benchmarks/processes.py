@@ -1,4 +1,4 @@
-"""Three processes on which programs of discrete elements are compared (Dosta et al., Computer Physics Communications 296, 2024), at a size at
+"""Three processes on which programs of discrete elements are compared (Dosta et al., Computer Physics Communications 2024, 109066), at a size at
 which soft spheres of 1 GPa end in minutes: the same spheres, settled by unibody, go on in unibody, LIGGGHTS and YADE."""
 import json
 import os
@@ -80,36 +80,48 @@ def case_of(scene, file, frame, end, every):
     return case
 
 
+def unibody(scene_name, settings, out, core, start=None):
+    words = [os.path.join(runs.BUILD, 'unibody'), os.path.join(ROOT, 'scenes', scene_name + '.yaml'), '-output', out, '-overwrite']
+    words += ['-start_from', start] if start else []
+    for setting in settings:
+        words += ['-set', setting]
+    command(words, 0, core)
+
+
 def own_run(name, core):
-    """unibody's run of a process: times from where the rivals start, places of the spheres, seconds, and the case for the others."""
+    """unibody's run of a process: times from where the rivals start, places of the spheres, seconds, and the case for the others. What they
+    start from is settled with many iterations: spheres of 1 GPa that overlap by a hundredth of a millimetre fly apart."""
     scene_name, settings, start, end, every = PROCESSES[name]
     with open(os.path.join(ROOT, 'scenes', scene_name + '.yaml'), encoding='utf-8') as file:
         scene = yaml.safe_load(file)
     for setting in settings:
         set_in(scene, setting)
-    out = folder('process_' + name.replace(' ', '_').replace(',', ''))
-    words = [os.path.join(runs.BUILD, 'unibody'), os.path.join(ROOT, 'scenes', scene_name + '.yaml'), '-output', out, '-overwrite']
-    for setting in settings + [f'output.every={round(every / scene["time"]["frame"])}']:
-        words += ['-set', setting]
-    command(words, 0, core)
-    rows = report_rows(out)
-    seconds = sum(float(row[key]) for row in rows for key in row if float(row['time (s)']) > start + 1e-9 and key.split(' ')[0] in ('wall_collide', 'wall_solve', 'wall_halo'))
+    frame = scene['time']['frame']
+    settled, out = (folder('process_' + short(name) + end_of_name) for end_of_name in ('_settled', ''))
+    unibody(scene_name, settings + [f'time.frames={round(start / frame)}', 'time.substeps=10', 'solver.iterations=1000'], settled, core)
+    unibody(scene_name, settings + [f'output.every={round(every / frame)}'], out, core, os.path.join(settled, 'checkpoint.h5'))
+    seconds = sum(float(row[key]) for row in report_rows(out) for key in row if key.split(' ')[0] in ('wall_collide', 'wall_solve', 'wall_halo'))
+    with h5py.File(os.path.join(settled, 'frames.h5')) as file:
+        last = sorted(file['frames'])[-1]
+        case = case_of(scene, file, last, end, every)
+        if scene_name == 'intruder':  # which comes now
+            case['spheres'][-1] |= {'position': scene['bodies'][-1]['position'], 'velocity': scene['bodies'][-1]['velocity']}
+        times, places = [0.], [np.array([sphere['position'] for sphere in case['spheres']])]
     with h5py.File(os.path.join(out, 'frames.h5')) as file:
-        frames = {round(float(file['frames'][key].attrs['time']), 6): key for key in sorted(file['frames'])}
-        first = frames[start]
-        if scene_name == 'intruder':  # which comes in the next frame
-            case = case_of(scene, file, first, end, every)
-            intruder = scene['bodies'][-1]
-            case['spheres'][-1] |= {'position': intruder['position'], 'velocity': intruder['velocity']}
-        else:
-            case = case_of(scene, file, first, end, every)
-        times = np.array([time for time in frames if start - 1e-9 <= time <= start + end + 1e-9])
-        places = np.array([rows_of(file, file['frames'][frames[time]], 'position')[case['ids']] for time in times])
-    return {'time': times - start, 'position': places, 'seconds': seconds}, case
+        for key in sorted(file['frames']):
+            time = float(file['frames'][key].attrs['time']) - start
+            if 1e-9 < time <= end + 1e-9:
+                times.append(time)
+                places.append(rows_of(file, file['frames'][key], 'position')[case['ids']])
+    return {'time': np.array(times), 'position': np.array(places), 'seconds': seconds}, case
+
+
+def short(name):
+    return name.replace(' ', '_').replace(',', '')
 
 
 def rival_run(program, name, case, core):
-    paths = [folder(f'process_{name.replace(" ", "_").replace(",", "")}_{what}') for what in ('case.json', f'{program}.npz')]
+    paths = [folder(f'process_{short(name)}_{what}') for what in ('case.json', f'{program}.npz')]
     with open(paths[0], 'w', encoding='utf-8') as file:
         json.dump(case, file)
     script = os.path.join(RIVALS, program + '_process.py')

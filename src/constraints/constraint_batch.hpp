@@ -112,6 +112,7 @@ class ConstraintBatch : public BatchDefaults {
 
   // Sets the form of the next step, before set_multipliers().
   void set_form(Form form) { form_ = form; }
+  Form form() const { return form_; }
 
   std::size_t size() const { return order_.size(); }
   std::size_t bytes() const;

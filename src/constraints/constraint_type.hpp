@@ -39,6 +39,13 @@ inline constexpr bool starts_cold = requires {
   requires C::starts_cold;
 };
 
+// An element of a solid: it resists what moves its nodes in all directions, so that the total form converges where it is soft.
+// What is pulled in a plane or along a line turns freely, and its pull then makes the total form of the Jacobi solvers diverge.
+template <class C>
+inline constexpr bool fills_space = requires {
+  requires C::fills_space;
+};
+
 template <class C>
 inline constexpr bool is_unilateral = requires {
   requires C::unilateral && C::rows == 1;

@@ -13,6 +13,7 @@ struct Tetrahedron {
   static constexpr std::string_view name = "tetrahedron";
   static constexpr std::size_t stencil = 4, rows = 6;
   static constexpr bool starts_cold = true;  // see constraint_type.hpp
+  static constexpr bool fills_space = true;
   // X = Dm^-1, Dm the rest edges from node 0, by rows: F = [x1 - x0, x2 - x0, x3 - x0] X.
   static constexpr std::array<std::string_view, 10> parameter_names{
       "X11 (1/m)", "X12 (1/m)", "X13 (1/m)", "X21 (1/m)", "X22 (1/m)",

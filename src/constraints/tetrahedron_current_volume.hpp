@@ -12,6 +12,7 @@ struct TetrahedronCurrentVolume {
   static constexpr std::string_view name = "tetrahedron_current_volume";
   static constexpr std::size_t stencil = Tetrahedron::stencil, rows = Tetrahedron::rows;
   static constexpr bool starts_cold = true;
+  static constexpr bool fills_space = true;
   static constexpr auto parameter_names = Tetrahedron::parameter_names;
   static constexpr double least_share = 0.01;  // of the rest volume: the weight falls no further, as a negative J has no root
 

@@ -74,8 +74,9 @@ double stiffness_number(const Scene& scene) {
 double stiffness_number(const Scene& scene, const ConstraintSet& constraints, double enough) {
   const double step = scene.time.frame / scene.time.substeps;
   double worst = 0;
-  for_each_type(constraints, [&](auto, const auto& list) {
-    for (auto c = list.begin(); c != list.end() && worst <= enough; ++c) worst = std::max(worst, stiffness_of(*c, scene, step));
+  for_each_type(constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+    if constexpr (fills_space<C>)
+      for (auto c = list.begin(); c != list.end() && worst <= enough; ++c) worst = std::max(worst, stiffness_of(*c, scene, step));
   });
   return worst;
 }

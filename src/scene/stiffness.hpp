@@ -8,7 +8,7 @@ namespace unibody {
 // The largest h^2 D^T W D / E of a row of any constraint beside contacts at the start: 1 where a constraint's own stiffness
 // weighs as much as the masses at its ends in a step of h; infinite where one has no compliance; 0 where there is none.
 double stiffness_number(const Scene& scene);
-// The same of a part of them, as far as it is at most `enough`; else more than that.
+// The same of these tetrahedra of solids, as far as it is at most `enough`; else more than that.
 double stiffness_number(const Scene& scene, const ConstraintSet& constraints, double enough);
 
 // The largest h |v_a - v_b| / |x_a - x_b| over the ends of the mesh's edges at the start, where v are the velocities that bodies

@@ -29,14 +29,17 @@ double geometric_stiffness(Batches& batches, const SolveState& state, const Batc
   return most;
 }
 
-void set_form(Batches& batches, Form form) {
-  for_each_constraint_batch(batches, [&](auto, auto& batch) { batch.set_form(form); });
+void set_form(Batches& batches, Form form, bool of_solids_alone) {
+  for_each_constraint_batch(batches, [&]<class C>(auto, ConstraintBatch<C>& batch) {
+    batch.set_form(of_solids_alone && !fills_space<C> ? Form::incremental : form);
+  });
 }
 
 bool moves_beyond(const Batches& batches, double share, const SolveState& state) {
   bool beyond = false;
   for_each_constraint_batch(batches, [&]<class C>(auto, const ConstraintBatch<C>& batch) {
-    if constexpr (joins_edges<C>) beyond = beyond || batch.moves_beyond(share, state.start(), state.bodies);
+    if constexpr (joins_edges<C>)
+      beyond = beyond || (batch.form() == Form::total && batch.moves_beyond(share, state.start(), state.bodies));
   });
   return beyond;
 }

@@ -17,7 +17,7 @@ void find_sharers(const Batches& batches, const SolveState& state, std::span<dou
 double geometric_stiffness(Batches& batches, const SolveState& state, const BatchHistories& history);
 
 // Sets the form of all steps that follow, until it is set again or slots move.
-void set_form(Batches& batches, Form form);
+void set_form(Batches& batches, Form form, bool of_solids_alone);
 
 // Whether the ends of an edge move against each other, in a step at the present velocities, by more than this share of its length
 // at its start, on this rank.

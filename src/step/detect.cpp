@@ -54,9 +54,12 @@ void make_constraints(RankState& state) {
                           state.comm()));
   SceneTraits& traits = state.traits;
   traits.has_centre_constraints = std::ranges::any_of(state.colours, [](std::int32_t n) { return n > 0; });
-  traits.only_links = true;
+  traits.only_links = true, traits.has_solids = false, traits.only_solids = traits.has_centre_constraints;
   for_each_type(state.constraints, [&]<class C>(auto type, const ConstraintList<C>&) {
-    traits.only_links = traits.only_links && (is_link<C> || state.colours[type.value] == 0);
+    if (state.colours[type.value] == 0) return;
+    traits.only_links = traits.only_links && is_link<C>;
+    traits.has_solids = traits.has_solids || fills_space<C>;
+    traits.only_solids = traits.only_solids && fills_space<C>;
   });
   if (asks_for_stiffness(state.scene.solver, traits) && std::isinf(traits.stiffness)) {  // of the start, however late it is
     traits.stiffness = stiffness_number(state.scene, state.constraints, stiffest_for_total);

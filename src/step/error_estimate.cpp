@@ -144,8 +144,8 @@ Scene scene_of_reference(const RankState& state) {
 // Whether that solver would do anything else than solve_on(). Where constraints have the incremental form, what they converge to
 // depends on the way: there is no other one to it.
 bool has_other_reference(const RankState& state) {
-  const bool any_way =
-      !state.traits.has_centre_constraints || state.form == Form::total || state.scene.solver.level == Level::velocity;
+  const bool is_total = state.form == Form::total && (state.scene.solver.form == Form::total || state.traits.only_solids);
+  const bool any_way = !state.traits.has_centre_constraints || is_total || state.scene.solver.level == Level::velocity;
   return any_way && (state.solver.sweeps_by_colour || has_iterative_joints(state));
 }
 

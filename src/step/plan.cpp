@@ -164,8 +164,8 @@ double old_share(const SolverSettings& settings, int iterations) {
 }
 
 bool asks_for_stiffness(const SolverSettings& settings, const SceneTraits& traits) {
-  return settings.form == Form::automatic && traits.has_centre_constraints && !traits.only_links && !settings.coarse &&
-         !at_velocity_level(settings) && find_solver(settings.name).solve != nullptr;
+  return settings.form == Form::automatic && traits.has_solids && !settings.coarse && !at_velocity_level(settings) &&
+         find_solver(settings.name).solve != nullptr;
 }
 
 bool asks_for_tight_links(const SolverSettings& settings, const SceneTraits& traits) {
@@ -181,6 +181,7 @@ bool asks_for_islands(const SolverSettings& settings, const SceneTraits& traits)
 SceneTraits SceneTraits::of_free_islands() const {
   SceneTraits other = *this;
   other.has_centre_constraints = other.only_links = other.has_joints = other.has_attachments = false;
+  other.has_solids = other.only_solids = false;
   return other;
 }
 

@@ -17,7 +17,8 @@ struct SceneTraits {
   double smallest_size = std::numeric_limits<double>::infinity();  // m, least extent of the smallest dynamic body; infinite: none
   bool has_centre_constraints = false;                             // links, membranes, tetrahedra ... between bodies' centres
   bool only_links = false;                                         // all of these are links
-  double stiffness = std::numeric_limits<double>::infinity();  // of these, as far as asks_for_stiffness() (scene/stiffness.hpp)
+  bool has_solids = false, only_solids = false;                    // some of these, or all, are tetrahedra of solids
+  double stiffness = std::numeric_limits<double>::infinity();  // of those, as far as asks_for_stiffness() (scene/stiffness.hpp)
   bool has_joints = false;
   bool has_attachments = false;   // to dynamic bodies
   bool adheres = false;           // some pair of materials
@@ -54,7 +55,7 @@ struct StepPlan {
   double recovery_time = 0, surface_recovery_time = 0;  // s
 
   Islands islands = Islands::all;  // of which this is the plan
-  Form form = Form::incremental;   // of constraints between centres; steps in which edges move too far have the incremental one
+  Form form = Form::incremental;   // of all constraints between centres where the scene says it, else of solids alone
   Stages stages = Stages::two;
   bool two_stages = false;                            // this step has a velocity stage
   int velocity_iterations = 0;                        // most of them; what they leave of all iterations is the position stage's
@@ -79,7 +80,7 @@ struct StepPlan {
 // - the smallest body sets the tolerance, the margin and the speed of recovery of all, and the sampled steps of all the ratio of
 //   error to residual by which an accuracy becomes a tolerance;
 // - one contact that bounces makes the momentum of accelerated_jacobi Nesterov's for all;
-// - one constraint that is too stiff makes the form of all incremental, as does an edge that moves too far in a step.
+// - one tetrahedron that is too stiff makes the form of all solids incremental, as does an edge that moves too far in a step.
 // Islands without constraints beside contacts are solved apart from the others, where there are both, each kind by its own plan.
 // Where the scene leaves the iterations open, the islands of a kind share one number of them, which falls with the work of all
 // islands of that kind together.
@@ -93,7 +94,7 @@ StepPlan plan(const SolverSettings& settings, const SceneTraits& traits, const S
 // The share of the old multipliers that the scene asks for, or that so many iterations of a step make best.
 double old_share(const SolverSettings& settings, int iterations);
 
-// Whether it matters to the plan how stiff constraints are: finding out takes a pass over all of them.
+// Whether it matters to the plan how stiff solids are: finding out takes a pass over their tetrahedra.
 bool asks_for_stiffness(const SolverSettings& settings, const SceneTraits& traits);
 
 // Whether it matters to the plan if links are tight: finding out takes a pass over all of them.

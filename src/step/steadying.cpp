@@ -87,7 +87,7 @@ void go_back(RankState& state, System& system, const StepOrigin& origin) {
 
 void set_form(RankState& state, System& system, Form form) {
   state.form = form;
-  set_form(system.batches, form);
+  set_form(system.batches, form, state.scene.solver.form != Form::total);
 }
 
 bool leaves_total_form(const RankState& state, const System& system) {

@@ -42,11 +42,11 @@ std::string ball_mesh(int levels) {
   return text.str();
 }
 
-std::string balloon(const TextFile& mesh, const std::string& solver, const std::string& pressure) {
-  return "time: {substeps: 4}\ngravity: [0, 0, 0]\nsolver: {name: " + solver +
+std::string balloon(const TextFile& mesh, const std::string& solver, int substeps) {
+  return "time: {substeps: " + std::to_string(substeps) + "}\ngravity: [0, 0, 0]\nsolver: {" + solver +
          ", iterations: 300}\ncloths:\n  - mesh: " + mesh.path().substr(mesh.path().rfind('/') + 1) +
-         "\n    mass_per_area: 5\n    thickness: 0.002\n    pressure: " + pressure +
-         "\n    membrane: {youngs_modulus: 1.0e+5, poissons_ratio: 0.3, damping: 0.05}\n";
+         "\n    mass_per_area: 5\n    thickness: 0.002\n    pressure: 545\n"
+         "    membrane: {youngs_modulus: 1.0e+5, poissons_ratio: 0.3, damping: 0.05}\n";
 }
 
 // m^2 and m^3: the sum of the triangles' areas along their normals, and the volume within a closed surface.
@@ -56,7 +56,7 @@ std::pair<Vec3, double> sums(Experiment& run, double after = 0) {
   const Surface& surface = run.scene->surfaces[0];
   for (Id k = 0; k < surface.count; ++k) {
     const auto ids = surface.cell(k);
-    const auto place = [&](std::size_t k) -> Vec3 { return run.position(ids[k]) + after * run.velocity(ids[k]); };
+    const auto place = [&](std::size_t i) -> Vec3 { return run.position(ids[i]) + after * run.velocity(ids[i]); };
     const Vec3 a = place(0), b = place(1), c = place(2);
     area += 0.5 * (b - a).cross(c - a), volume += a.dot(b.cross(c)) / 6;
   }
@@ -98,27 +98,30 @@ TEST(Pressure, TheForceIsThatOfTheTriangles) {
 }
 
 // It neither pushes nor turns a closed surface, and blows it up as the thin ball of its law: the tension T = p R l / 2 across a
-// section, and the membrane's T = t E / (1 - nu) (l^2 - 1) / 2, R and t at rest, l the stretch.
+// section, and the membrane's T = t E / (1 - nu) (l^2 - 1) / 2, R and t at rest, l the stretch. In the total form the rest is
+// that of the mesh, of second order; the incremental form, by default, is off by some hundredths.
 TEST(Pressure, ABalloonTakesTheSizeAtWhichItsMembraneBalances) {
   const double pressure = 545, scale = 1e5 * 0.002 / 0.7, half = pressure * 0.1 / scale / 2;
   const double expected = half + std::sqrt(half * half + 1);  // of scale (l^2 - 1) = p R l
   ASSERT_GT(expected, 1.09);
-  for (const char* solver : solver_list) {
-    std::vector<double> errors;
-    for (const int levels : {2, 3}) {
-      const TextFile mesh(ball_mesh(levels), ".obj");
-      Experiment run(scene_from_text(balloon(mesh, solver, "545")));
-      const double before = sums(run).second;
-      run.seconds(2);
-      const double found = std::cbrt(sums(run).second / before);
-      errors.push_back(found - expected);
-      const double mass = 5 * 4 * M_PI * 0.01;
-      EXPECT_LT(run.momentum().norm(), 1e-12 * mass) << solver;
-      EXPECT_LT(run.angular_momentum().norm(), 1e-12 * mass) << solver;
-    }
-    EXPECT_LT(std::abs(errors[1]), 0.01 * (expected - 1)) << solver;
-    EXPECT_NEAR(errors[0] / errors[1], 4, 1) << solver << ' ' << errors[0] << ' ' << errors[1];
+  const auto error = [&](int levels, const std::string& solver, int substeps) {
+    const TextFile mesh(ball_mesh(levels), ".obj");
+    Experiment run(scene_from_text(balloon(mesh, solver, substeps)));
+    const double before = sums(run).second;
+    run.seconds(1.5);
+    const double mass = 5 * 4 * M_PI * 0.01;
+    EXPECT_LT(run.momentum().norm(), 1e-12 * mass) << solver;
+    EXPECT_LT(run.angular_momentum().norm(), 1e-8 * mass) << solver;
+    EXPECT_TRUE(run.last.converged) << solver;
+    return std::cbrt(sums(run).second / before) - expected;
+  };
+  for (const std::string solver : solver_list) {
+    const std::string total = "form: total, name: " + solver;
+    const double coarse = error(1, total, 8), fine = error(2, total, 8);
+    EXPECT_LT(std::abs(fine), 0.04 * (expected - 1)) << solver;
+    EXPECT_NEAR(coarse / fine, 4, 1) << solver << ' ' << coarse << ' ' << fine;
   }
+  EXPECT_LT(std::abs(error(2, "name: accelerated_jacobi", 4)), 0.08 * (expected - 1));
 }
 
 // A block under pressure from all sides strains alike everywhere, which linear tetrahedra have exactly: of St. Venant-Kirchhoff's

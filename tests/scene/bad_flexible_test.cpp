@@ -87,12 +87,13 @@ const std::vector<BadInput> bad_flexibles{
      "FILE:12: key 'cloths[0].pins[1].node': found [0, 0], a node pinned before, expected each node pinned once"},
     {"negative_drag", with_cloth("drag: -1"), "FILE:5: key 'cloths[0].drag': found -1, expected a number >= 0"},
     {"pressure_that_is_infinite", with_cloth("pressure: .inf"),
-     "FILE:5: key 'cloths[0].pressure': found .inf, expected a number"},
+     "FILE:5: key 'cloths[0].pressure': found .inf, expected a finite number (Pa)"},
     {"pressure_in_time_without_a_table", with_cloth("pressure: {frequency: 2}"),
-     "FILE:5: key 'cloths[0].pressure.frequency': found an unknown key"},
+     "FILE:5: key 'cloths[0].pressure.frequency': found an unknown key, expected table, between, periodic, sine or expression"},
     {"pressure_of_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    pressure: 1"),
      "FILE:6: key 'threads[0].pressure': found an unknown key, expected name, position, orientation, velocity, material, pins, "
-     "points, segments, radius, mass, stretch, bending, self_collision"},
+     "points, "
+     "segments, radius, mass, stretch, bending or self_collision"},
     {"drag_of_a_thread", with_thread("[[0, 0, 0], [1, 0, 0]]", "mass: 1\n    drag: 1"),
      "FILE:6: key 'threads[0].drag': found an unknown key, expected name, position, orientation, velocity, material, pins, "
      "points, "

@@ -267,11 +267,10 @@ TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   EXPECT_DOUBLE_EQ(unibody::plan(solver("accelerated_jacobi"), grains()).most_weights, 10);
 }
 
-// The total form where constraints that are no links are all soft enough; never of newton, at velocity level, beside a coarse
-// level.
-TEST(StepPlan, TheFormGoesByTheStiffestConstraint) {
+// The total form where the tetrahedra of solids are all soft enough; never of newton, at velocity level, beside a coarse level.
+TEST(StepPlan, TheFormGoesByTheStiffestTetrahedron) {
   SceneTraits solid = cloth();
-  solid.only_links = false;
+  solid.only_links = false, solid.has_solids = true;
   EXPECT_EQ(unibody::plan({}, solid).form, Form::incremental) << "it is not known how stiff they are";
   solid.stiffness = 30.1;
   EXPECT_EQ(unibody::plan({}, solid).form, Form::incremental);
