@@ -11,6 +11,7 @@
 #include "core/assume.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "core/largest.hpp"
 #include "joints/coupling_set.hpp"
 #include "partition/work.hpp"
 #include "scene/stiffness.hpp"
@@ -62,8 +63,8 @@ void make_constraints(RankState& state) {
     traits.only_solids = traits.only_solids && fills_space<C>;
   });
   if (asks_for_stiffness(state.scene.solver, traits) && std::isinf(traits.stiffness)) {  // of the start, however late it is
-    traits.stiffness = stiffness_number(state.scene, state.constraints, stiffest_for_total);
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, &traits.stiffness, 1, MPI_DOUBLE, MPI_MAX, state.comm()));
+    const double here = stiffness_number(state.scene, state.constraints, stiffest_for_total);
+    traits.stiffness = largest_of_ranks(state.comm(), here);
   }
   traits.lasting_work = counted_work_of(state.world, state.constraints);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &traits.lasting_work, 1, MPI_INT64_T, MPI_SUM, state.comm()));

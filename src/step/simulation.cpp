@@ -217,7 +217,7 @@ std::vector<JointState> Simulation::joint_states() const {
 SolverSettings Simulation::settings_used() const {
   const StepPlan plan = unibody::plan(scene.solver, traits);
   SolverSettings used = scene.solver;
-  used.tolerance = plan.tolerance, used.stages = plan.stages, used.margin = plan.margin;
+  used.tolerance = plan.tolerance, used.stages = plan.stages, used.margin = plan.margin, used.form = plan.form;
   const bool one_stage = plan.stages == Stages::position;
   if (scene.solver.iterations)  // otherwise each kind of island has its own: the plans of the steps tell them
     used.warm_start = one_stage ? plan.contacts_share : old_share(scene.solver, plan.iterations);

@@ -211,7 +211,7 @@ class Geometry(ProgramTest):
         self.good(self.scene("""
             time: {frame: 0.02, frames: 150}
             output: {every: 150}
-            solver: {iterations: 400}
+            solver: {iterations: 400, form: total}
             materials: {smooth: {friction: 0}}
             bodies: [{shape: {plane: {normal: [0, 0, 1]}}, material: smooth}]
             solids:
