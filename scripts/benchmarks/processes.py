@@ -19,6 +19,8 @@ from frame_rows import rows_of  # noqa: E402
 RIVALS = os.path.join(ROOT, 'scripts', 'rivals')
 YOUNG, POISSON, GRAVITY = 1e9, 0.3, 9.81
 STEP = 2e-6  # s, of the soft spheres: 0.12 of Rayleigh's time
+VARIANTS = {'unibody': [], 'unibody, margin 0.1 mm': ['solver.margin=0.0001'],
+            'unibody, margin 0.1 mm, 16 steps a frame': ['solver.margin=0.0001', 'time.substeps=16']}
 M2 = ['materials.M1.friction=0.4', 'materials.M1.restitution=0.4', 'bodies[2].density=2000']
 SMALL = ['bodies[0].shape.mesh.revolve.profile=[[0.008, 0], [0.022, 0], [0.022, 0.12]]']
 # name: scene, settings, when the rivals start (s), for how long (s), how often places are compared (s)
@@ -88,32 +90,39 @@ def unibody(scene_name, settings, out, core, start=None):
     command(words, 0, core)
 
 
-def own_run(name, core):
-    """unibody's run of a process: times from where the rivals start, places of the spheres, seconds, and the case for the others. What they
-    start from is settled with many iterations: spheres of 1 GPa that overlap by a hundredth of a millimetre fly apart."""
+def own_run(name, core, variants):
+    """unibody's runs of a process, by variants of its settings: times from where the rivals start, places of the spheres, and seconds; and the
+    case for the others. What all start from is settled with many iterations: spheres of 1 GPa that overlap by a hundredth of a millimetre fly apart."""
     scene_name, settings, start, end, every = PROCESSES[name]
     with open(os.path.join(ROOT, 'scenes', scene_name + '.yaml'), encoding='utf-8') as file:
         scene = yaml.safe_load(file)
     for setting in settings:
         set_in(scene, setting)
     frame = scene['time']['frame']
-    settled, out = (folder('process_' + short(name) + end_of_name) for end_of_name in ('_settled', ''))
+    settled = folder('process_' + short(name) + '_settled')
     unibody(scene_name, settings + [f'time.frames={round(start / frame)}', 'time.substeps=10', 'solver.iterations=1000'], settled, core)
-    unibody(scene_name, settings + [f'output.every={round(every / frame)}'], out, core, os.path.join(settled, 'checkpoint.h5'))
-    seconds = sum(float(row[key]) for row in report_rows(out) for key in row if key.split(' ')[0] in ('wall_collide', 'wall_solve', 'wall_halo'))
     with h5py.File(os.path.join(settled, 'frames.h5')) as file:
         last = sorted(file['frames'])[-1]
         case = case_of(scene, file, last, end, every)
         if scene_name == 'intruder':  # which comes now
             case['spheres'][-1] |= {'position': scene['bodies'][-1]['position'], 'velocity': scene['bodies'][-1]['velocity']}
-        times, places = [0.], [np.array([sphere['position'] for sphere in case['spheres']])]
+    return {variant: own_variant(name, settings + [f'output.every={round(every / frame)}'] + more, settled, case, core)
+            for variant, more in variants.items()}, case
+
+
+def own_variant(name, settings, settled, case, core):
+    scene_name, _, start, end, _ = PROCESSES[name]
+    out = folder('process_' + short(name))
+    unibody(scene_name, settings, out, core, os.path.join(settled, 'checkpoint.h5'))
+    seconds = sum(float(row[key]) for row in report_rows(out) for key in row if key.split(' ')[0] in ('wall_collide', 'wall_solve', 'wall_halo'))
+    times, places = [0.], [np.array([sphere['position'] for sphere in case['spheres']])]
     with h5py.File(os.path.join(out, 'frames.h5')) as file:
         for key in sorted(file['frames']):
             time = float(file['frames'][key].attrs['time']) - start
             if 1e-9 < time <= end + 1e-9:
                 times.append(time)
                 places.append(rows_of(file, file['frames'][key], 'position')[case['ids']])
-    return {'time': np.array(times), 'position': np.array(places), 'seconds': seconds}, case
+    return {'time': np.array(times), 'position': np.array(places), 'seconds': seconds}
 
 
 def short(name):
@@ -147,15 +156,14 @@ def plot(results):
     matplotlib.use('Agg')
     from matplotlib import pyplot
     figure, axes = pyplot.subplots(2, 2, figsize=(11, 8))
-    colours = {'unibody': 'C0', 'liggghts': 'C1', 'yade': 'C2'}
-    for place, (name, runs) in zip(axes.flat, results.items()):
-        for program, (run, columns) in runs.items():
+    for place, (name, programs) in zip(axes.flat, results.items()):
+        for number, (program, (run, columns)) in enumerate(programs.items()):
             for k, values in enumerate(columns.values()):
-                place.plot(run['time'], values, color=colours[program], linestyle=['-', '--', ':', '-.'][k], label=program if k == 0 else None)
-        place.set(title=name, xlabel='time (s)', ylabel=' / '.join(runs['unibody'][1]) if len(runs['unibody'][1]) == 1 else 'share of M1 in each quarter')
+                place.plot(run['time'], values, color=f'C{number}', linestyle=['-', '--', ':', '-.'][k], label=program if k == 0 else None)
+        place.set(title=name, xlabel='time (s)', ylabel=' / '.join(programs['unibody'][1]) if len(programs['unibody'][1]) == 1 else 'share of M1 in each quarter')
         place.legend()
     figure.tight_layout()
-    figure.savefig(os.path.join(ROOT, 'results', 'bench', 'processes.png'))
+    figure.savefig(os.path.join(runs.OUT, 'processes.png'))
 
 
 def processes(arguments):
@@ -163,12 +171,12 @@ def processes(arguments):
     programs = ['liggghts'] + (['yade'] if shutil.which('yade') else [])
     results = {}
     for name in wanted:
-        own, case = own_run(name, arguments.core)
-        results[name] = {'unibody': (own, curves(name, own, case))}
+        own, case = own_run(name, arguments.core, VARIANTS)
+        results[name] = {variant: (run, curves(name, run, case)) for variant, run in own.items()}
         for program in programs:
             run = rival_run(program, name, case, arguments.core)
             results[name][program] = (run, curves(name, run, case))
-            say(f'{name}: {program} {float(run["seconds"]):.0f} s, unibody {own["seconds"]:.2f} s')
+            say(f'{name}: {program} {float(run["seconds"]):.0f} s, unibody {own["unibody"]["seconds"]:.2f} s')
         publish('processes.md', report(results), show=name == wanted[-1])
         plot(results)
 
@@ -179,11 +187,19 @@ def apart(a, b):
     return np.sqrt(np.mean([(a[1][key][:count] - b[1][key][:count])**2 for key in a[1]]))
 
 
+def figure(name, run):
+    """One number of a curve."""
+    column = next(iter(run[1].values()))
+    if name.startswith('silo'):
+        return f'{np.interp(0.36, column, run[0]["time"]):.3f} s until 36 % have left'
+    return f'{column[-1]:.3g} at the end ({next(iter(run[1]))})'
+
+
 def report(results):
-    lines = table(['process', 'program', 's of computing', 'over unibody', 'RMS from unibody', 'RMS from LIGGGHTS'])
-    for name, runs in results.items():
-        for program, run in runs.items():
+    lines = table(['process', 'program', 's of computing', 'over unibody', 'RMS from unibody', 'RMS from LIGGGHTS', 'figure'])
+    for name, programs in results.items():
+        for program, run in programs.items():
             seconds = float(run[0]['seconds'])
-            lines.append(line(name, program, f'{seconds:.3g}', f'{seconds / float(runs["unibody"][0]["seconds"]):.0f}', f'{apart(run, runs["unibody"]):.3g}',
-                              f'{apart(run, runs["liggghts"]):.3g}' if 'liggghts' in runs else ''))
+            lines.append(line(name, program, f'{seconds:.3g}', f'{seconds / float(programs["unibody"][0]["seconds"]):.0f}', f'{apart(run, programs["unibody"]):.3g}',
+                              f'{apart(run, programs["liggghts"]):.3g}' if 'liggghts' in programs else '', figure(name, run)))
     return lines

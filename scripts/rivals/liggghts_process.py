@@ -40,8 +40,8 @@ def deck(case, folder):
     lines = ['units si', 'atom_style granular', 'atom_modify map array', 'boundary f f f', 'newton off', 'communicate single vel yes',
              'region all block ' + ' '.join(f'{a:.17g} {b:.17g}' for a, b in zip(low, high)) + ' units box', f'create_box {types} all',
              f'neighbor {0.2 * largest:.6g} bin', 'neigh_modify delay 0',
-             f'fix e all property/global youngsModulus peratomtype ' + ' '.join([f'{case["young"]:.17g}'] * types),
-             f'fix nu all property/global poissonsRatio peratomtype ' + ' '.join([f'{case["poisson"]:.17g}'] * types),
+             'fix e all property/global youngsModulus peratomtype ' + ' '.join([f'{case["young"]:.17g}'] * types),
+             'fix nu all property/global poissonsRatio peratomtype ' + ' '.join([f'{case["poisson"]:.17g}'] * types),
              f'fix cor all property/global coefficientRestitution {matrix(case["restitution"])}',
              f'fix mu all property/global coefficientFriction {matrix(case["friction"])}',
              f'pair_style gran {model}', 'pair_coeff * *']
