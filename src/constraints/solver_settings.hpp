@@ -38,8 +38,9 @@ enum class Order { coloured, sequential };
 inline constexpr std::array<std::string_view, 2> order_names{"coloured", "sequential"};
 
 // How constraints beside contacts are solved: incremental, robust, off implicit Euler by the turning of the gradients within a
-// step; total, implicit Euler exactly where it converges. auto: total of the tetrahedra of solids where all of them are so soft
-// that it is known to converge (scene/stiffness.hpp), but for steps in which their edges move too far; else incremental.
+// step; total, implicit Euler exactly where it converges.
+// With auto, the tetrahedra of solids are solved in the total form where all of them are so soft that it is known to converge
+// (scene/stiffness.hpp), except in steps in which their edges move too far. All other constraints are solved incrementally.
 enum class Form { automatic, incremental, total };
 inline constexpr std::array<std::string_view, 3> form_names{"auto", "incremental", "total"};
 

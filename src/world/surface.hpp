@@ -24,9 +24,8 @@ struct Surface {
   // The bodies at the corners of a solid's tetrahedra, for the output, positively oriented at rest.
   Id tetrahedron_count = 0;
   std::function<std::array<Id, 4>(Id k)> tetrahedron = nullptr;
-  // For the output: Young's modulus (Pa) and Poisson's ratio of a solid's tetrahedron k, of a membrane's triangle k or of a
-  // thread's segment k, of which the ratio is 0. Null where they have none: cloths of links, inextensible threads. A pure
-  // function.
+  // For the output: Young's modulus (Pa) and Poisson's ratio of a solid's tetrahedron k, of a membrane's triangle k, or of a
+  // thread's segment k, whose ratio counts as 0. The function is null for cloths of links and for threads that cannot stretch.
   std::function<std::array<double, 2>(Id k)> elasticity = nullptr;
   std::string energy_volume;    // of a solid: rest or current, the volume that weighs the energy of its strains
   bool self_collision = false;  // cells touch others of the same surface

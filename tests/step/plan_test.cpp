@@ -267,7 +267,8 @@ TEST(StepPlan, TheLeakGoesBySolverAndIterations) {
   EXPECT_DOUBLE_EQ(unibody::plan(solver("accelerated_jacobi"), grains()).most_weights, 10);
 }
 
-// The total form where the tetrahedra of solids are all soft enough; never of newton, at velocity level, beside a coarse level.
+// The plan has the total form where the tetrahedra of solids are all soft enough. It never has it for the solver newton, at
+// velocity level, or beside a coarse level.
 TEST(StepPlan, TheFormGoesByTheStiffestTetrahedron) {
   SceneTraits solid = cloth();
   solid.only_links = false, solid.has_solids = true;
