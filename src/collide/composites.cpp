@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collide/approach.hpp"
 #include "collide/convex_pairs.hpp"
 #include "collide/mesh_side.hpp"
 #include "collide/mesh_triangles.hpp"
@@ -95,12 +96,51 @@ class OnMesh {
     const double travel = settings_.step * velocity_.norm();
     double time = 0;
     if (travel > a_.half_size && velocity_.dot(t.normal) < 0) time = first_touch(t);
+    if (time == 0 && travel > least_approach * a_.half_size) {
+      const Vec3 velocity = b_.rotation.transpose() * approach_velocity(a_, b_, settings_);
+      ConvexDistance nearest;
+      const double passed = passes(t, velocity);
+      if (passed > 0 && has_no_nearer_neighbour(body_, in_place(t, place_ + passed * velocity), margin_, nearest))
+        return pass(t, velocity, passed, nearest, m);
+    }
     const MeshTriangle triangle = in_place(t, place_ + time * velocity_);
     if (!triangle_manifold(body_, triangle, margin_, m)) return false;
     const double closed = time * std::max(0.0, -m.normal.dot(velocity_));
     m.time = time;
     for (int i = 0; i < m.count; ++i) m.points[i].gap += closed;
     tidy(m, time > 0 ? margin_ : std::min(margin_, margin_along(b_.rotation * m.normal, a_, b_, settings_)));
+    return m.count > 0;
+  }
+
+  // When the body is nearest to a triangle that it passes by (s); 0: it may touch it. Where a neighbour is nearer then, that
+  // one may be touched, and the triangle is taken as the body stands.
+  double passes(const MeshSurface::Triangle& t, const Vec3& velocity) const {
+    const double far = margin_ + settings_.step * velocity.norm();
+    const auto separation_at = [&](double time, Separation& separation) {
+      const MeshTriangle triangle = in_place(t, place_ + time * velocity);
+      ConvexDistance distance;
+      if (distance_of_cores(body_, convex_triangle(triangle.nodes, body_.size), far, distance) != Cores::apart) return false;
+      separation = {distance.gap, -distance.normal.dot(velocity)};
+      return true;
+    };
+    const Encounter encounter = encounter_of(settings_.step, 1e-6 * body_.size, separation_at);
+    return encounter.passes() ? encounter.time : 0;
+  }
+
+  // As leave_way() in narrowphase.cpp; the mesh does not fall. Where the triangle's own normal would be in the way after all, the
+  // nearest points say it.
+  bool pass(const MeshSurface::Triangle& t, const Vec3& velocity, double time, const ConvexDistance& nearest,
+            PairManifold& m) const {
+    if (!triangle_manifold(body_, in_place(t, place_ + time * velocity), margin_, m)) return false;
+    double least = HUGE_VAL;
+    for (int i = 0; i < m.count; ++i) least = std::min(least, m.points[i].gap);
+    if (least + (settings_.step - time) * m.normal.dot(velocity) < 0) {
+      m.normal = nearest.normal, m.count = 0;
+      m.add(0.5 * (nearest.on_a + nearest.on_b), nearest.gap, 0);
+    }
+    const double closed = time * std::max(0.0, -m.normal.dot(velocity));
+    for (int i = 0; i < m.count; ++i) m.points[i].gap += closed, m.points[i].position -= 0.5 * closed * m.normal;
+    tidy(m, margin_);
     return m.count > 0;
   }
 

@@ -173,8 +173,8 @@ void feature_towards(const ConvexBody& body, const Vec3& direction, SupportFeatu
 }
 
 // Whether a triangle is what is nearest in its surroundings in the direction in which it was found: no neighbour rises towards
-// the body, and of triangles that share the point this is the one that speaks for it, or any may.
-bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_speaks) {
+// the body, and of triangles that share the point this is the one that speaks for it, or any may. `behind`: on either side of it.
+bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_speaks, bool behind = false) {
   constexpr double lean = 1e-6;
   const TrianglePoint at = closest_on_triangle(found.on_b, t.nodes[0], t.nodes[1], t.nodes[2]);
   if (found.normal.dot(t.normal) > 1 - 1e-6) return true;  // flat on it
@@ -201,11 +201,11 @@ bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_spe
     const std::size_t before = (k + 2) % 3;
     if (w(k) > 1 - on)
       return (any_speaks || t.of->speaks_for_node[k]) && !rises_from(k, k) && !rises_from(k, before) &&
-             found.normal.dot(t.normal + normal_over(k) + normal_over(before)) > 0;
+             (behind || found.normal.dot(t.normal + normal_over(k) + normal_over(before)) > 0);
     if (w(before) <= on && w(k) > on && w(k + 1) > on)
-      return (any_speaks || t.of->speaks_for_edge[k]) && !rises(k) && found.normal.dot(t.normal + normal_over(k)) > 0;
+      return (any_speaks || t.of->speaks_for_edge[k]) && !rises(k) && (behind || found.normal.dot(t.normal + normal_over(k)) > 0);
   }
-  return found.normal.dot(t.normal) > 0;
+  return behind || found.normal.dot(t.normal) > 0;
 }
 
 // Adds the nearest points of the body and a triangle to their manifold, unless a corner that is in it has nearly as small a gap.
@@ -278,6 +278,11 @@ bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, dou
   out.normal = distance.normal;
   out.add(0.5 * (distance.on_a + distance.on_b), distance.gap, nearest_feature);
   return true;
+}
+
+bool has_no_nearer_neighbour(const ConvexBody& body, const MeshTriangle& triangle, double margin, ConvexDistance& nearest) {
+  if (distance_of_cores(body, convex_triangle(triangle.nodes, body.size), margin, nearest) != Cores::apart) return false;
+  return stands_out(triangle, nearest, true, true);
 }
 
 bool sheet_manifold(const ConvexBody& body, const std::array<Vec3, 3>& triangle, double margin, PairManifold& out) {

@@ -20,6 +20,9 @@ struct MeshTriangle {
 // neighbours': a solid that slides over a flat surface does not feel its edges. False where there are none.
 bool triangle_manifold(const ConvexBody& body, const MeshTriangle& triangle, double margin, PairManifold& out);
 
+// Whether a body is apart from a triangle, by at most the margin (m), and none of its neighbours is nearer; the nearest points.
+bool has_no_nearer_neighbour(const ConvexBody& body, const MeshTriangle& triangle, double margin, ConvexDistance& nearest);
+
 // The same on the half space behind a plane: the corners that the solid turns to it, and its lowest point.
 bool half_space_manifold(const ConvexBody& body, const Vec3& on_plane, const Vec3& normal, double margin, PairManifold& out);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "collide/approach.hpp"
 #include "collide/box_box.hpp"
 #include "collide/shape_pairs.hpp"
 #include "collide/sweep.hpp"
@@ -89,6 +90,46 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
   tidy(m, margin);
 }
 
+double least_gap(const PairManifold& m) {
+  double least = HUGE_VAL;
+  for (int i = 0; i < m.count; ++i) least = std::min(least, m.points[i].gap);
+  return least;
+}
+
+// Where the rows of two that are apart would act on what only passes by, puts those in their place that lie where the two are
+// nearest to each other, as bodies at the start of the step see them (approach.hpp).
+void leave_way(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
+               PairManifold& m) {
+  const Vec3 velocity = approach_velocity(first, second, settings), apart = first.position - second.position;
+  const double close = 1e-6 * std::min(first.half_size, second.half_size), far = margin + settings.step * velocity.norm();
+  const double gap = least_gap(m);
+  if (!(gap > close && gap < -settings.step * m.normal.dot(velocity))) return;
+  Proxy moving = first, standing = second;
+  standing.position.setZero();  // exchanged ids change signs alone
+  PairManifold then;
+  const auto collide_then = [&](double time) {
+    moving.position = apart + time * velocity;
+    then.count = 0;
+    cell.function(moving, standing, {far, settings.planar}, then);
+    return then.count > 0;
+  };
+  const auto separation_at = [&](double time, Separation& separation) {
+    if (!collide_then(time)) return false;
+    separation = {least_gap(then), -then.normal.dot(velocity)};
+    return true;
+  };
+  const Encounter encounter = encounter_of(settings.step, close, separation_at);
+  if (!encounter.passes() || !collide_then(encounter.time)) return;
+  const double closed = encounter.time * std::max(0.0, -then.normal.dot(velocity));
+  // Arms from where the bodies are now, to one place for both: angular momentum is kept. Of what does not move they mean nothing.
+  const double share = first.dynamic && second.dynamic ? 0.5 : first.dynamic ? 0 : 1;
+  const Vec3 place = first.position + share * encounter.time * velocity + (share - 0.5) * closed * then.normal;
+  m.normal = then.normal, m.count = then.count;
+  for (int i = 0; i < then.count; ++i)
+    m.points[i] = {then.points[i].position + place, then.points[i].gap + closed, then.points[i].feature};
+  tidy(m, margin);
+}
+
 }  // namespace
 
 void tidy(PairManifold& m, double margin) {
@@ -150,6 +191,11 @@ double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const Co
   return settings.margin + settings.step * fastest_along + (a.spin_reach + b.spin_reach) + fall;
 }
 
+Vec3 approach_velocity(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
+  const double share = (a.dynamic ? 1 : 0) - (b.dynamic ? 1 : 0);
+  return a.velocity - b.velocity + share * settings.step * settings.gravity;
+}
+
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
   return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + std::max(a.fall, b.fall);
 }
@@ -164,10 +210,13 @@ void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& setting
   const Cell cell = cell_of(a.kind, b.kind);
   const Proxy &first = cell.swapped ? b : a, &second = cell.swapped ? a : b;
   const double travel = settings.step * (a.velocity - b.velocity).norm();
-  if (cell.sweep && travel > std::min(a.half_size, b.half_size))
+  const double half_size = std::min(a.half_size, b.half_size);
+  if (cell.sweep && travel > half_size)
     collide_fast(cell, first, second, margin, settings, m);
   else
     collide_at(cell, first, second, margin, settings, m);
+  if (cell.sweep && m.count > 0 && m.time == 0 && travel > least_approach * half_size)
+    leave_way(cell, first, second, margin, settings, m);
   if (cell.swapped) m.normal = -m.normal;
 }
 

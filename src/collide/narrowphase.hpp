@@ -68,6 +68,9 @@ double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const Co
 // Drops points beyond the margin, keeps at most PairManifold::kept of them, and puts them in the order of their features.
 void tidy(PairManifold& manifold, double margin);
 
+// m/s: the velocity of a against b with which the step will move them if nothing else acts; dynamic bodies fall.
+Vec3 approach_velocity(const Proxy& a, const Proxy& b, const CollideSettings& settings);
+
 // A bound on it for any normal, before there is one.
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings);
 

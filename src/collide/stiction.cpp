@@ -28,7 +28,8 @@ void add_stiction(const World& world, const CollideSettings& settings, Contacts&
   for (Manifold& m : contacts.manifolds) {
     Vec3 middle = Vec3::Zero();
     for (std::uint32_t p = 0; p < m.count; ++p) middle += contacts.points[m.first + p].position / m.count;
-    const Vec3 arm_a = middle - place_of(world, m, m.slot_a), arm_b = middle - place_of(world, m, m.slot_b);
+    const ContactPoint at{middle, 0, 0};
+    const Vec3 arm_a = arm_of(world, m, at, m.slot_a), arm_b = arm_of(world, m, at, m.slot_b);
     const Vec3 u = velocity_at(world, m.slot_a, arm_a) - velocity_at(world, m.slot_b, arm_b) -
                    surface_velocity_between(world, m.slot_a, arm_a, m.slot_b, arm_b, m.normal);
     m.friction *= factor(settings, material(m.slot_a), material(m.slot_b), u, m.normal);

@@ -42,7 +42,7 @@ std::size_t SurfaceCollider::flat_neighbours(const SurfaceFace& face, double tim
   std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     if (face.across[i] < 0) continue;
-    const Vec3 node = place(face.across[i]) + time * settings_.step * velocity(face.across[i]);
+    const Vec3 node = place(face.across[i], time);
     const Vec3 &from = x[i], &to = x[(i + 1) % 3];
     if (normal.dot((from - to).cross(node - to).normalized()) > std::sqrt(0.5)) out[count++] = node;
   }
@@ -64,7 +64,7 @@ SurfaceCollider::Approach SurfaceCollider::approach(const Proxy& solid, const Su
   const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
   const double travelled = pair.watched || result.time > 0 ? 0 : settings_.step * fastest;
   result.reach = pair.radii + (settings_.margin + travelled + pair.spin + fall);
-  result.centre = solid.position + result.time * settings_.step * solid.velocity;
+  result.centre = centre_of(solid, result.time);
   return result;
 }
 
@@ -75,27 +75,40 @@ void SurfaceCollider::add_touch(Approach& approach, const Vec3& weights, const V
   const double gap = apart - pair.radii;
   if (approach.time == 0 && gap > margin(pair, normal)) return;
   const double closed = std::max(0.0, -approach.time * settings_.step * normal.dot(parting(pair)));
-  add(pair, arm, normal, gap + closed, feature);
+  const Vec3 passed = time_ > 0 ? Vec3(time_ * settings_.step * parting(pair)) : Vec3(Vec3::Zero());
+  add(pair, arm + passed, normal, gap + closed, feature);
 }
 
 void SurfaceCollider::box_face(const Proxy& box, const SurfaceFace& face) {
   Approach near = approach(box, face, &SurfaceCollider::first_touch);
+  stand_or_pass(box, face, near, [&](Approach& then) { return stand_by_box(then, box, face); });
+}
+
+bool SurfaceCollider::stand_by_box(Approach& near, const Proxy& box, const SurfaceFace& face) {
   TriangleContacts found;
   std::array<Vec3, 3> beyond;
   const std::size_t flat = flat_neighbours(face, near.time, beyond);
   box_triangle(near.centre, box.rotation, box.half, places(face, near.time), {near.reach, box.half_size}, found,
                std::span(beyond).first(flat));
+  bool says = false;
   for (int i = 0; i < found.count; ++i) {
     const TriangleContact& c = found.points[static_cast<std::size_t>(i)];
-    if (c.feature >= 8 && c.feature < 11) continue;  // nodes touch bodies as the particles that they are
+    if (c.feature >= 8 && c.feature < 11) {  // nodes touch bodies as the particles that they are
+      says |= time_ > 0 && is_nearest(face, c.weights, c.normal, lean_of_boxes);
+      continue;
+    }
     const Vec3 weights = without_twin(face, c.weights);
     if (face.is_segment() && ((c.feature >= 11 && (c.feature - 11) % 3 != 0) || is_one_node(weights))) continue;
-    if (!owns(face, weights) || !is_nearest(face, weights, c.normal, lean_of_boxes)) continue;
+    const bool own = owns(face, weights);
+    if ((time_ == 0 && !own) || !is_nearest(face, weights, c.normal, lean_of_boxes)) continue;
+    says = true;
+    if (!own) continue;
     // the far side of a thin part of a solid is no wall for a corner that is through it
     const bool on_face = c.feature < 8 && (weights.array() > 0).all();
     if (on_face && surfaces_.is_closed(face.surface) && is_inwards(face, weights, c.normal)) continue;
     add_touch(near, weights, c.position - 0.5 * c.gap * c.normal - near.centre, c.normal, c.gap, c.feature);
   }
+  return says;
 }
 
 }  // namespace unibody

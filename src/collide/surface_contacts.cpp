@@ -42,10 +42,10 @@ Vec3 without_twin(const SurfaceFace& face, Vec3 weights) {
   return weights;
 }
 
-TriangleNodes SurfaceCollider::places(const SurfaceFace& face, double time) const {
-  TriangleNodes nodes;
-  for (std::size_t i = 0; i < 3; ++i) nodes[i] = place(face.nodes[i]) + time * settings_.step * velocity(face.nodes[i]);
-  return nodes;
+Vec3 SurfaceCollider::velocity_on(const SurfaceFace& face, const Vec3& weights) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) sum += weights[static_cast<Eigen::Index>(k)] * velocity(face.nodes[k]);
+  return sum;
 }
 
 // The most that a node of one side moves against one of the other (m).
@@ -70,12 +70,12 @@ bool SurfaceCollider::is_nearest(const SurfaceFace& face, const Vec3& weights, c
   if (const int edge = edge_of(weights); edge >= 0) {
     const auto i = static_cast<std::size_t>(edge);
     const Slot across = face.across[i];
-    const Vec3 &from = place(face.nodes[i]), &to = place(face.nodes[(i + 1) % 3]);
+    const Vec3 from = place(face.nodes[i]), to = place(face.nodes[(i + 1) % 3]);
     return across < 0 || rise(place(across) - from, to - from, direction) <= lean;
   }
   for (std::size_t i = 0; i < 3 && is_one_node(weights); ++i) {
     if (weights[static_cast<Eigen::Index>(i)] == 0) continue;
-    const Vec3& node = place(face.nodes[i]);
+    const Vec3 node = place(face.nodes[i]);
     for (const Slot next : surfaces_.ring(face.nodes[i]))
       if (rise(place(next) - node, Vec3::Zero(), direction) > lean) return false;
   }
@@ -84,18 +84,18 @@ bool SurfaceCollider::is_nearest(const SurfaceFace& face, const Vec3& weights, c
 
 // Whether an edge stands out in this direction against all of its faces.
 bool SurfaceCollider::is_ridge(const SurfaceEdge& edge, const Vec3& direction) const {
-  const Vec3 &from = place(edge.nodes[0]), &to = place(edge.nodes[1]);
+  const Vec3 from = place(edge.nodes[0]), to = place(edge.nodes[1]);
   return std::all_of(edge.wings.begin(), edge.wings.end(),
                      [&](Slot wing) { return wing < 0 || rise(place(wing) - from, to - from, direction) <= 0; });
 }
 
 // Whether a direction from a face of a closed surface, or from an edge of it, leads into the solid.
 bool SurfaceCollider::is_inwards(const SurfaceFace& face, const Vec3& weights, const Vec3& direction) const {
-  const auto [a, b, c] = places(face, 0);
+  const auto [a, b, c] = places(face, time_);
   Vec3 outwards = (b - a).cross(c - a).normalized();
   if (const int edge = edge_of(weights); edge >= 0) {
     const auto i = static_cast<std::size_t>(edge);
-    const Vec3 &from = place(face.nodes[i]), &to = place(face.nodes[(i + 1) % 3]);
+    const Vec3 from = place(face.nodes[i]), to = place(face.nodes[(i + 1) % 3]);
     if (face.across[i] >= 0) outwards += (from - to).cross(place(face.across[i]) - to).normalized();
   }
   return outwards.dot(direction) < 0;
@@ -105,7 +105,7 @@ bool SurfaceCollider::is_inwards(const SurfaceFace& face, const Vec3& weights, c
 Vec3 SurfaceCollider::apart(const Pair& pair, double time) const {
   Vec3 sum = Vec3::Zero();
   for (std::size_t k = 0; k < 4; ++k)
-    if (pair.weights[k] != 0) sum += pair.weights[k] * (place(pair.slots[k]) + time * settings_.step * velocity(pair.slots[k]));
+    if (pair.weights[k] != 0) sum += pair.weights[k] * place(pair.slots[k], time);
   return sum;
 }
 
@@ -165,20 +165,23 @@ Vec3 SurfaceCollider::normal_in_one_place(const Pair& pair, const SurfaceFace& f
   return id(0) < id(1) ? Vec3(-normal) : normal;
 }
 
-// A pair as it is now.
-void SurfaceCollider::add_standing(const Pair& pair, const SurfaceFace* face) {
-  const Vec3 between = apart(pair, 0);
+// A pair as it is at the time that is looked at; its gap opened by what it closes until then.
+bool SurfaceCollider::add_standing(const Pair& pair, const SurfaceFace* face) {
+  const Vec3 between = apart(pair, time_);
   const double distance = between.norm();
   const bool one = !(distance > one_place * pair.radii);
-  if (one && !face) return;  // edges: nodes on faces say it
+  if (one && !face) return false;  // edges: nodes on faces say it
   Vec3 normal = one ? normal_in_one_place(pair, *face) : Vec3(between / distance);
   double gap = distance - pair.radii, beyond = 0;
   if (pair.inside)
     normal = -normal, gap = -distance - pair.radii;
-  else if (has_passed(pair, between))
+  else if (time_ == 0 && has_passed(pair, between))
     normal = -normal, gap = -distance - pair.radii, beyond = distance + 0.1 * pair.radii;
-  if (gap <= margin(pair, normal))
-    add(pair, pair.turns ? Vec3(-between) : Vec3(Vec3::Zero()), normal, gap, pair.edges ? edges_feature : 0, beyond);
+  const bool is_near = (time_ > 0 && !pair.watched) || gap <= margin(pair, normal);
+  if (time_ > 0) gap += std::max(0.0, -time_ * settings_.step * normal.dot(parting(pair)));
+  if (is_near)
+    add(pair, pair.turns ? Vec3(-apart(pair, 0)) : Vec3(Vec3::Zero()), normal, gap, pair.edges ? edges_feature : 0, beyond);
+  return is_near || time_ > 0;
 }
 
 // A pair as it will first touch, at a share of the step; its gap opened by what it closes until then. Each face speaks for
@@ -194,13 +197,16 @@ void SurfaceCollider::add_meeting(Pair pair, double time) {
       pair.edges ? edges_feature : 0);
 }
 
+// A solid's own nodes are all inside of its faces on the other side.
+bool SurfaceCollider::is_own(Slot point, const SurfaceFace& face) const {
+  return surfaces_.is_node(point) && surfaces_.surface_of(point) == face.surface;
+}
+
 // A point with a radius, end 0 of the pair, on a face. `fast`: travel (m) from which on it is followed along the step.
 void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast) {
   std::copy(face.nodes.begin(), face.nodes.end(), pair.slots.begin() + 1);
   const auto set_weights = [&](const Vec3& w) { pair.weights = {1, -w[0], -w[1], -w[2]}; };
-  // a solid's own nodes are all inside of its faces on the other side
-  const bool own = surfaces_.is_node(pair.slots[0]) && surfaces_.surface_of(pair.slots[0]) == face.surface;
-  const bool closed = surfaces_.is_closed(face.surface) && !own;
+  const bool closed = surfaces_.is_closed(face.surface) && !is_own(pair.slots[0], face);
   if (travel(std::span(pair.slots).first(1), face.nodes) > fast) {
     const ContinuousHit hit = point_meets_triangle(path(pair.slots[0]), path(face.nodes[0]), path(face.nodes[1]),
                                                    path(face.nodes[2]), continuous(pair.radii));
@@ -212,24 +218,64 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
       if (!leaves) return add_meeting(pair, hit.time);
     }
   }
-  const auto [a, b, c] = places(face, 0);
-  const TrianglePoint near = closest_on_triangle(place(pair.slots[0]), a, b, c);
+  const TrianglePoint near = nearest_on(face, pair.slots[0], 0);
+  time_ = passes_face(pair, face, near);
+  const bool says = time_ > 0 && stand_on_face(pair, face, nearest_on(face, pair.slots[0], time_));
+  time_ = 0;
+  if (!says) stand_on_face(pair, face, near);
+}
+
+TrianglePoint SurfaceCollider::nearest_on(const SurfaceFace& face, Slot point, double time) const {
+  const auto [a, b, c] = places(face, time);
+  return closest_on_triangle(place(point, time), a, b, c);
+}
+
+double SurfaceCollider::passes_face(Pair pair, const SurfaceFace& face, const TrianglePoint& near) const {
+  const Slot point = pair.slots[0];
+  const auto separation_of = [&](const TrianglePoint& nearest, double time) {
+    const Vec3 towards = place(point, time) - nearest.point, parting = velocity(point) - velocity_on(face, nearest.weights);
+    return Separation{nearest.distance - pair.radii, -towards.dot(parting) / nearest.distance};
+  };
+  if (!(near.distance > pair.radii)) return 0;
+  const Separation now = separation_of(near, 0);
+  if (!(now.gap < settings_.step * now.closing)) return 0;
+  if (!(travel(std::span(pair.slots).first(1), face.nodes) > least_approach * pair.radii)) return 0;
+  const Vec3 between = place(point, 0) - near.point;
+  pair.weights = {1, -near.weights[0], -near.weights[1], -near.weights[2]}, pair.within = true;
+  const bool closed = surfaces_.is_closed(face.surface) && !is_own(point, face);
+  if (has_passed(pair, between) || (closed && is_inwards(face, near.weights, between))) return 0;
+  const auto separation_at = [&](double seconds, Separation& separation) {
+    const double time = seconds / settings_.step;
+    const TrianglePoint nearest = nearest_on(face, point, time);
+    separation = separation_of(nearest, time);
+    return nearest.distance > 0;
+  };
+  const Encounter encounter = encounter_of(settings_.step, 1e-6 * pair.radii, separation_at);
+  return encounter.passes() ? encounter.time / settings_.step : 0;
+}
+
+bool SurfaceCollider::stand_on_face(Pair pair, const SurfaceFace& face, const TrianglePoint& near) {
+  const auto set_weights = [&](const Vec3& w) { pair.weights = {1, -w[0], -w[1], -w[2]}; };
+  const bool closed = surfaces_.is_closed(face.surface) && !is_own(pair.slots[0], face);
   const Vec3 weights = without_twin(face, near.weights);
   const bool at_node = is_one_node(weights);
-  if (at_node && !surfaces_.is_node(pair.slots[0])) return;  // nodes touch bodies as the particles that they are
+  const bool speaks = !(at_node && !surfaces_.is_node(pair.slots[0]));  // nodes touch bodies as the particles that they are
+  if (!speaks && time_ == 0) return false;
   set_weights(weights);
   const int edge = edge_of(weights);  // one of two faces: on it there are sides as well; around a boundary one may go
   pair.within = !at_node && (edge < 0 || face.across[static_cast<std::size_t>(edge)] >= 0 || face.is_segment());
-  const Vec3 between = apart(pair, 0);
+  const Vec3 between = apart(pair, time_);
   const double distance = between.norm();
   if (pair.within && closed) {
     pair.within = false;
     const double deepest = (pair.turns ? 1 : 4) * pair.radii;  // beyond it another face may be the way out
     pair.inside = is_inwards(face, weights, between);
-    if (pair.inside && distance > deepest) return;
+    if (pair.inside && distance > deepest) return false;
   }
   const bool one = !(distance > one_place * pair.radii);
-  if (!owns(face, weights) || (!one && !is_nearest(face, weights, between / distance, lean_of_points))) return;
+  if (time_ == 0 && !owns(face, weights)) return false;
+  if (!one && !is_nearest(face, weights, between / distance, lean_of_points)) return false;
+  if (!speaks || !owns(face, weights)) return true;
   if (at_node) {  // two nodes: the lower id first, so that all who find them agree
     for (std::size_t k = 1; k < 4; ++k)
       if (pair.weights[k] != 0) pair.slots[1] = pair.slots[k];
@@ -237,7 +283,7 @@ void SurfaceCollider::point_face(Pair pair, const SurfaceFace& face, double fast
       std::swap(pair.slots[0], pair.slots[1]);
     pair.weights = {1, -1, 0, 0};
   }
-  add_standing(pair, &face);
+  return add_standing(pair, &face);
 }
 
 void SurfaceCollider::node_face(Slot node, std::int32_t number) {
@@ -247,44 +293,6 @@ void SurfaceCollider::node_face(Slot node, std::int32_t number) {
   pair.slots[0] = node;
   pair.radii = radius(node) + radius(face.nodes[0]);
   point_face(pair, face, pair.radii);
-}
-
-void SurfaceCollider::edge_edge(std::int32_t first, std::int32_t second) {
-  const SurfaceEdge *e = &surfaces_.edges[static_cast<std::size_t>(first)],
-                    *f = &surfaces_.edges[static_cast<std::size_t>(second)];
-  const auto ids = [&](const SurfaceEdge& edge) {
-    return std::pair(world_.id[static_cast<std::size_t>(edge.nodes[0])], world_.id[static_cast<std::size_t>(edge.nodes[1])]);
-  };
-  if (std::find_first_of(e->nodes.begin(), e->nodes.end(), f->nodes.begin(), f->nodes.end()) != e->nodes.end()) return;
-  if (ids(*f) < ids(*e)) std::swap(e, f);
-  Pair pair;
-  pair.slots = {e->nodes[0], e->nodes[1], f->nodes[0], f->nodes[1]}, pair.edges = true;
-  pair.radii = radius(e->nodes[0]) + radius(f->nodes[0]);
-  const bool closed = e->surface != f->surface && (surfaces_.is_closed(e->surface) || surfaces_.is_closed(f->surface));
-  const auto stand_out = [&](const Vec3& towards) { return is_ridge(*f, towards) && is_ridge(*e, -towards); };
-  if (travel(e->nodes, f->nodes) > pair.radii) {
-    const ContinuousHit hit =
-        edge_meets_edge(path(e->nodes[0]), path(e->nodes[1]), path(f->nodes[0]), path(f->nodes[1]), continuous(pair.radii));
-    pair.watched = !hit.hit;
-    if (hit.hit && hit.time > 0) {
-      pair.weights = {hit.weights[0], hit.weights[1], -hit.weights[2], -hit.weights[3]};
-      const bool inside = hit.weights[0] > 0 && hit.weights[1] > 0 && hit.weights[2] > 0 && hit.weights[3] > 0;
-      const bool leaves = closed && !stand_out(apart(pair, 0));
-      if (inside && !leaves) add_meeting(pair, hit.time);  // ends of edges meet faces
-      if (!leaves) return;
-    }
-  }
-  const SegmentPoints near =
-      closest_of_segments(place(pair.slots[0]), place(pair.slots[1]), place(pair.slots[2]), place(pair.slots[3]));
-  if (!(near.s > 0 && near.s < 1 && near.t > 0 && near.t < 1)) return;  // nodes on faces say it
-  pair.weights = {1 - near.s, near.s, near.t - 1, -near.t};
-  pair.within = true;
-  const Vec3 between = near.first - near.second;
-  const Vec3 towards = between / near.distance;
-  if (closed) pair.within = false, pair.inside = !stand_out(towards);
-  const bool other = pair.inside || has_passed(pair, between);  // it is on the other side that they stand out to each other
-  if (near.distance > 0 && !stand_out(other ? Vec3(-towards) : towards)) return;
-  add_standing(pair);
 }
 
 void SurfaceCollider::body_face(const Proxy& body, std::int32_t number) {

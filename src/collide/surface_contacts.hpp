@@ -16,11 +16,13 @@
 #include <span>
 #include <vector>
 
+#include "collide/approach.hpp"
 #include "collide/contacts.hpp"
 #include "collide/continuous.hpp"
 #include "collide/narrowphase.hpp"
 #include "collide/surfaces.hpp"
 #include "collide/triangle_contacts.hpp"
+#include "collide/triangle_distance.hpp"
 
 namespace unibody {
 
@@ -64,11 +66,18 @@ class SurfaceCollider {
     bool watched = false;  // it is fast, and its motion leads past
     bool meets = false;    // ends without weight belong to the key
   };
-  const Vec3& place(Slot s) const { return world_.position[static_cast<std::size_t>(s)]; }
+  // Where a body or node is: at a share of the step; at the time that is looked at.
+  Vec3 place(Slot s, double time) const {
+    return world_.position[static_cast<std::size_t>(s)] + time * settings_.step * velocity(s);
+  }
+  Vec3 place(Slot s) const { return place(s, time_); }
   const Vec3& velocity(Slot s) const { return world_.velocity[static_cast<std::size_t>(s)]; }
   double radius(Slot node) const { return world_.properties[static_cast<std::size_t>(node)].shape.size.x(); }
-  MovingPoint path(Slot s) const { return {place(s), place(s) + settings_.step * velocity(s)}; }
-  TriangleNodes places(const SurfaceFace& face, double time) const;  // time: share of the step
+  MovingPoint path(Slot s) const { return {place(s, 0), place(s, 1)}; }
+  TriangleNodes places(const SurfaceFace& face, double time) const {
+    return {place(face.nodes[0], time), place(face.nodes[1], time), place(face.nodes[2], time)};
+  }
+  Vec3 velocity_on(const SurfaceFace& face, const Vec3& weights) const;
   double travel(std::span<const Slot> first, std::span<const Slot> second) const;
 
   // These ask about the neighbours of the feature of a face (itself, an edge or a node) that the weights tell.
@@ -76,14 +85,27 @@ class SurfaceCollider {
   bool is_nearest(const SurfaceFace& face, const Vec3& weights, const Vec3& direction, double lean) const;
   bool is_ridge(const SurfaceEdge& edge, const Vec3& direction) const;
   bool is_inwards(const SurfaceFace& face, const Vec3& weights, const Vec3& direction) const;
+  bool is_own(Slot point, const SurfaceFace& face) const;
+  bool stand_out(const SurfaceEdge& first, const SurfaceEdge& second, const Vec3& towards) const;
+  bool may_be_inside(const SurfaceEdge& first, const SurfaceEdge& second) const;
 
   Vec3 apart(const Pair& pair, double time) const;
   Vec3 parting(const Pair& pair) const;
   bool has_passed(const Pair& pair, const Vec3& between) const;
   double margin(const Pair& pair, const Vec3& normal) const;
   void point_face(Pair pair, const SurfaceFace& face, double fast);
+  // These return whether they have said what the pair does, and where it passes by, also whether another face says it. `near`: at
+  // the time that is looked at. The arms are from where the bodies are at the start of the step: angular momentum is kept.
+  bool stand_on_face(Pair pair, const SurfaceFace& face, const TrianglePoint& near);
+  bool stand_across(Pair pair, const SurfaceEdge& first, const SurfaceEdge& second, const SegmentPoints& near);
+  // The share of the step at which what moves little in it passes by, or nearly touches, what it does not touch (approach.hpp);
+  // 0: it may touch. What passes a face within a surface comes to its neighbour: the caller takes it as it stands.
+  double passes_face(Pair pair, const SurfaceFace& face, const TrianglePoint& near) const;
+  double passes_edge(Pair pair, const SegmentPoints& near) const;
+  TrianglePoint nearest_on(const SurfaceFace& face, Slot point, double time) const;
+  SegmentPoints nearest_of_edges(const Pair& pair, double time) const;
   Vec3 normal_in_one_place(const Pair& pair, const SurfaceFace& face) const;
-  void add_standing(const Pair& pair, const SurfaceFace* face = nullptr);
+  bool add_standing(const Pair& pair, const SurfaceFace* face = nullptr);
   void add_meeting(Pair pair, double time);
   void add(const Pair& pair, const Vec3& arm, const Vec3& normal, double gap, std::uint32_t feature, double beyond = 0);
   std::size_t flat_neighbours(const SurfaceFace& face, double time, std::array<Vec3, 3>& out) const;
@@ -95,8 +117,24 @@ class SurfaceCollider {
     double reach;     // m, within which what is found may be a contact
     Vec3 centre;      // m, of the solid then
   };
+  double passes_solid(const Proxy& solid, const SurfaceFace& face, const Approach& approach) const;
   using FirstTouch = double (SurfaceCollider::*)(const Proxy& solid, const SurfaceFace& face, double radius) const;
   Approach approach(const Proxy& solid, const SurfaceFace& face, FirstTouch first) const;
+  bool stand_by_box(Approach& near, const Proxy& box, const SurfaceFace& face);
+  bool stand_by_solid(Approach& near, const Proxy& solid, const SurfaceFace& face, std::uint32_t first_feature);
+  // Calls stand(approach) as the two are when they pass each other, and where that says nothing, as they stand.
+  template <class Stand>
+  void stand_or_pass(const Proxy& solid, const SurfaceFace& face, Approach& approach, Stand&& stand) {
+    const double passes = approach.time > 0 ? 0 : passes_solid(solid, face, approach);
+    if (passes > 0) {
+      Approach then = approach;
+      then.time = time_ = passes, then.centre = centre_of(solid, passes);
+      const bool says = stand(then);
+      time_ = 0;
+      if (says) return;
+    }
+    stand(approach);
+  }
   // Adds a touch of two points, which are `apart` (m) by then, the face's radius left out.
   void add_touch(Approach& approach, const Vec3& weights, const Vec3& arm, const Vec3& normal, double apart,
                  std::uint32_t feature);
@@ -108,10 +146,13 @@ class SurfaceCollider {
   void mesh_face(const Proxy& mesh, const SurfaceFace& face);
   void add_if_through(Pair pair, const Proxy& solid, const SurfaceFace& face, std::uint32_t feature);
 
+  Vec3 centre_of(const Proxy& solid, double time) const { return solid.position + time * settings_.step * solid.velocity; }
+
   const World& world_;
   const Surfaces& surfaces_;
   const CollideSettings& settings_;
   std::vector<SurfaceContact>& out_;
+  double time_ = 0;  // share of the step: when places are looked at
 };
 
 }  // namespace unibody

@@ -46,6 +46,25 @@ double SurfaceCollider::first_touch_of_solid(const Proxy& solid, const SurfaceFa
   return time;
 }
 
+double SurfaceCollider::passes_solid(const Proxy& solid, const SurfaceFace& face, const Approach& approach) const {
+  const Pair& pair = approach.pair;
+  const double travelled = travel(std::span(pair.slots).first(1), face.nodes), far = approach.reach + travelled;
+  if (!(travelled > least_approach * solid.half_size)) return 0;
+  const ConvexBody body = at_origin(solid);
+  const auto separation_at = [&](double seconds, Separation& separation) {
+    const double time = seconds / settings_.step;
+    TriangleNodes nodes = places(face, time);
+    for (Vec3& x : nodes) x -= centre_of(solid, time);
+    ConvexDistance distance;
+    if (distance_of_cores(body, convex_triangle(nodes, body.size), far, distance) != Cores::apart) return false;
+    const Vec3 weights = closest_on_triangle(distance.on_b, nodes[0], nodes[1], nodes[2]).weights;
+    separation = {distance.gap - pair.radii, -distance.normal.dot(solid.velocity - velocity_on(face, weights))};
+    return true;
+  };
+  const Encounter encounter = encounter_of(settings_.step, 1e-6 * body.size, separation_at);
+  return encounter.passes() ? encounter.time / settings_.step : 0;
+}
+
 // A solid whose centre has gone through the face in the last step is told to come back.
 void SurfaceCollider::add_if_through(Pair pair, const Proxy& solid, const SurfaceFace& face, std::uint32_t feature) {
   if (!settings_.has_past || face.is_segment()) return;
@@ -63,7 +82,7 @@ void SurfaceCollider::add_if_through(Pair pair, const Proxy& solid, const Surfac
   const Vec3 weights = closest_on_triangle(solid.position, now[0], now[1], now[2]).weights;
   pair.weights = {1, -weights[0], -weights[1], -weights[2]};
   const double reach = body.rounding - normal.dot(body.support(-normal));
-  add(pair, solid.position - place(solid.slot), normal, -std::abs(height) - reach - pair.radii, feature,
+  add(pair, solid.position - place(solid.slot, 0), normal, -std::abs(height) - reach - pair.radii, feature,
       std::abs(height) + 0.1 * body.size);
 }
 
@@ -71,24 +90,32 @@ void SurfaceCollider::add_if_through(Pair pair, const Proxy& solid, const Surfac
 void SurfaceCollider::convex_face(const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature) {
   Approach near = approach(body, face, &SurfaceCollider::first_touch_of_solid);
   add_if_through(near.pair, body, face, first_feature + through_feature);
+  stand_or_pass(body, face, near, [&](Approach& then) { return stand_by_solid(then, body, face, first_feature); });
+}
+
+bool SurfaceCollider::stand_by_solid(Approach& near, const Proxy& body, const SurfaceFace& face, std::uint32_t first_feature) {
   TriangleNodes nodes = places(face, near.time);
   for (Vec3& x : nodes) x -= near.centre;
   PairManifold found;
   const ConvexBody solid = at_origin(body);
-  if (!sheet_manifold(solid, nodes, near.reach, found)) return;
+  if (!sheet_manifold(solid, nodes, near.reach, found)) return false;
   // the points share a normal, which is that of one feature of the face: where a neighbour comes closer, it speaks
   const Vec3 feature = without_twin(face, furthest(nodes, found.normal, 1e-6 * solid.size));
-  if (!is_nearest(face, feature, found.normal, lean_of_boxes)) return;
+  if (!is_nearest(face, feature, found.normal, lean_of_boxes)) return false;
   tidy(found, near.reach);
+  bool says = false;
   for (int i = 0; i < found.count; ++i) {
     const ContactPoint& c = found.points[i];
     const TrianglePoint on_face = closest_on_triangle(c.position - 0.5 * c.gap * found.normal, nodes[0], nodes[1], nodes[2]);
     const Vec3 weights = without_twin(face, on_face.weights);
-    if (is_one_node(weights)) continue;  // nodes touch bodies as the particles that they are
-    if (!owns(face, weights) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
-    const Vec3 arm = on_face.point + body.position - place(body.slot);  // to the face: friction turns nothing by itself
+    const bool own = !is_one_node(weights) && owns(face, weights);  // nodes touch bodies as the particles that they are
+    if ((time_ == 0 && !own) || !is_nearest(face, weights, found.normal, lean_of_boxes)) continue;
+    says = true;
+    if (!own) continue;
+    const Vec3 arm = on_face.point + body.position - place(body.slot, 0);  // to the face: friction turns nothing by itself
     add_touch(near, weights, arm, found.normal, c.gap, first_feature + c.feature);
   }
+  return says;
 }
 
 }  // namespace unibody

@@ -21,7 +21,9 @@ void add_bodies(const RankState& state, const ContactBatch& batch, std::vector<C
       const auto& [along_n, along_s, along_t] = total[p];
       const double net = adhesive.empty() ? along_n : along_n - adhesive[p];
       const Vec3 impulse = net * m.normal + along_s * s + along_t * t;
-      add_impulse(world, m, state.contacts.points[p].position, m.normal, impulse, out);
+      const Slot from = moves_freely(world, m.slot_a) ? m.slot_a : m.slot_b;  // as impacts are told (impacts.cpp)
+      const Vec3 point = place_of(world, m, from) + arm_of(world, m, state.contacts.points[p], from);
+      add_impulse(world, m, m.time > 0 ? point : state.contacts.points[p].position, m.normal, impulse, out);
     }
   }
 }
