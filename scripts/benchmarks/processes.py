@@ -26,6 +26,8 @@ SMALL = ['bodies[0].shape.mesh.revolve.profile=[[0.008, 0], [0.022, 0], [0.022, 
 # name: scene, settings, when the rivals start (s), for how long (s), how often places are compared (s)
 PROCESSES = {
     'silo M1, 20 mm': ('silo_emptying', [], 0.5, 1.5, 0.02),
+    'silo M1, 20 mm, second start': ('silo_emptying', ['bodies[2].lattice.seed=2'], 0.5, 1.5, 0.02),
+    'silo M1, 20 mm, third start': ('silo_emptying', ['bodies[2].lattice.seed=3'], 0.5, 1.5, 0.02),
     'silo M2, 16 mm': ('silo_emptying', M2 + SMALL, 0.5, 1.5, 0.02),
     'drum': ('drum_mixing', [], 0.3, 5.0, 0.05),
     'intruder': ('intruder', [], 0.5, 0.2, 0.01),
