@@ -157,7 +157,7 @@ def plot(results):
     import matplotlib
     matplotlib.use('Agg')
     from matplotlib import pyplot
-    figure, axes = pyplot.subplots(2, 2, figsize=(11, 8))
+    figure, axes = pyplot.subplots(2, max(2, -(-len(results) // 2)), figsize=(14, 8))
     for place, (name, programs) in zip(axes.flat, results.items()):
         for number, (program, (run, columns)) in enumerate(programs.items()):
             for k, values in enumerate(columns.values()):
