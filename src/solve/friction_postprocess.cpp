@@ -37,9 +37,7 @@ std::vector<Touch> list_touches(const World& world, const Contacts& contacts, co
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const double limit = m.friction * normal[p];
       if (limit <= 0) continue;
-      const auto end = [&](Slot s, double weight) {
-        return Touch::End{s, weight, arm_of(world, m, contacts.points[p], s)};
-      };
+      const auto end = [&](Slot s, double weight) { return Touch::End{s, weight, arm_of(world, m, contacts.points[p], s)}; };
       touches.push_back({{end(m.slot_a, 1), end(m.slot_b, -1)}, 2, m.normal, limit, system.contacts().is_counted(i)});
     }
   }
