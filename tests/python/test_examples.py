@@ -125,7 +125,7 @@ def test_orifice_flow_is_that_of_beverloo(tmp_path):
 def test_column_collapse_reaches_as_far_as_experiments_say(tmp_path):
     lines = run(tmp_path, "column_collapse.py", "--quick", "--plot", tmp_path / "plot.png")
     aspect, reach, law, left, speed = [float(word) for word in lines[1].split()]
-    assert 0.9 < aspect < 1.2 and abs(law - 1.2 * aspect) < 0.01
+    assert 0.9 < aspect < 1.3 and abs(law - 1.2 * aspect) < 0.01
     assert abs(reach - law) < 0.2 * law
     assert left < aspect and speed < 0.01  # m/s: it lies
     assert os.path.getsize(tmp_path / "plot.png") > 10000
