@@ -102,7 +102,7 @@ TEST_P(Impacts, AGasKeepsItsEnergy) {
     ASSERT_LE(run.kinetic_energy(), before * (1 + 1e-4)) << k;
   }
   EXPECT_GT(impacts, 2000);
-  EXPECT_NEAR(run.kinetic_energy() / before, 1, 1e-2);  // by where they start 0 to 0.0016 is lost where three meet at once
+  EXPECT_NEAR(run.kinetic_energy() / before, 1, 1e-2);  // from other starts 0 to 0.0016 is lost
   for (std::size_t i = 0; i < run.world().homes; ++i) EXPECT_LT(run.world().position[i].cwiseAbs().maxCoeff(), 1);
 }
 
