@@ -2,8 +2,8 @@
 //
 // The rows of a contact hold one solid behind a plane across the distance of the two. Where that plane stands as the two are at
 // the start of the step, what passes by an edge or a round side runs into it beside the solid, and is turned aside by what it
-// never touches. Of what passes by, it has to stand where the two are nearest to each other. Whichever it is, two solids on the
-// two sides of it do not overlap, wherever others send them.
+// never touches. For what passes by, the plane has to stand across the distance of the two at the time when they are nearest
+// to each other. Both planes separate: two solids that end the step on the two sides of either of them do not overlap.
 #pragma once
 
 #include <algorithm>

@@ -122,7 +122,8 @@ class SurfaceCollider {
   Approach approach(const Proxy& solid, const SurfaceFace& face, FirstTouch first) const;
   bool stand_by_box(Approach& near, const Proxy& box, const SurfaceFace& face);
   bool stand_by_solid(Approach& near, const Proxy& solid, const SurfaceFace& face, std::uint32_t first_feature);
-  // Calls stand(approach) as the two are when they pass each other, and where that says nothing, as they stand.
+  // Where the solid passes the face by, stand(approach) looks for contacts at the time when the two are nearest to each other.
+  // Where it finds none then, or the two do not pass each other, it looks for them at the start of the step.
   template <class Stand>
   void stand_or_pass(const Proxy& solid, const SurfaceFace& face, Approach& approach, Stand&& stand) {
     const double passes = approach.time > 0 ? 0 : passes_solid(solid, face, approach);
