@@ -40,6 +40,7 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
     columns.push_back({"coarse_touching (1)", static_cast<double>(report.coarse.touching)});
     columns.push_back({"coarse_gaining (1)", static_cast<double>(report.coarse.gaining)});
   }
+  if (simulation.traits.has_centre_constraints) columns.push_back({"turning (m)", report.turning});
   if (scene.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
   add(joint_columns(comm, scene.joints, simulation.joints, simulation.joint_slots, simulation.joint_states(),
                     step.residual_of<JointBatch>()));

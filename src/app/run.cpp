@@ -223,6 +223,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     if (step.residual > report.natural_residual) report.worst = step.worst;
     report.natural_residual = std::max(report.natural_residual, step.residual);
+    report.turning = std::max(report.turning, step.turning);
     report.estimated_error += step.estimated_error;
     report.residual_rate += step.residual / scene_.time.frame;
     report.converged &= step.converged, report.form_left += step.form_left;

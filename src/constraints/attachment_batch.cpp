@@ -85,6 +85,10 @@ void AttachmentBatch::add_impulses(SolveState& state, const WarmStart& warm, dou
   for (const Row& row : rows_) push(state.wrenches, row.body, row.node, row.arm, row.lambda);
 }
 
+void AttachmentBatch::add_applied(const SolveState&, std::span<Vec4d> impulses) const {
+  for (const Row& row : rows_) add(impulses[static_cast<std::size_t>(row.node)], -row.y);
+}
+
 void AttachmentBatch::remember(History& history, double) const {
   std::ranges::fill(history, std::array{0.0, 0.0, 0.0});
   for (const Row& row : rows_)

@@ -67,6 +67,7 @@ class AttachmentBatch : public BatchDefaults {
 
   void start_from(const History& history, const WarmStart& warm);
   void add_impulses(SolveState& state, const WarmStart& warm, double) const;
+  void add_applied(const SolveState& state, std::span<Vec4d> impulses) const;
   void remember(History& history, double) const;
 
  private:

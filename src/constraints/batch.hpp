@@ -112,6 +112,10 @@ struct BatchDefaults {
   void end_stage(SolveState&) {}              // after the last iteration of a stage
   std::int64_t sliding() const { return 0; }  // counted contacts at the limit of friction
 
+  // Adds to the particles what the batch has done to them in the step (N s), of all stages together, after any iteration: of a
+  // batch that ties any.
+  void add_applied(const SolveState&, std::span<Vec4d>) const {}
+
   // History. A warm start's share of it, into the multipliers; their impulses, onto the bodies; and back.
   void start_from(const NoHistory&, const WarmStart&) {}
   void add_impulses(SolveState&, const WarmStart&, double) {}

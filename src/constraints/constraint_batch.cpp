@@ -105,7 +105,8 @@ constexpr auto passes() {
                     &B::get_multipliers, &B::start_from, &B::remember, static_cast<Add>(&B::add_impulses),
                     static_cast<AddState>(&B::add_impulses), &B::geometric_stiffness, static_cast<Sweep>(&B::sweep),
                     static_cast<SweepState>(&B::sweep), static_cast<Relax>(&B::relax), static_cast<RelaxState>(&B::relax),
-                    static_cast<Residual>(&B::residual), &B::for_each_residual, &B::moves_beyond, &B::add_directions, &B::bytes);
+                    static_cast<Residual>(&B::residual), &B::for_each_residual, &B::add_applied, &B::take_total_form,
+                    &B::moves_beyond, &B::add_directions, &B::bytes);
 }
 
 template <class... C>

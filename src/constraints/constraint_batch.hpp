@@ -7,8 +7,9 @@
 // is broken at x_l only the share gamma of c is to be taken out.
 //
 // The incremental form applies each change of lambda along the D of its pass and leaves it there, so its fixed point is implicit
-// Euler up to the turning of D within the step. The total form keeps each body's impulse p equal to D lambda with the D of the
-// last pass: r grows by D^T W (D lambda - p), and D (lambda + change) - p is what is applied.
+// Euler up to the turning of D within the step. The total form brings each body's impulse p to D lambda with the D of the last
+// pass: r grows by s D^T W (D lambda - p), and D change + s (D lambda - p) is what is applied. The share s is 1 in solids that
+// start a step in this form; else turned_share(), with which it converges however much a pull exceeds the masses.
 #pragma once
 
 #include <algorithm>
@@ -82,6 +83,13 @@ class ConstraintBatch : public BatchDefaults {
   void add_impulses(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                     double most_stiffness = HUGE_VAL);
 
+  // Adds to each body what this batch has done to it (N s); in the incremental form D lambda with the D of where the bodies are,
+  // which the solve has come to by changes along the D of each pass.
+  void add_applied(const SolveState& state, std::span<Vec4d> impulses) const;
+
+  // Goes on in the total form, from bodies to which the impulses of add_applied() have been applied.
+  void take_total_form(const SolveState& state);
+
   // Largest geometric stiffness h |lambda| (c_a / m_a + c_b / m_b) / l of links with these multipliers, l their length at rest.
   double geometric_stiffness(const StepStart& start, std::span<const Multipliers> multipliers);
 
@@ -111,7 +119,7 @@ class ConstraintBatch : public BatchDefaults {
   void add_directions(const StepStart& start, std::span<const SolverBody> bodies, std::span<DirectionSum> sums) const;
 
   // Sets the form of the next step, before set_multipliers().
-  void set_form(Form form) { form_ = form; }
+  void set_form(Form form) { form_ = form, eases_ = !fills_space<C>; }
   Form form() const { return form_; }
 
   std::size_t size() const { return order_.size(); }
@@ -146,18 +154,25 @@ class ConstraintBatch : public BatchDefaults {
                                                      const Solution& r, double step) const;
   template <std::size_t ends = stencil>
   [[gnu::always_inline]] static inline Impulses times(const Rows<stencil, rows>& at, const Solution& lambda);
-  [[gnu::always_inline]] inline void add_misfit(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
-                                                const Solution& lambda, Solution& r) const;
+  [[gnu::always_inline]] inline Impulses add_misfit(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
+                                                    const Solution& lambda, Vec4d share, Solution& r) const;
+  [[gnu::always_inline]] inline Vec4d turned_share(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
+                                                   const Solution& lambda, double step) const;
   [[gnu::always_inline]] static inline Vec4d part_taken(const Solution& lambda, Solution& step);
+  template <std::size_t ends>
+  [[gnu::always_inline]] static inline ImpulseRows in_rows(Impulses& impulse);
   template <bool total>
   [[gnu::always_inline]] inline ImpulseRows take_impulses(std::size_t b, const Rows<stencil, rows>& at, const Solution& change,
-                                                          const Solution& lambda);
+                                                          const Solution& lambda, Vec4d share);
   template <bool total>
   [[gnu::always_inline]] static inline void keep_gradients(const Rows<stencil, rows>& now, Rows<stencil, rows>& at);
   [[gnu::always_inline]] static inline void add(const Block& block, const ImpulseRows& impulse, std::span<Vec4d> impulses);
   template <Law law, bool total>
   void add_multipliers(const StepStart& start, std::span<const SolverBody> bodies, std::span<Vec4d> impulses,
                        double most_stiffness);
+  template <std::size_t ends>
+  Impulses present_impulses(std::size_t b, const StepStart& start, std::span<const SolverBody> bodies) const;
+  Vec4d missing_speed(std::size_t b, const Impulses& missing, std::span<const SolverBody> bodies) const;
   inline void bound_stiffness(std::size_t b, const Rows<stencil, rows>& at, double most, double step);
   void add_lines(const StepStart& start, std::span<const SolverBody> bodies, std::span<DirectionSum> sums) const;
   void take_inverses(const StepStart& start);  // at the first pass of a step
@@ -184,6 +199,7 @@ class ConstraintBatch : public BatchDefaults {
   std::vector<Solution> lambda_, y_;
   std::vector<Impulses> applied_;  // in the total form: on the bodies of each block so far
   Form form_ = Form::incremental;
+  bool eases_ = !fills_space<C>;          // in the total form: passes take over a part of what has turned
   std::vector<Vec4d> inverses_;           // 1/P of each block; empty where it changes within the step
   bool has_inverses_ = false;             // of this step
   std::vector<std::uint8_t> counted_;     // of each block a bit a lane

@@ -34,7 +34,7 @@ void ConstraintBatch<C>::add_multipliers(const StepStart& start, std::span<const
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution& lambda = lambda_[first + i];
-      add(blocks_[first + i], take_impulses<total>(first + i, at[i], lambda, lambda), impulses);
+      add(blocks_[first + i], take_impulses<total>(first + i, at[i], lambda, lambda, broadcast(1)), impulses);
     }
   }
 }
@@ -54,6 +54,51 @@ void ConstraintBatch<C>::add_impulses(const StepStart& start, std::span<const So
   else
     start.is_linear() ? add_multipliers<Law::linear, false>(start, bodies, impulses, most_stiffness)
                       : add_multipliers<Law::stiff, false>(start, bodies, impulses, most_stiffness);
+}
+
+// D lambda along the directions at the bodies' present places, on the first ends.
+template <ConstraintType C>
+template <std::size_t ends>
+typename ConstraintBatch<C>::Impulses ConstraintBatch<C>::present_impulses(std::size_t b, const StepStart& start,
+                                                                           std::span<const SolverBody> bodies) const {
+  const Block& block = blocks_[b];
+  Rows<stencil, rows> at;
+  C::evaluate(
+      block.parameters,
+      start.is_linear() ? gather<Law::linear, false>(block, start, bodies).x : gather<Law::stiff, false>(block, start, bodies).x,
+      at);
+  return times<ends>(at, y_.empty() ? lambda_[b] : y_[b]);
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::add_applied(const SolveState& state, std::span<Vec4d> impulses) const {
+  constexpr std::size_t ends = std::tuple_size_v<ImpulseRows>;
+  for (std::size_t b = 0; b < blocks_.size(); ++b) {
+    Impulses all = form_ == Form::total ? applied_[b] : present_impulses<ends>(b, state.start(), state.bodies);
+    add(blocks_[b], in_rows<ends>(all), impulses);
+  }
+}
+
+template <ConstraintType C>
+void ConstraintBatch<C>::take_total_form(const SolveState& state) {
+  if (form_ == Form::total) return;
+  form_ = Form::total, eases_ = true;
+  applied_.resize(blocks_.size());
+  for (std::size_t b = 0; b < blocks_.size(); ++b) applied_[b] = present_impulses<stencil>(b, state.start(), state.bodies);
+}
+
+// By how much the impulses that an end misses would change its velocity (m/s), the most: across the rows too, which see only what
+// is along them.
+template <ConstraintType C>
+Vec4d ConstraintBatch<C>::missing_speed(std::size_t b, const Impulses& missing, std::span<const SolverBody> bodies) const {
+  Vec4d most = broadcast(0);
+  for (std::size_t e = 0; e < stencil; ++e) {
+    Vec4d inverse_mass;
+    for (std::size_t l = 0; l < lanes; ++l)
+      inverse_mass[l] = bodies[static_cast<std::size_t>(blocks_[b].slot[e][l])].inverse_mass;
+    most = max(most, inverse_mass * sqrt(dot(missing[e], missing[e])));
+  }
+  return most;
 }
 
 template <ConstraintType C>
@@ -80,6 +125,7 @@ void ConstraintBatch<C>::sweep_as(const StepStart& start, std::span<const Solver
                                   const Extrapolation& extrapolation, SweepSums& sums) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> r, step;
+  std::array<Vec4d, ahead> share;
   const double h = start.step;  // a copy: no store of the loop can change it
   const Vec4d over_step = broadcast(1 / h);
   const Update<Vec4d> update = update_of_four(extrapolation);
@@ -92,13 +138,13 @@ void ConstraintBatch<C>::sweep_as(const StepStart& start, std::span<const Solver
       Rows<stencil, rows> now;
       C::evaluate(blocks_[b].parameters, ends.x, now);
       r[i] = residual_of<law>(b, ends, now, y_[b], start, over_step);
-      if constexpr (total) add_misfit(b, now, ends, y_[b], r[i]);
+      if constexpr (total) share[i] = turned_share(b, now, ends, y_[b], h), add_misfit(b, now, ends, y_[b], share[i], r[i]);
       step[i] = solve_block<law != Law::stiff>(b, now, ends, r[i], h);
       keep_gradients<total>(now, at[i]);
     }
     for (std::size_t i = 0; i < count; ++i) {
       const Solution moved = extrapolate<law>(first + i, r[i], step[i], update, over_step, totals);
-      add(blocks_[first + i], take_impulses<total>(first + i, at[i], moved, y_[first + i]), impulses);
+      add(blocks_[first + i], take_impulses<total>(first + i, at[i], moved, y_[first + i], share[i]), impulses);
     }
   }
   totals.add_to(sums, h);
@@ -157,6 +203,7 @@ template <typename ConstraintBatch<C>::Law law, bool total>
 double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start, std::span<SolverBody> bodies) {
   std::array<Rows<stencil, rows>, ahead> at;
   std::array<Solution, ahead> step;
+  std::array<Vec4d, ahead> share;
   const double h = start.step;  // a copy: no store of the loop can change it
   const Vec4d over_step = broadcast(1 / h);
   Vec4d change = broadcast(0);
@@ -167,7 +214,8 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
       const Ends ends = gather<law, false>(blocks_[b], start, bodies);
       C::evaluate(blocks_[b].parameters, ends.x, at[i]);
       Solution r = residual_of<law>(b, ends, at[i], lambda_[b], start, over_step);
-      if constexpr (total) add_misfit(b, at[i], ends, lambda_[b], r);
+      if constexpr (total)
+        share[i] = turned_share(b, at[i], ends, lambda_[b], h), add_misfit(b, at[i], ends, lambda_[b], share[i], r);
       step[i] = solve_block<law != Law::stiff>(b, at[i], ends, r, h);
       const Vec4d part = part_taken(lambda_[b], step[i]);
       for (std::size_t k = 0; k < rows; ++k) {
@@ -178,7 +226,7 @@ double ConstraintBatch<C>::relax_group(std::size_t group, const StepStart& start
     }
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t b = first + i;
-      const auto impulse = take_impulses<total>(b, at[i], step[i], lambda_[b]);
+      const auto impulse = take_impulses<total>(b, at[i], step[i], lambda_[b], share[i]);
       for (std::size_t e = 0; e < stencil; ++e)
         for (std::size_t l = 0; l < lanes; ++l) {
           const Slot slot = blocks_[b].slot[e][l];
@@ -221,7 +269,11 @@ double ConstraintBatch<C>::residual_by(const StepStart& start, std::span<const S
     C::evaluate(blocks_[b].parameters, ends.x, at);
     Solution r = residual_of<law>(b, ends, at, lambda_[b], start, over_step);
     Vec4d part = broadcast(1);
-    if (form_ == Form::total) add_misfit(b, at, ends, lambda_[b], r);
+    Vec4d of_block = broadcast(0);
+    if (form_ == Form::total) {
+      const Impulses missing = add_misfit(b, at, ends, lambda_[b], broadcast(1), r);
+      if (eases_) of_block = missing_speed(b, missing, bodies);
+    }
     if constexpr (is_unilateral<C>) {
       Solution step = solve_block<false>(b, at, ends, r, h);
       part = part_taken(lambda_[b], step);
@@ -231,7 +283,6 @@ double ConstraintBatch<C>::residual_by(const StepStart& start, std::span<const S
       moves = inverses_[b];
     else
       for (const Vec4d m : ends.weight) moves += m;
-    Vec4d of_block = broadcast(0);
     for (const Vec4d rk : r)
       of_block = max(of_block, select(moves > broadcast(0), with_damping<law>(b, abs(rk * part), over_step), broadcast(0)));
     if (visit != nullptr) (*visit)(b, of_block);

@@ -138,15 +138,37 @@ inline typename ConstraintBatch<C>::Impulses ConstraintBatch<C>::times(const Row
   return impulse;
 }
 
-// r += D^T W (D lambda - p): what the rows will see of the impulses that have not been turned yet.
+// The share s of D lambda - p that a pass takes over, 1 / (1 + g): what moves an end across a row turns D, and D lambda with it,
+// as if sum_k h |lambda_k| |d2c_k/dx2| were a stiffness, here bounded by each row's D^T W D over the length that makes it a
+// distance. All of it at once, each end would be thrown g times as far to the other side.
 template <ConstraintType C>
-inline void ConstraintBatch<C>::add_misfit(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends, const Solution& lambda,
-                                           Solution& r) const {
-  const Impulses all = times(at, lambda);
-  for (std::size_t e = 0; e < stencil; ++e) {
-    const Vec3x4 missing = (all[e] - applied_[b][e]) * ends.weight[e];
-    for (std::size_t k = 0; k < rows; ++k) r[k] += dot(at.gradient[k][e], missing);
+inline Vec4d ConstraintBatch<C>::turned_share(std::size_t b, const Rows<stencil, rows>& at, const Ends& ends,
+                                              const Solution& lambda, double step) const {
+  if (!eases_) return broadcast(1);
+  constexpr double curvature = rows == 1 && !is_link<C> ? 2 : 1;  // of angles and areas; strains' is 1 (Green)
+  Vec4d pull = broadcast(0);
+  for (std::size_t k = 0; k < rows; ++k) {
+    Vec4d moved = broadcast(0);
+    for (std::size_t e = 0; e < stencil; ++e)
+      moved += has_unit_gradients<C> ? ends.weight[e] : ends.weight[e] * dot(at.gradient[k][e], at.gradient[k][e]);
+    pull += moved * abs(lambda[k]);
   }
+  const Vec4d last = blocks_[b].parameters[parameter_count - 1], length = is_link<C> ? at.value[0] + last : last;
+  return length * inverse_or_zero(length + broadcast(curvature * step) * pull);
+}
+
+// r += s D^T W (D lambda - p): what the rows will see of the impulses that are turned in this pass. Returns D lambda - p.
+template <ConstraintType C>
+inline typename ConstraintBatch<C>::Impulses ConstraintBatch<C>::add_misfit(std::size_t b, const Rows<stencil, rows>& at,
+                                                                            const Ends& ends, const Solution& lambda, Vec4d share,
+                                                                            Solution& r) const {
+  Impulses missing = times(at, lambda);
+  for (std::size_t e = 0; e < stencil; ++e) {
+    missing[e] = missing[e] - applied_[b][e];
+    const Vec3x4 seen = missing[e] * (share * ends.weight[e]);
+    for (std::size_t k = 0; k < rows; ++k) r[k] += dot(at.gradient[k][e], seen);
+  }
+  return missing;
 }
 
 // Shortens the step of a unilateral row so that its multiplier does not become negative; returns which part of it is left.
@@ -158,28 +180,38 @@ inline Vec4d ConstraintBatch<C>::part_taken(const Solution& lambda, Solution& st
   return select(wanted != zero, step[0] / select(wanted != zero, wanted, broadcast(1)), zero);
 }
 
-// What a change of the multipliers to lambda adds to each end and lane, as rows of four whose last component is 0. Of two bodies
-// the second gets the opposite.
+// Impulses on the first ends, of each lane a row of four whose last component is 0.
+template <ConstraintType C>
+template <std::size_t ends>
+inline typename ConstraintBatch<C>::ImpulseRows ConstraintBatch<C>::in_rows(Impulses& impulse) {
+  ImpulseRows in_rows;
+  for (std::size_t e = 0; e < ends; ++e) {
+    Vec4d none = broadcast(0);
+    transpose(impulse[e].x, impulse[e].y, impulse[e].z, none);
+    in_rows[e] = {impulse[e].x, impulse[e].y, impulse[e].z, none};
+  }
+  return in_rows;
+}
+
+// What a change of the multipliers to lambda adds to each end and lane. Of two bodies the second gets the opposite.
 template <ConstraintType C>
 template <bool total>
 inline typename ConstraintBatch<C>::ImpulseRows ConstraintBatch<C>::take_impulses(std::size_t b, const Rows<stencil, rows>& at,
-                                                                                  const Solution& change,
-                                                                                  const Solution& lambda) {
+                                                                                  const Solution& change, const Solution& lambda,
+                                                                                  Vec4d share) {
   Impulses added;
   if constexpr (total) {
     const Impulses all = times(at, lambda);
-    for (std::size_t e = 0; e < stencil; ++e) added[e] = all[e] - applied_[b][e];
-    applied_[b] = all;
+    const Impulses own = eases_ ? times(at, change) : all;
+    for (std::size_t e = 0; e < stencil; ++e) {
+      const Vec3x4 missing = (eases_ ? all[e] - own[e] : all[e]) - applied_[b][e];
+      added[e] = eases_ ? own[e] + missing * share : missing;
+      applied_[b][e] = eases_ ? applied_[b][e] + added[e] : all[e];
+    }
   } else {
     added = times<std::tuple_size_v<ImpulseRows>>(at, change);
   }
-  ImpulseRows impulse;
-  for (std::size_t e = 0; e < impulse.size(); ++e) {
-    Vec4d none = broadcast(0);
-    transpose(added[e].x, added[e].y, added[e].z, none);
-    impulse[e] = {added[e].x, added[e].y, added[e].z, none};
-  }
-  return impulse;
+  return in_rows<std::tuple_size_v<ImpulseRows>>(added);
 }
 
 // What take_impulses() needs: of two bodies the first one's.

@@ -24,6 +24,7 @@ struct Rows {
   std::array<std::array<Vec3x4, stencil>, rows> gradient;
 };
 
+// The last parameter is the length (m) that makes the rows distances: an element's size; of a link, how long it is at rest.
 template <class C>
 concept ConstraintType = requires(const std::array<Vec4d, C::parameter_names.size()>& parameters,
                                   const std::array<Vec3x4, C::stencil>& x, Rows<C::stencil, C::rows>& rows) {
@@ -39,8 +40,8 @@ inline constexpr bool starts_cold = requires {
   requires C::starts_cold;
 };
 
-// An element of a solid: it resists what moves its nodes in all directions, so that the total form converges where it is soft.
-// What is pulled in a plane or along a line turns freely, and its pull then makes the total form of the Jacobi solvers diverge.
+// An element of a solid: it resists what moves its nodes in all directions, so that the total form converges where it is soft,
+// though it takes over at once all that turns. What is pulled in a plane or along a line turns freely: see turned_share().
 template <class C>
 inline constexpr bool fills_space = requires {
   requires C::fills_space;

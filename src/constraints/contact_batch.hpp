@@ -183,6 +183,7 @@ class ContactBatch : public BatchDefaults {
 
   // Between the stages: keeps the velocity stage's multipliers; the position stage then starts from zero and adds to them, or, if
   // `together`, from them.
+  void add_applied(const SolveState& state, std::span<Vec4d> impulses) const;
   void keep_impulses(bool together);
 
   void join_stages();

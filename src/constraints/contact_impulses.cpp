@@ -90,6 +90,25 @@ std::vector<ContactBatch::Impulse> ContactBatch::total_impulses() const {
   return total;
 }
 
+// Particles touch at a point each, their centre, so that there is no torque to be told.
+void ContactBatch::add_applied(const SolveState&, std::span<Vec4d> impulses) const {
+  const auto is_particle = [&](Slot s) {
+    return world_->properties[static_cast<std::size_t>(s)].shape.kind == ShapeKind::particle;
+  };
+  for_each_row([&](std::size_t i, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
+    const Manifold& m = contacts_->manifolds[i];
+    if (!is_particle(m.slot_a) && !is_particle(m.slot_b)) return;
+    const bool moves = !normal_momenta.empty();
+    const Impulse before = kept_ == Kept::apart ? kept_impulses_[contact] : Impulse{0, 0, 0};
+    Impulse now = moves ? Impulse{normal_momenta[p].y[l], 0, 0} : row(l, p, t);
+    if (moves && t != no_tangent) now.s = tangent_momenta[t].y_s[l], now.t = tangent_momenta[t].y_t[l];
+    const Vec3 s = first_tangent_of(m.normal);
+    const Vec3 all = (before.n + now.n) * m.normal + (before.s + now.s) * s + (before.t + now.t) * m.normal.cross(s);
+    impulses[static_cast<std::size_t>(m.slot_a)] += Vec4d{all.x(), all.y(), all.z(), 0};
+    impulses[static_cast<std::size_t>(m.slot_b)] -= Vec4d{all.x(), all.y(), all.z(), 0};
+  });
+}
+
 void ContactBatch::normal_impulses(std::span<double> normal) const {
   for_each_row([&](std::size_t, std::size_t l, std::size_t p, std::size_t, std::size_t contact) {
     normal[contact] = normals[p].lambda[l] + (kept_ == Kept::apart ? kept_impulses_[contact].n : 0);

@@ -246,6 +246,17 @@ void SurfaceBatch::normal_impulses(std::span<double> normal) const {
   }
 }
 
+void SurfaceBatch::add_applied(const SolveState&, std::span<Vec4d> impulses) const {
+  for (const Block& block : blocks_) {
+    const Vec3x4 all = block.n * (block.kept.n + block.y.n) + block.s * (block.kept.s + block.y.s) +
+                       cross(block.n, block.s) * (block.kept.t + block.y.t);
+    for (std::size_t l = 0; l < lanes; ++l)
+      for (std::size_t k = 0; k < 4; ++k)
+        impulses[static_cast<std::size_t>(block.slot[k][l])] +=
+            broadcast(block.weight[k][l]) * Vec4d{all.x[l], all.y[l], all.z[l], 0};
+  }
+}
+
 void SurfaceBatch::total_impulses(std::span<Vec3> impulses) const {
   for (std::size_t i = 0; i < impulses.size(); ++i) {
     const Block& block = blocks_[i / lanes];

@@ -40,6 +40,7 @@ class SurfaceBatch : public BatchDefaults {
   bool bounces() const { return any_bounce_; }
   void renew(const SolveState& state);  // as ContactBatch's
 
+  void add_applied(const SolveState& state, std::span<Vec4d> impulses) const;
   void keep_impulses(bool together);
   void join_stages();
 

@@ -56,6 +56,7 @@ Off off_by(const FrameReport& report, bool asked) {
     if (length > off.length) off = {length, fault};
   };
   if (asked) off = {report.estimated_error, Fault::error};
+  take(report.turning, Fault::turning);
   take(report.measures.penetration_max, Fault::penetration);
   take(report_value(report, "joint_drift_max").value_or(0), Fault::joint_drift);
   return off;

@@ -16,8 +16,9 @@ namespace unibody {
 struct FrameReport;
 
 // What a frame is off by: the largest of these.
-enum class Fault { error, residual, penetration, joint_drift };
-inline constexpr std::array<std::string_view, 4> fault_names{"estimated error", "natural residual", "penetration", "joint drift"};
+enum class Fault { error, residual, turning, penetration, joint_drift };
+inline constexpr std::array<std::string_view, 5> fault_names{"estimated error", "natural residual", "turning", "penetration",
+                                                             "joint drift"};
 
 struct Off {
   double length = 0;  // m
@@ -25,7 +26,8 @@ struct Off {
 };
 
 // What a frame is off by: the largest of what its solve left undone (its estimated error where an accuracy is asked for, else
-// its natural residual), of how deep its contacts are, and of how far its joints are open.
+// its natural residual), of what constraints miss of their turning, of how deep its contacts are, and of how far its joints are
+// open.
 Off off_by(const FrameReport& report, bool asked);
 
 // Natural residuals (m) of the frames, each of the frame's worst step; and what each frame is off by (m).

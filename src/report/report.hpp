@@ -20,6 +20,7 @@ struct FrameReport {
   double time = 0;              // s
   std::int64_t iterations = 0;  // of the solver
   double natural_residual = 0;  // m, of the frame's worst step
+  double turning = 0;           // m, what constraints between centres miss because they turn; of the frame's worst step
   double estimated_error = 0;   // m, of all steps of the frame together, where the scene asks for an accuracy
   double residual_rate = 0;     // m/s, the residuals of all of its steps, over its length: by which what rests may creep
   Measures measures;

@@ -89,7 +89,7 @@ SolveReport gauss_seidel(System& system, const Exchange& exchange, int iteration
     // What is applied in the end must lie in the cone: two plain sweeps at least follow where it was left.
     const bool extrapolates = momentum && backwards && report.iterations + 2 <= iterations;
     if (extrapolates) momentum->measure(sums);
-    if (rule.tolerance <= 0 && rule.allowed <= 0 && !extrapolates) continue;
+    if (rule.tolerance <= 0 && rule.allowed <= 0 && !rule.hidden && !extrapolates) continue;
     reduction.start(sums);
     sums = reduction.wait();
     const bool measures = stop.is_worth_measuring(sums.change, report.iterations);

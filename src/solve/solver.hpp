@@ -69,6 +69,10 @@ struct StopRule {
   double tolerance = 0;  // at which it stops; 0: at none
   double allowed = 0;    // at which it stops from `least` iterations on; then it also gives up where more of them hardly help
   int least = 0;
+  // m, over all ranks, what no row shows: the stage may end where its residual is less than this share of that, since more
+  // iterations of the kind do not help (stop_test.hpp). Collective; empty: nothing.
+  std::function<double()> hidden;
+  static constexpr double share_of_hidden = 0.01;
 
   StopRule(double at) : tolerance(at), allowed(at) {}  // NOLINT: a tolerance alone is a rule
   StopRule(double at, double later, int from) : tolerance(at), allowed(later), least(from) {}

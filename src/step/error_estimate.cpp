@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "constraints/recall.hpp"
 #include "core/exact_sum.hpp"
@@ -17,6 +18,7 @@
 #include "step/pressed_areas.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
+#include "step/turning.hpp"
 
 namespace unibody {
 
@@ -67,9 +69,10 @@ bool has_iterative_joints(const RankState& state) {
 
 // Solves the rows of the position stage, on the multipliers of both stages together (Stages::together): what a step with any
 // number of iterations is after. What follows on a solve, the guard of surfaces and friction after the solve, the converged step
-// has too. Starts from the system as it is.
+// has too. Starts from the system as it is. `predicted`: velocities before the solve, where constraints between centres turn: the
+// rounds go on in the total form, once the rows of the incremental one are solved, and what these miss is part of the residual.
 ConvergedStep converge(RankState& state, System& system, StepPlan plan, const StepFacts& facts, SolveFunction solver,
-                       const Effort& effort) {
+                       const Effort& effort, std::span<const Vec4d> predicted) {
   plan.islands = Islands::all;
   ConvergedStep converged;
   std::vector<SolverBody> best(system.bodies.begin(), system.bodies.end());
@@ -83,11 +86,16 @@ ConvergedStep converge(RankState& state, System& system, StepPlan plan, const St
         run_stage(state, system, plan, facts, Stage::Kind::position, solver, length, effort.tolerance).iterations;
     StepReport now;
     measure_solution(state, system, plan, now);
-    idle = now.residual <= 0.5 * converged.residual ? 0 : idle + 1;
-    if (!(now.residual < converged.residual)) continue;
-    converged.residual = now.residual;
-    best.assign(system.bodies.begin(), system.bodies.end());
-    system.contacts().get_impulses(impulses);
+    std::optional<Turning> turning;
+    if (!predicted.empty()) turning.emplace(state, system, predicted);
+    const double whole = turning ? std::max(now.residual, turning->distance()) : now.residual;
+    idle = whole <= 0.5 * converged.residual ? 0 : idle + 1;
+    if (whole < converged.residual) {
+      converged.residual = whole;
+      best.assign(system.bodies.begin(), system.bodies.end());
+      system.contacts().get_impulses(impulses);
+    }
+    if (turning && now.residual < StopRule::share_of_hidden * turning->distance()) turning->apply(state, system);
   }
   system.bodies.assign(best.begin(), best.end());
   if (state.has_surfaces())
@@ -118,8 +126,11 @@ ConvergedStep solve_on(RankState& state, System& system, const StepPlan& plan, c
     deeper.iterations *= longer, deeper.tolerance = effort.enough;
     solve_coarse_level(state, system, deeper, solved.predicted);
   }
+  std::pmr::vector<Vec4d> predicted(&state.scratch);
+  if (state.traits.has_centre_constraints && state.scene.solver.level != Level::velocity)
+    predicted = velocities_of(solved.predicted, &state.scratch);
   const SolveFunction same_layout = state.solver.sweeps_by_colour ? state.solver.solve : accelerated_jacobi;  // converges faster
-  const ConvergedStep converged = converge(state, system, plan, facts, same_layout, effort);
+  const ConvergedStep converged = converge(state, system, plan, facts, same_layout, effort, predicted);
   system.bodies.assign(taken.begin(), taken.end());
   system.moving.assign(taken_moving.begin(), taken_moving.end());
   std::copy(velocity_after.begin(), velocity_after.end(), state.world.velocity.begin());
@@ -203,7 +214,7 @@ ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::
     const StepFacts facts = facts_of(other, system);
     const StepPlan plan = unibody::plan(scene.solver, other.traits, facts);
     warm_start(other, system, plan);
-    converged = converge(other, system, plan, facts, accelerated_jacobi, full_effort(other, plan));
+    converged = converge(other, system, plan, facts, accelerated_jacobi, full_effort(other, plan), {});
     system.batch<JointBatch>().remember(other.history.joints(), 0);
   });
   system.clear(&other.scratch);

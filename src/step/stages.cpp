@@ -12,7 +12,9 @@
 #include "step/contact_forces.hpp"
 #include "step/contact_problem.hpp"
 #include "step/error_estimate.hpp"
+#include "step/steadying.hpp"
 #include "step/struck.hpp"
+#include "step/turning.hpp"
 
 namespace unibody {
 
@@ -134,23 +136,31 @@ struct StagesDone {
   int iterations = 0;
   double leak = 0;                // of the position stage's multipliers, into what the next step starts from
   double left_by_velocities = 0;  // m, the residual that the velocity stage left
+  double turning = 0;             // m, what constraints miss of it
   CoarseSolve coarse;             // what its momenta are off by no sweep sees
   WorstConstraint worst;          // of the velocity stage on this rank, where it left more than is to be named
 };
 
 const WorstConstraint& worse_of(const WorstConstraint& a, const WorstConstraint& b) { return b.precedes(a) ? b : a; }
 
-// The stages of a plan, in its islands. `predicted`: the bodies before the warm start, where the scene has a coarse level.
+// What there was before the warm start: the bodies where the scene has a coarse level, velocities where it has constraints
+// between centres.
+struct Predicted {
+  std::vector<SolverBody> bodies;
+  std::pmr::vector<Vec4d> velocities;
+};
+
+// The stages of a plan, in its islands.
 StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, double name_above,
-                      const std::vector<SolverBody>& predicted) {
-  const auto run = [&](Stage::Kind kind, int iterations) {
-    const StopRule rule(plan.aim, plan.tolerance, plan.least_of(kind));
+                      const Predicted& predicted) {
+  const auto run = [&](Stage::Kind kind, int iterations, const StopRule& rule) {
     return run_stage(state, system, plan, facts, kind, state.solver.solve, iterations, rule);
   };
   StagesDone done;
   bool leaks = false;
   if (plan.two_stages) {
-    const SolveReport velocity = run(Stage::Kind::velocity, plan.velocity_iterations);
+    const StopRule rule(plan.aim, plan.tolerance, plan.least_of(Stage::Kind::velocity));
+    const SolveReport velocity = run(Stage::Kind::velocity, plan.velocity_iterations, rule);
     done.iterations = velocity.iterations, leaks = !velocity.converged;
     if (leaks && plan.uneven_share < 1) system.contacts().even_out(system.bodies, solved_residual(state), plan.uneven_share);
     if (plan.stages == Stages::two) done.left_by_velocities = std::ranges::max(residuals(system));
@@ -159,8 +169,20 @@ StagesDone run_stages(RankState& state, System& system, const StepPlan& plan, co
       if (B::in_free_islands || plan.islands != Islands::free) batch.keep_impulses(plan.stages == Stages::together);
     });
   }
-  if (state.coarse.exists() && plan.islands != Islands::free) done.coarse = solve_coarse_level(state, system, plan, predicted);
-  done.iterations += run(Stage::Kind::position, plan.iterations - done.iterations).iterations;
+  if (state.coarse.exists() && plan.islands != Islands::free)
+    done.coarse = solve_coarse_level(state, system, plan, predicted.bodies);
+  StopRule rule(plan.aim, plan.tolerance, plan.least_of(Stage::Kind::position));
+  const bool turns = !predicted.velocities.empty() && plan.islands != Islands::free;
+  const bool goes_on = turns && !state.coarse.exists();  // which keeps the momenta itself
+  if (goes_on) rule.hidden = [&] { return Turning(state, system, predicted.velocities).distance(); };
+  done.iterations += run(Stage::Kind::position, plan.iterations - done.iterations, rule).iterations;
+  if (turns) {
+    rule.hidden = nullptr;
+    const TurningLeft left =
+        take_out_turning(state, system, predicted.velocities, plan.tolerance, goes_on ? plan.iterations - done.iterations : 0,
+                         [&](int most) { return run(Stage::Kind::position, most, rule).iterations; });
+    done.iterations += left.iterations, done.turning = left.distance;
+  }
   if (!plan.two_stages) return done.leak = 1, done;  // in islands with one stage, all is remembered
   if (!leaks) return done;
   const double weight = state.traits.gravity * state.step();
@@ -178,8 +200,12 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
     solved.predicted.assign(system.bodies.begin(), system.bodies.end());
     solved.velocity_before = state.world.velocity;
   }
-  std::vector<SolverBody> predicted;
-  if (state.coarse.exists()) predicted.assign(system.bodies.begin(), system.bodies.end());
+  Predicted predicted;
+  if (state.coarse.exists()) predicted.bodies.assign(system.bodies.begin(), system.bodies.end());
+  if (state.traits.has_centre_constraints && state.scene.solver.level != Level::velocity) {
+    set_form(state, system, state.form);  // the last step may have ended in the total one
+    predicted.velocities = velocities_of(system.bodies, &state.scratch);
+  }
   warm_start(state, system, plan);
 
   const StagesDone done = run_stages(state, system, plan, facts, request.name_above, predicted);
@@ -196,6 +222,8 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   }
   report.iterations = std::max(done.iterations, free.iterations);
   measure_solution(state, system, plan, report, std::max({done.left_by_velocities, free.left_by_velocities, done.coarse.off}));
+  report.turning = done.turning;
+  report.converged = report.converged && report.turning <= plan.tolerance;
   report.coarse = done.coarse.counts;
   if (request.may_be_outrun && find_struck(state, system)) {
     report.outrun = true;
@@ -212,6 +240,7 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
     take_sample(state, sample_error(state, system, plan, facts, solved, report), plan.tolerance, report);
   else if (state.scene.solver.accuracy)
     estimate_by_ratio(state, report);
+  report.estimated_error = std::max(report.estimated_error, state.scene.solver.accuracy ? report.turning : 0);
   if (request.error) report.error = estimate_error(state, system, plan, facts, solved);
   return report;
 }

@@ -38,9 +38,10 @@ struct CoarseCounts {
 
 struct StepReport {
   int iterations = 0;
-  double residual = 0;                                     // m, natural residual, of two stages the larger; max over ranks
-  double estimated_error = 0;                              // m, where the scene asks for an accuracy; see accuracy.hpp
-  bool converged = false;                                  // the residual is within the tolerance
+  double residual = 0;         // m, natural residual, of two stages the larger; max over ranks
+  double estimated_error = 0;  // m, where the scene asks for an accuracy; see accuracy.hpp
+  double turning = 0;          // m, what constraints between centres miss because they turn (turning.hpp); max over ranks
+  bool converged = false;      // the residual is within the tolerance, and so is the turning
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
   SurfaceGuard::Held guard;     // pairs that would have passed through each other, had they not been held
   bool outrun = false;          // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
@@ -62,6 +63,7 @@ struct StepReport {
     iterations += part.iterations, guard.pairs += part.guard.pairs, impacts += part.impacts;
     if (guard.not_held[0] < 0) guard.not_held = part.guard.not_held;
     estimated_error += part.estimated_error;
+    turning = std::max(turning, part.turning);
     residual = std::max(residual, part.residual), converged = converged && part.converged;
     for (std::size_t k = 0; k < batch_residuals.size(); ++k)
       batch_residuals[k] = std::max(batch_residuals[k], part.batch_residuals[k]);
