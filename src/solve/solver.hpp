@@ -69,8 +69,8 @@ struct StopRule {
   double tolerance = 0;  // at which it stops; 0: at none
   double allowed = 0;    // at which it stops from `least` iterations on; then it also gives up where more of them hardly help
   int least = 0;
-  // m, over all ranks, what no row shows: the stage may end where its residual is less than this share of that, since more
-  // iterations of the kind do not help (stop_test.hpp). Collective; empty: nothing.
+  // Returns an error of the solution that no row shows (m, the same on all ranks). The stage may end where its residual is less
+  // than share_of_hidden of that, since more of its iterations would not lessen it (stop_test.hpp). Collective; may be empty.
   std::function<double()> hidden;
   static constexpr double share_of_hidden = 0.01;
 
