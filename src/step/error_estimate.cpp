@@ -69,9 +69,9 @@ bool has_iterative_joints(const RankState& state) {
 
 // Solves the rows of the position stage, on the multipliers of both stages together (Stages::together): what a step with any
 // number of iterations is after. What follows on a solve, the guard of surfaces and friction after the solve, the converged step
-// has too. Starts from the system as it is. `predicted`: velocities before the solve, of a scene whose constraints may turn in the
-// step (turning.hpp), else empty. What the constraints miss of their turning is then part of the residual, and once their rows are
-// solved, the rounds go on in the total form.
+// has too. Starts from the system as it is. `predicted`: velocities before the solve, of a scene whose constraints may turn in
+// the step (turning.hpp), else empty. What the constraints miss of their turning is then part of the residual, and once their
+// rows are solved, the rounds go on in the total form.
 ConvergedStep converge(RankState& state, System& system, StepPlan plan, const StepFacts& facts, SolveFunction solver,
                        const Effort& effort, std::span<const Vec4d> predicted) {
   plan.islands = Islands::all;
