@@ -82,6 +82,10 @@ std::string physics_of(const Scene& scene) {
   for (const BodyGroup& group : scene.groups)
     if (const SurfaceMotionInTime* motion = group.surface_motion.get())
       text << "belt " << group.first << ' ' << motion->velocity.text() << ' ' << motion->angular_velocity.text() << '\n';
+  for (const BodyGroup& group : scene.groups)
+    if (group.friction)
+      text << "anisotropic friction " << group.first << ' ' << group.friction->axis.transpose() << ' ' << group.friction->across
+           << '\n';
   add_comings(scene, text);
   text << "air ";
   if (scene.wind.changes())

@@ -2,6 +2,7 @@
 
 #include <petscsys.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "core/checked.hpp"
@@ -21,6 +22,8 @@ void check_wishes(MPI_Comm comm, const Scene& scene, const Options& options, std
     if (!pair_value_types[k].in_contact_problem && scene.pairs.any(static_cast<PairValue>(k)))
       throw InputError("option -dump_fclib: found " + std::string(pair_value_types[k].key) + " in " + scene.path +
                        ", expected none");
+  if (std::ranges::any_of(scene.groups, [](const BodyGroup& group) { return group.friction.has_value(); }))
+    throw InputError("option -dump_fclib: found anisotropic_friction in " + scene.path + ", expected none");
   if (scene.planar) throw InputError("option -dump_fclib: found a planar scene, expected bodies free in space");
   if (first_frame >= scene.time.frames)
     throw InputError("option -dump_fclib: the run starts with its last frame, " + std::to_string(first_frame) +

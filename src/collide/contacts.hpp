@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "collide/friction_frame.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -73,11 +74,28 @@ struct Contacts {
   std::vector<ContactPoint> points;
   std::vector<double> bounce;           // m/s, of each point: the speed at which the bodies must part; empty: nothing bounces
   std::vector<SurfaceContact> surface;  // ascending keys
+  // Of each of `manifolds` and of `surface`. Empty: friction is the same in all directions, everywhere.
+  std::vector<FrictionFrame> frames, surface_frames;
 
-  void clear() { manifolds.clear(), points.clear(), bounce.clear(), surface.clear(); }
+  void clear() { manifolds.clear(), points.clear(), bounce.clear(), surface.clear(), frames.clear(), surface_frames.clear(); }
+
+  // Of one of `manifolds`, and of one of `surface`.
+  FrictionFrame frame_of(const Manifold& m) const {
+    return frames.empty() ? FrictionFrame{first_tangent_of(m.normal)} : frames[static_cast<std::size_t>(&m - manifolds.data())];
+  }
+  // Of one of `manifolds` whose normal has turned to n.
+  FrictionFrame frame_at(const Manifold& m, const Vec3& n) const {
+    if (frames.empty()) return {first_tangent_of(n)};
+    const FrictionFrame frame = frame_of(m);
+    return {frame.turned_to(n), frame.across};
+  }
+  FrictionFrame frame_of(const SurfaceContact& c) const {
+    if (surface_frames.empty()) return {first_tangent_of(c.normal)};
+    return surface_frames[static_cast<std::size_t>(&c - surface.data())];
+  }
 };
 
-// Takes away the manifolds for which unwanted(manifold), with their points and what is said of these.
+// Takes away the manifolds for which unwanted(manifold), with their points and what is said of these. Before they have frames.
 template <class Unwanted>
 void leave_out(Contacts& contacts, Unwanted&& unwanted) {
   std::vector<Manifold> manifolds;

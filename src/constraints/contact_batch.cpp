@@ -35,6 +35,7 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       tangent_momenta(memory),
       inertias(memory),
       drifts(memory),
+      ratios(memory),
       places_(memory),
       rows_(memory),
       bouncing_(memory),
@@ -53,7 +54,8 @@ void ContactBatch::build(const BuildContext& context) {
   const auto& [bodies, inertia, isotropic, counts] =
       std::tie(context.state.bodies, context.state.inertia, context.state.isotropic, context.state.counts);
   displaced_ = context.displaced;
-  contacts_ = context.contacts, world_ = &context.world, friction_ = context.settings.friction;
+  contacts_ = context.contacts, world_ = &context.world,
+  friction_ = in_directions(context.settings.friction, !context.world.friction_axes.empty());
   scaling_ = context.settings.scaling, step_ = context.state.step;
   is_gauss_seidel_ = counts.empty(), bias_is_gap_ = true, kept_ = Kept::nothing;
   bouncing_.clear(), leak_shares_.clear(), uneven_shares_.clear();
@@ -105,20 +107,22 @@ void ContactBatch::lay_out(std::span<const std::uint32_t> order, std::span<const
     ++rows.used, rows.count = std::max(rows.count, static_cast<std::uint16_t>(m.count));
     if (acts_in_solve(friction_) && m.friction > 0) {
       rows.first_tangent = 0;
+      if (friction_ == FrictionModel::ellipse) rows.ratio = 0;
       if (is_carried(m) || (!creeps_.empty() && !creeps_[i].is_zero())) rows.drift = 0;
     }
     if (!isotropic[m.slot_a] || !isotropic[m.slot_b]) rows.inertia = 0;
   }
-  std::uint32_t point_count = 0, tangent_count = 0, general_count = 0, drift_count = 0;
+  std::uint32_t point_count = 0, tangent_count = 0, general_count = 0, drift_count = 0, ratio_count = 0;
   for (Rows& rows : rows_) {
     rows.first_point = std::exchange(point_count, point_count + rows.count);
     if (rows.first_tangent == 0)
       rows.first_tangent = static_cast<std::int32_t>(std::exchange(tangent_count, tangent_count + rows.count));
     if (rows.inertia == 0) rows.inertia = static_cast<std::int32_t>(general_count++);
     if (rows.drift == 0) rows.drift = static_cast<std::int32_t>(drift_count++);
+    if (rows.ratio == 0) rows.ratio = static_cast<std::int32_t>(ratio_count++);
   }
   const auto renew = [](auto& of, std::size_t size) { of.clear(), of.resize(size); };  // room for so many and no more
-  renew(blocks, rows_.size()), renew(inertias, general_count), renew(drifts, drift_count);
+  renew(blocks, rows_.size()), renew(inertias, general_count), renew(drifts, drift_count), renew(ratios, ratio_count);
   renew(points, point_count), renew(normals, point_count);
   renew(tangents, tangent_count), renew(tangent_impulses, tangent_count);
   renew(couplings, gauss_seidel ? tangent_count : 0);
@@ -133,8 +137,9 @@ void ContactBatch::begin_block(std::size_t number, Slot nobody) {
   std::fill_n(block.slot_a, lanes, nobody), std::fill_n(block.slot_b, lanes, nobody);
   std::fill_n(block.manifold, lanes, -1);
   block.first_point = rows.first_point, block.count = rows.count;
-  block.first_tangent = rows.first_tangent, block.inertia = rows.inertia, block.drift = rows.drift;
+  block.first_tangent = rows.first_tangent, block.inertia = rows.inertia, block.drift = rows.drift, block.ratio = rows.ratio;
   if (rows.drift >= 0) drifts[rows.drift] = Drift{};
+  if (rows.ratio >= 0) ratios[rows.ratio] = broadcast(1);
   if (rows.inertia >= 0) inertias[rows.inertia] = Inertia{};
   const auto clear = [&](auto& of, std::size_t first) {
     if (!of.empty())
@@ -177,7 +182,9 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   block.slot_a[lane] = m.slot_a, block.slot_b[lane] = m.slot_b;
   block.manifold[lane] = static_cast<std::int32_t>(number);
   set_lane(block.n, lane, m.normal);
-  set_lane(block.s, lane, first_tangent_of(m.normal));
+  const FrictionFrame frame = contacts_->frame_of(m);
+  set_lane(block.s, lane, frame.s);
+  if (block.ratio >= 0) ratios[block.ratio][lane] = frame.across;
   block.friction[lane] = m.friction;
   if (block.drift >= 0) {
     OwnMotion drift = is_carried(m) ? drift_of(m) : OwnMotion{};

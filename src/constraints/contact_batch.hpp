@@ -26,16 +26,6 @@
 
 namespace unibody {
 
-// The contact frame's first tangent s; the second is n x s. Fixed by the normal alone; in the x-z plane for normals in it.
-inline Vec3 first_tangent_of(const Vec3& n) {
-  if (std::abs(n.y()) < 0.7) {  // y x n
-    const double scale = 1 / std::sqrt(n.x() * n.x() + n.z() * n.z());
-    return {scale * n.z(), 0, -scale * n.x()};
-  }
-  const double scale = 1 / std::sqrt(n.y() * n.y() + n.z() * n.z());  // x x n
-  return {0, -scale * n.z(), scale * n.y()};
-}
-
 class ContactBatch : public BatchDefaults {
  public:
   using History = Multipliers;
@@ -50,6 +40,7 @@ class ContactBatch : public BatchDefaults {
     std::int32_t first_tangent;        // -1: no manifold of the block has friction
     std::int32_t inertia;              // -1: both bodies of every lane have isotropic inertia
     std::int32_t drift;                // -1: no manifold of the block is carried along a circle
+    std::int32_t ratio;                // -1: friction is the same in all directions
     std::int32_t manifold[lanes];      // index into Contacts::manifolds; -1: empty lane
   };
   struct Point {
@@ -237,6 +228,8 @@ class ContactBatch : public BatchDefaults {
   Vec3 aim_of(std::size_t manifold, std::size_t point) const;
 
   const Drift* drift_at(const Block& block) const { return block.drift < 0 ? nullptr : &drifts[block.drift]; }
+  // The coefficients of friction along t, over those along s.
+  Vec4d ratio_at(const Block& block) const { return block.ratio < 0 ? broadcast(1) : ratios[block.ratio]; }
 
   RawVector<Block> blocks;
   RawVector<Point> points;
@@ -249,12 +242,13 @@ class ContactBatch : public BatchDefaults {
   RawVector<TangentMomentum> tangent_momenta;
   RawVector<Inertia> inertias;
   RawVector<Drift> drifts;
+  RawVector<Vec4d> ratios;  // with anisotropic friction, of each block with tangents
 
  private:
   struct Rows {  // of a block: where they are, and how many lanes it uses
     std::uint32_t first_point = 0;
     std::uint16_t count = 0, used = 0;
-    std::int32_t first_tangent = -1, inertia = -1, drift = -1;
+    std::int32_t first_tangent = -1, inertia = -1, drift = -1, ratio = -1;
   };
   void lay_out(std::span<const std::uint32_t> order, std::span<const std::uint32_t> groups,
                std::span<const std::uint8_t> isotropic, bool gauss_seidel);

@@ -54,7 +54,7 @@ void ContactBatch::reevaluate(std::span<const SolverBody> bodies) {
           gap = distance - shape_a.size.x() - shape_b.size.x();
           if (distance > 0) {
             const Vec3 n = apart / distance;
-            set_lane(block.n, l, n), set_lane(block.s, l, first_tangent_of(n));
+            set_lane(block.n, l, n), set_lane(block.s, l, contacts_->frame_at(m, n).s);
             set_lane(point.arm_a, l, -(shape_a.size.x() + 0.5 * gap) * n);
             set_lane(point.arm_b, l, (shape_b.size.x() + 0.5 * gap) * n);
           }

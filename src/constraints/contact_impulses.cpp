@@ -102,7 +102,7 @@ void ContactBatch::add_applied(const SolveState&, std::span<Vec4d> impulses) con
     const Impulse before = kept_ == Kept::apart ? kept_impulses_[contact] : Impulse{0, 0, 0};
     Impulse now = moves ? Impulse{normal_momenta[p].y[l], 0, 0} : row(l, p, t);
     if (moves && t != no_tangent) now.s = tangent_momenta[t].y_s[l], now.t = tangent_momenta[t].y_t[l];
-    const Vec3 s = first_tangent_of(m.normal);
+    const Vec3 s = contacts_->frame_of(m).s;
     const Vec3 all = (before.n + now.n) * m.normal + (before.s + now.s) * s + (before.t + now.t) * m.normal.cross(s);
     impulses[static_cast<std::size_t>(m.slot_a)] += Vec4d{all.x(), all.y(), all.z(), 0};
     impulses[static_cast<std::size_t>(m.slot_b)] -= Vec4d{all.x(), all.y(), all.z(), 0};
@@ -121,7 +121,7 @@ std::int64_t ContactBatch::sliding() const {
     if (t == no_tangent || !counted_[m]) return;
     const Impulse before = kept_ == Kept::apart ? kept_impulses_[contact] : Impulse{0, 0, 0}, now = row(l, p, t);
     const double limit = 0.999 * contacts_->manifolds[m].friction * (before.n + now.n), s = before.s + now.s,
-                 f = before.t + now.t;
+                 f = (before.t + now.t) / contacts_->frame_of(contacts_->manifolds[m]).across;
     count += limit > 0 && s * s + f * f >= limit * limit;
   });
   return count;

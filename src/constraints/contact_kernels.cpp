@@ -44,7 +44,7 @@ SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Upd
   const std::size_t first = block.first_point, first_tangent = tangential ? static_cast<std::size_t>(block.first_tangent) : 0;
   const Side a = less_drift(gather(block.slot_a, bodies), batch.drift_at(block)), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
-  const Vec4d zero = broadcast(0);
+  const Vec4d zero = broadcast(0), ratio = model == FrictionModel::ellipse ? batch.ratio_at(block) : broadcast(1);
   Vec3x4 force{zero, zero, zero}, torque_a = force, torque_b = force;
   for (std::uint32_t k = 0; k < block.count; ++k) {
     const Point& p = batch.points[first + k];
@@ -55,7 +55,7 @@ SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Upd
     const PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
     ConeForce from{along.y, zero, zero};
     if constexpr (tangential) from.s = sideways->y_s, from.t = sideways->y_t;
-    const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from);
+    const ConeForce next = project_step<model, tangential>(block, p, tangent, u, from, ratio);
 
     const auto advance = [&](Vec4d& lambda, Vec4d& y, Vec4d new_lambda, Vec4d r, Vec4d scale) {
       const Vec4d step = new_lambda - y, taken = scale * step;
@@ -77,10 +77,11 @@ SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Upd
 }
 
 // The natural residual's own step, 1/K of the point alone, so that it does not depend on the solver's scaling. softness: what the
-// normal row has beside it (compliance.hpp): the residual is then the speed that the multiplier's error makes.
+// normal row has beside it (compliance.hpp): the residual is then the speed that the multiplier's error makes. ratio: of the
+// coefficients of friction along t and s.
 template <FrictionModel model, bool tangential>
 Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal& normal, const TangentImpulse* sideways,
-                     const Side& a, const Side& b, const Inertia* inertia, Vec4d softness) {
+                     const Side& a, const Side& b, const Inertia* inertia, Vec4d softness, Vec4d ratio) {
   const Mask4 in_use = p.inverse_scale > broadcast(0);
   const Mobility k = mobility<tangential>(block, t, p, a, b, inertia);
   const PointVelocity u = relative_velocity<tangential>(block, t, p, a, b);
@@ -94,7 +95,7 @@ Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal&
     if (uses_cone_projection(model)) across = max(along, across);
     const Tangents own{inverse_or_zero(across)};
     if (uses_cone_projection(model)) p.inverse_scale = inverse_or_zero(across + softness);
-    const ConeForce next = project_step<model, true>(block, p, &own, u, {lambda, sideways->lambda_s, sideways->lambda_t});
+    const ConeForce next = project_step<model, true>(block, p, &own, u, {lambda, sideways->lambda_s, sideways->lambda_t}, ratio);
     const Vec4d ds = next.s - sideways->lambda_s, dt = next.t - sideways->lambda_t;
     return max(along * abs(next.n - lambda), across * sqrt(ds * ds + dt * dt));
   }
@@ -114,9 +115,10 @@ double ContactBatch::relax(std::size_t group, bool backwards, std::span<SolverBo
       TangentImpulse* sideways = t < 0 ? nullptr : &tangent_impulses[t];
       const Coupling* coupling = t < 0 ? nullptr : &couplings[t];
       const Inertia* inertia = block.inertia < 0 ? nullptr : &inertias[block.inertia];
+      const Vec4d ratio = model == FrictionModel::ellipse ? ratio_at(block) : broadcast(1);
       const auto relax_as = [&]<bool tangential, bool isotropic>() {
         return relax_block<model, tangential, isotropic>(block, &points[block.first_point], &normals[block.first_point], tangent,
-                                                         sideways, coupling, inertia, drift_at(block), backwards, bodies);
+                                                         sideways, coupling, inertia, drift_at(block), ratio, backwards, bodies);
       };
       if (tangent)
         change = max(change, inertia ? relax_as.template operator()<true, false>() : relax_as.template operator()<true, true>());
@@ -159,14 +161,15 @@ void ContactBatch::for_each_block_residual(std::span<const SolverBody> bodies, F
       const Side a = less_drift(gather(block.slot_a, bodies), drift_at(block)), b = gather(block.slot_b, bodies);
       const Vec3x4 t = cross(block.n, block.s);
       const Inertia* inertia = block.inertia < 0 ? nullptr : &inertias[block.inertia];
+      const Vec4d ratio = model == FrictionModel::ellipse ? ratio_at(block) : broadcast(1);
       Vec4d worst = broadcast(0);
       for (std::uint32_t k = 0; k < block.count; ++k) {
         const Point& p = points[block.first_point + k];
         const Normal& normal = normals[block.first_point + k];
         const TangentImpulse* sideways = block.first_tangent < 0 ? nullptr : &tangent_impulses[block.first_tangent + k];
         const Vec4d soft = softness.empty() ? broadcast(0) : softness[block.first_point + k];
-        worst = max(worst, sideways ? point_residual<model, true>(block, t, p, normal, sideways, a, b, inertia, soft)
-                                    : point_residual<model, false>(block, t, p, normal, nullptr, a, b, inertia, soft));
+        worst = max(worst, sideways ? point_residual<model, true>(block, t, p, normal, sideways, a, b, inertia, soft, ratio)
+                                    : point_residual<model, false>(block, t, p, normal, nullptr, a, b, inertia, soft, ratio));
       }
       f(block, worst);
     }

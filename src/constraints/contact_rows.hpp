@@ -113,19 +113,20 @@ template <bool isotropic>
 // New multipliers of a point from trial ones: a gradient step of length 1/P, then the cone.
 template <FrictionModel model, bool tangential>
 [[gnu::always_inline]] inline ConeForce project_step(const Block& block, const Point& p, const Tangents* tangent,
-                                                     const PointVelocity& u, ConeForce from) {
+                                                     const PointVelocity& u, ConeForce from,
+                                                     [[maybe_unused]] Vec4d ratio = broadcast(1)) {
   if constexpr (!tangential) return {max(broadcast(0), from.n - p.inverse_scale * (u.n + p.bias)), broadcast(0), broadcast(0)};
   Vec4d r = u.n + p.bias;
   if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
   return project<model>(
       {from.n - p.inverse_scale * r, from.s - tangent->inverse_scale * u.s, from.t - tangent->inverse_scale * u.t},
-      block.friction);
+      block.friction, ratio);
 }
 
 template <FrictionModel model, bool tangential, bool isotropic>
 Vec4d relax_block(const Block& block, const Point* points, Normal* normals, const Tangents* tangents,
                   TangentImpulse* tangent_impulses, const Coupling* couplings, const Inertia* inertia, const Drift* drift,
-                  bool backwards, std::span<SolverBody> bodies) {
+                  Vec4d ratio, bool backwards, std::span<SolverBody> bodies) {
   Side a = less_drift(gather(block.slot_a, bodies), drift), b = gather(block.slot_b, bodies);
   const Vec3x4 t = cross(block.n, block.s);
   Vec4d change = broadcast(0);
@@ -145,13 +146,13 @@ Vec4d relax_block(const Block& block, const Point* points, Normal* normals, cons
       TangentImpulse& sideways = tangent_impulses[k];
       ConeForce next;
       if constexpr (uses_cone_projection(model)) {
-        next = project_step<model, true>(block, p, &tangent, u, {normal.lambda, sideways.lambda_s, sideways.lambda_t});
+        next = project_step<model, true>(block, p, &tangent, u, {normal.lambda, sideways.lambda_s, sideways.lambda_t}, ratio);
       } else {  // the normal first, then the tangents with the velocity that it leaves
         next.n = max(broadcast(0), normal.lambda - p.inverse_scale * (u.n + p.bias));
         const Vec4d dn = next.n - normal.lambda;
         next.s = sideways.lambda_s - tangent.inverse_scale * (u.s + couplings[k].K_ns * dn);
         next.t = sideways.lambda_t - tangent.inverse_scale * (u.t + couplings[k].K_nt * dn);
-        next = project<model>(next, block.friction);
+        next = project<model>(next, block.friction, ratio);
       }
       const Vec4d dn = next.n - normal.lambda, ds = next.s - sideways.lambda_s, dt = next.t - sideways.lambda_t;
       normal.lambda = next.n, sideways.lambda_s = next.s, sideways.lambda_t = next.t;

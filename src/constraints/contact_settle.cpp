@@ -16,7 +16,7 @@ namespace {
 struct LoneManifold {
   LoneManifold(const ContactBatch& batch, const Block& whole, std::size_t lane, const Inertia* inertia, bool cone,
                std::span<const SolverBody> bodies)
-      : block(whole), drift(batch.drift_at(whole)) {
+      : block(whole), drift(batch.drift_at(whole)), ratio(batch.ratio_at(whole)) {
     for (std::size_t l = 0; l < lanes; ++l)
       if (l != lane) block.slot_a[l] = block.slot_b[l] = static_cast<Slot>(bodies.size() - 1);  // nobody
     const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
@@ -54,7 +54,7 @@ struct LoneManifold {
   void relax(const Inertia* inertia, bool backwards, std::span<SolverBody> bodies) {
     const auto relax_as = [&]<bool tangential, bool isotropic>() {
       relax_block<model, tangential, isotropic>(block, points, normals, tangents, tangent_impulses, couplings, inertia, drift,
-                                                backwards, bodies);
+                                                ratio, backwards, bodies);
     };
     if (block.first_tangent >= 0)
       inertia ? relax_as.template operator()<true, false>() : relax_as.template operator()<true, true>();
@@ -64,6 +64,7 @@ struct LoneManifold {
 
   Block block;
   const Drift* drift;
+  Vec4d ratio;  // of the coefficients of friction
   Point points[8];
   Normal normals[8];
   Tangents tangents[8];

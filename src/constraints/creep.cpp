@@ -21,7 +21,7 @@ struct Rubbing {
   Side a, b;
   Vec3x4 t;  // the second direction in the face
   // Impulses (N s) along the normal and along the two directions in the face; friction is the sum over the points of the sizes of
-  // their impulses in the face.
+  // their impulses in the face. What is along t is over the ratio of the coefficients of friction there and along s.
   Vec4d normal = broadcast(0), along_s = broadcast(0), along_t = broadcast(0), friction = broadcast(0);
   // Sums over the points of their normal impulse times their velocity in the face (N m), and times their arm about the first
   // body (N s m).
@@ -36,8 +36,9 @@ Rubbing rubbing_of(const ContactBatch& batch, const ContactBatch::Block& block, 
     const PointVelocity u = relative_velocity<true>(block, sum.t, point, sum.a, sum.b);
     const Vec4d n = batch.normals[block.first_point + k].lambda;
     const auto& impulse = batch.tangent_impulses[block.first_tangent + k];
-    sum.normal += n, sum.along_s += impulse.lambda_s, sum.along_t += impulse.lambda_t;
-    sum.friction += sqrt(impulse.lambda_s * impulse.lambda_s + impulse.lambda_t * impulse.lambda_t);
+    const Vec4d along_t = block.ratio < 0 ? impulse.lambda_t : Vec4d(impulse.lambda_t / batch.ratio_at(block));
+    sum.normal += n, sum.along_s += impulse.lambda_s, sum.along_t += along_t;
+    sum.friction += sqrt(impulse.lambda_s * impulse.lambda_s + along_t * along_t);
     sum.u_s += n * u.s, sum.u_t += n * u.t, sum.middle = sum.middle + point.arm_a * n;
   }
   return sum;

@@ -1,6 +1,9 @@
 // Coulomb's cone, five ways (paper, section 2.4 and Algorithm 2; what each gets wrong is said beside it). A sixth has no part in
 // the solve: see solve/friction_postprocess.hpp.
 //
+// Where friction depends on the direction, the disc is an ellipse: of all forces that it allows, the one that takes most energy
+// from what slides (Moreau's law of largest dissipation), which is not along the sliding velocity.
+//
 // Each model says how a contact's trial multipliers (normal n, tangents s and t) are brought back to what the cone allows.
 // The trial tangents come in after their gradient step. Lanes are independent. Units cancel: forces or impulses alike.
 #pragma once
@@ -23,6 +26,30 @@ inline void clamp_disc(Vec4d& s, Vec4d& t, Vec4d limit) {
   s *= scale, t *= scale;
 }
 
+// The nearest point of the ellipse with the half axes `limit` along s and `across` times that along t (0 < across <= 1). At the
+// nearest point the way to it is square to the ellipse: it is (s / (1 + x), across^2 t / (across^2 + x)), in units of the limit,
+// for the root x >= 0 of a convex function. Newton's method comes to it from below without passing it.
+inline void clamp_ellipse(Vec4d& s, Vec4d& t, Vec4d limit, Vec4d across) {
+  const Vec4d one = broadcast(1), zero = broadcast(0), t_over = t / across;
+  const Mask4 outside = s * s + t_over * t_over > limit * limit;
+  if (!any(outside)) return;
+  const Vec4d unit = select(outside & (limit > zero), limit, one), across2 = across * across;
+  const Vec4d p = abs(s) / unit, q = across * abs(t) / unit;
+  Vec4d x = max(zero, max(p - one, q - across2));
+  constexpr int most = 60;  // most points need 5
+  for (int k = 0; k < most; ++k) {
+    const Vec4d along_s = p / (one + x), along_t = q / (across2 + x);
+    const Vec4d value = along_s * along_s + along_t * along_t - one;
+    const Mask4 goes_on = value > broadcast(1e-14);  // a lane that has come to rest stays: no lane depends on the others
+    if (!any(goes_on)) break;
+    const Vec4d slope = along_s * along_s / (one + x) + along_t * along_t / (across2 + x);
+    x += select(goes_on, value / (slope + slope), zero);
+  }
+  const Vec4d to_s = s / (one + x), to_t = across2 * t / (across2 + x), to_t_over = to_t / across;
+  const Vec4d length = sqrt(to_s * to_s + to_t_over * to_t_over), scale = limit / select(length > zero, length, one);
+  s = select(outside, to_s * scale, s), t = select(outside, to_t * scale, t);
+}
+
 // |s| <= limit, |t| <= limit: the friction box of many real-time engines. sqrt 2 too strong along the bisector.
 inline void clamp_box(Vec4d& s, Vec4d& t, Vec4d limit) {
   s = max(-limit, min(limit, s));
@@ -42,6 +69,11 @@ inline ConeForce project_cone(ConeForce y, Vec4d mu) {
   return {select(inside, y.n, p.n), select(inside, y.s, p.s), select(inside, y.t, p.t)};
 }
 
+// The model in a scene where friction depends on the direction somewhere (which the disc alone can say), or nowhere.
+inline FrictionModel in_directions(FrictionModel model, bool differs) {
+  return differs && model == FrictionModel::disc ? FrictionModel::ellipse : model;
+}
+
 // Whether contacts have rows of friction.
 inline constexpr bool acts_in_solve(FrictionModel model) {
   return model != FrictionModel::none && model != FrictionModel::postprocess;
@@ -52,12 +84,14 @@ inline constexpr bool uses_cone_projection(FrictionModel model) {
 }
 
 // The trial normal multiplier is projected on its own and bounds the tangents ("disc": exact Coulomb at the fixed point), or
-// the triple is projected together ("cone", "saxce").
+// the triple is projected together ("cone", "saxce"). across: of the coefficient along t over that along s, mu; 1 but for the
+// ellipse.
 template <FrictionModel model>
-inline ConeForce project(ConeForce y, Vec4d mu) {
+inline ConeForce project(ConeForce y, Vec4d mu, Vec4d across = broadcast(1)) {
   if constexpr (uses_cone_projection(model)) return project_cone(y, mu);
   y.n = max(broadcast(0), y.n);
   if constexpr (model == FrictionModel::disc) clamp_disc(y.s, y.t, mu * y.n);
+  if constexpr (model == FrictionModel::ellipse) clamp_ellipse(y.s, y.t, mu * y.n, across);
   if constexpr (model == FrictionModel::box) clamp_box(y.s, y.t, mu * y.n);
   return y;
 }
@@ -70,6 +104,8 @@ auto with_model(FrictionModel model, F&& f) {
       return f.template operator()<FrictionModel::cone>();
     case FrictionModel::saxce:
       return f.template operator()<FrictionModel::saxce>();
+    case FrictionModel::ellipse:
+      return f.template operator()<FrictionModel::ellipse>();
     case FrictionModel::box:
       return f.template operator()<FrictionModel::box>();
     case FrictionModel::none:

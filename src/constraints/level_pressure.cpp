@@ -26,14 +26,14 @@ struct Points {
   std::span<ContactBatch::Impulse> impulses;
 };
 
-// m/s, at which the bodies slide on each other at a place, along the tangents s and t.
-Vector2d sliding_at(const World& world, const Manifold& m, const Vec3& place) {
+// m/s, at which the bodies slide on each other at a place, along the tangents s and t = n x s.
+Vector2d sliding_at(const World& world, const Manifold& m, const Vec3& s, const Vec3& place) {
   const Vec3 arm_a = place - place_of(world, m, m.slot_a), arm_b = place - place_of(world, m, m.slot_b);
   const auto velocity_of = [&](Slot slot, const Vec3& arm) {
     const auto i = static_cast<std::size_t>(slot);
     return Vec3(world.velocity[i] + world.angular_velocity_of(i).cross(arm));
   };
-  const Vec3 own = surface_velocity_between(world, m.slot_a, arm_a, m.slot_b, arm_b, m.normal), s = first_tangent_of(m.normal);
+  const Vec3 own = surface_velocity_between(world, m.slot_a, arm_a, m.slot_b, arm_b, m.normal);
   const Vec3 velocity = velocity_of(m.slot_a, arm_a) - velocity_of(m.slot_b, arm_b) - own;
   return {s.dot(velocity), m.normal.cross(s).dot(velocity)};
 }
@@ -49,10 +49,10 @@ double stopped_speed(const World& world, const Manifold& m, double load) {
 }
 
 // The ring takes the load over from its rims, of which there are as many as parts or triangles. `total`: N s, of all.
-void level(const World& world, const std::vector<Points>& all, const Manifold& m, double total) {
+void level(const World& world, const std::vector<Points>& all, const Manifold& m, const FrictionFrame& frame, double total) {
   const Points& ring = all.back();
   const double stopped = stopped_speed(world, m, total);
-  const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+  const Vec3 s = frame.s, t = m.normal.cross(s);
   const auto place = [&](const ContactPoint& p) { return Vector2d(s.dot(p.position), t.dot(p.position)); };
   const auto n = static_cast<double>(ring.contacts.size());
   Vector2d middle = Vector2d::Zero(), moment = Vector2d::Zero();
@@ -75,11 +75,12 @@ void level(const World& world, const std::vector<Points>& all, const Manifold& m
   for (const Points& rim : std::span(all).first(all.size() - 1)) std::ranges::fill(rim.impulses, ContactBatch::Impulse{0, 0, 0});
   const double factor = total / sum;
   for (std::size_t k = 0; k < ring.contacts.size(); ++k) {
-    const Vector2d sliding = sliding_at(world, m, ring.contacts[k].position);
+    Vector2d sliding = sliding_at(world, m, s, ring.contacts[k].position);
+    sliding.y() *= frame.across;
     const double load = factor * pressure(ring.contacts[k]);
     const double speed = std::max(sliding.norm(), stopped);
     const Vector2d friction = speed > 0 ? Vector2d(-m.friction * load / speed * sliding) : Vector2d(Vector2d::Zero());
-    ring.impulses[k] = {load, friction.x(), friction.y()};
+    ring.impulses[k] = {load, friction.x(), frame.across * friction.y()};
   }
 }
 
@@ -117,7 +118,7 @@ void level_pressure(const Multipliers& history, const World& world, const Contac
     all.push_back(points_of(ring));
     for (std::size_t i = k; i > 0 && same_pair(manifolds[i - 1], ring); --i) of_pair += load_of(manifolds[i - 1]);
     for (std::size_t i = k; i < manifolds.size() && same_pair(manifolds[i], ring); ++i) of_pair += load_of(manifolds[i]);
-    if (load > 0) level(world, all, ring, load / of_pair * scale * remembered_force(history, ring));
+    if (load > 0) level(world, all, ring, contacts.frame_of(ring), load / of_pair * scale * remembered_force(history, ring));
   }
 }
 

@@ -85,7 +85,7 @@ void recall(const Multipliers& multipliers, const World& world, const Contacts& 
       match(world, contacts, m, multipliers.places_of(k), used, matches);
     else if (is_core(contacts, m))
       matches.fill(-1);
-    const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+    const Vec3 s = contacts.frame_of(m).s, t = m.normal.cross(s);
     const Vec3 turn = step * (common_turn(world, m.slot_a, m.slot_b).turn + own_turn(world, m.slot_a, m.slot_b, m.normal));
     const bool carried = turn.norm() >= least_turn && turn.norm() < most_turn;
     const Mat3 turned = carried ? Eigen::AngleAxisd(turn.norm(), turn.normalized()).toRotationMatrix() : Mat3::Identity();
@@ -116,7 +116,7 @@ void remember_manifold(Multipliers& multipliers, const World& world, const Conta
   if (!is_remembered(world, contacts, m)) return;
   const auto& known = multipliers.manifolds;  // of two bodies of many parts all manifolds are remembered as one
   if (known.empty() || known.back().id_a != m.id_a || known.back().id_b != m.id_b) multipliers.begin_manifold(m.id_a, m.id_b);
-  const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+  const Vec3 s = contacts.frame_of(m).s, t = m.normal.cross(s);
   for (const ContactBatch::Impulse& i : of_manifold)
     if (!is_zero(i)) multipliers.points.push_back({i.n / step, (s * i.s + t * i.t) / step});
   if (has_one_point(world, m)) return;

@@ -14,7 +14,8 @@ namespace unibody {
 enum class Level { position, velocity };
 inline constexpr std::array<std::string_view, 2> level_names{"position", "velocity"};
 
-enum class FrictionModel { disc, cone, saxce, box, none, postprocess };
+// ellipse: the disc where friction depends on the direction; not one that a scene asks for.
+enum class FrictionModel { disc, cone, saxce, box, none, postprocess, ellipse };
 inline constexpr std::array<std::string_view, 6> friction_model_names{"disc", "cone", "saxce", "box", "none", "postprocess"};
 
 enum class Gap { frozen, reevaluated };

@@ -24,7 +24,8 @@ Vec3x4 gathered(const Slot (&slot)[lanes], Where&& where) {
 }  // namespace
 
 void SurfaceBatch::build(const BuildContext& context) {
-  friction_ = context.settings.friction, scaling_ = context.settings.scaling, step_ = context.state.step;
+  friction_ = in_directions(context.settings.friction, !context.world.friction_axes.empty()), scaling_ = context.settings.scaling,
+  step_ = context.state.step;
   world_ = &context.world;
   const auto& contacts = context.contacts->surface;
   any_ = context.has_surfaces && context.any_over_ranks(!contacts.empty());
@@ -72,7 +73,9 @@ void SurfaceBatch::fill_lane(std::size_t i, const SurfaceContact& contact, const
   }
   set_lane(block.arm, l, contact.arm);
   set_lane(block.n, l, contact.normal);
-  set_lane(block.s, l, first_tangent_of(contact.normal));
+  const FrictionFrame frame = context.contacts->frame_of(contact);
+  set_lane(block.s, l, frame.s);
+  block.ratio[l] = frame.across;
   set_lane(block.drift, l, drift_of(contact));
   block.friction[l] = acts_in_solve(friction_) ? contact.friction : 0;
   block.gap[l] = contact.gap, block.beyond[l] = contact.beyond, block.bounce[l] = contact.bounce;
@@ -164,7 +167,7 @@ SurfaceBatch::Impulse SurfaceBatch::stepped(const Block& block, const Velocity& 
   Vec4d r = u.n + block.bias;
   if constexpr (model == FrictionModel::saxce) r += block.friction * sqrt(u.s * u.s + u.t * u.t);
   const ConeForce next =
-      project<model>({from.n - inverse_n * r, from.s - inverse_t * u.s, from.t - inverse_t * u.t}, block.friction);
+      project<model>({from.n - inverse_n * r, from.s - inverse_t * u.s, from.t - inverse_t * u.t}, block.friction, block.ratio);
   return {next.n, next.s, next.t};
 }
 
@@ -270,7 +273,8 @@ void SurfaceBatch::total_impulses(std::span<Vec3> impulses) const {
 std::int64_t SurfaceBatch::sliding() const {
   std::int64_t count = 0;
   for (const Block& block : blocks_) {
-    const Vec4d n = block.kept.n + block.lambda.n, s = block.kept.s + block.lambda.s, t = block.kept.t + block.lambda.t;
+    const Vec4d n = block.kept.n + block.lambda.n, s = block.kept.s + block.lambda.s,
+                t = (block.kept.t + block.lambda.t) / block.ratio;
     const Vec4d limit = broadcast(0.999) * block.friction * n;
     const Mask4 at_limit = (limit > broadcast(0)) & (s * s + t * t >= limit * limit) & block.counted;
     for (std::size_t l = 0; l < lanes; ++l) count -= at_limit[l];

@@ -76,6 +76,7 @@ class SurfaceBatch : public BatchDefaults {
     Vec3x4 arm, n, s;
     Vec3x4 drift;                               // m/s: at which the sides' tangential velocity aims (carried.hpp)
     Vec4d friction, gap, beyond, bounce, bias;  // 1, m, m, m/s, m/s
+    Vec4d ratio = broadcast(1);                 // of the coefficients of friction along t = n x s and along s
     Vec4d inertia[6];                           // of end 0: 1/(kg m^2), inverse, world frame: xx, yy, zz, yz, xz, xy
     Scale normal, tangential;
     Impulse lambda, y, kept;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "scene/anisotropic_friction.hpp"
 #include "scene/body_mass.hpp"
 #include "scene/generators.hpp"
 #include "scene/in_time.hpp"
@@ -36,7 +37,7 @@ const Keys& moving_keys() {
                             "how the surface moves along itself while the body does not, as a belt's; body axes"),
        keys::vector_in_time("surface_angular_velocity", "rad/s", "[0, 0, 0]",
                             "the same, turning about the body's centre; body axes"),
-       keys::vector_in_time("force", "N", "[0, 0, 0]", "force at the centre of each dynamic body"),
+       anisotropic_friction_key(), keys::vector_in_time("force", "N", "[0, 0, 0]", "force at the centre of each dynamic body"),
        keys::vector_in_time("torque", "N m", "[0, 0, 0]", "torque on each dynamic body, world axes")}};
   return table;
 }
@@ -115,9 +116,11 @@ BodyTemplate read_template(const KeyedMap& entry, const Shape& shape, const Scen
   if (shape.kind == ShapeKind::particle)
     entry.none_of({"inertia", "angular_velocity", "torque"}, "for a particle: it does not turn");
   if (shape.kind == ShapeKind::particle)
-    entry.none_of({"surface_velocity", "surface_angular_velocity"}, "for a particle: a point has no surface");
+    entry.none_of({"surface_velocity", "surface_angular_velocity", "anisotropic_friction"},
+                  "for a particle: a point has no surface");
   read_motion(entry, body, scene);
   read_surface_motion(entry, body, scene);
+  body.friction = read_anisotropic_friction(entry, scene);
   read_amount(entry, body, scene);
   read_load(entry, body, scene);
   if (const Value* material = entry.find("material")) body.properties.material = read_material(*material, scene);
@@ -269,7 +272,7 @@ void read_entry(const Value& entry, Scene& scene) {
   group.count = generated.count;
   group.is_static = !body.properties.is_dynamic();
   group.generated = type != nullptr;
-  group.motion = body.motion, group.load = body.load, group.surface_motion = body.surface_motion;
+  group.motion = body.motion, group.load = body.load, group.surface_motion = body.surface_motion, group.friction = body.friction;
   read_start(map, body, generated, group);
   check_room(count_of(entry, type), scene, group.count, group.is_static);
   const auto put = [first = group.first, held = group.start == Start::held, position, orientation](Id k, Body body_in_frame) {

@@ -17,6 +17,7 @@ struct BodyTemplate {
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
   std::shared_ptr<const LoadInTime> load;  // null: force and torque are constant
   std::shared_ptr<const SurfaceMotionInTime> surface_motion;
+  std::optional<AnisotropicFriction> friction;
   std::shared_ptr<const MotionInTime> motion;  // null: these velocities are constant, or of bodies that are not kinematic
 };
 

@@ -66,6 +66,12 @@ struct SurfaceMotionInTime {
   TimeVector angular_velocity;  // rad/s, about the centre
 };
 
+// Of the bodies of one entry: the coefficient of friction along an axis of theirs, and across it.
+struct AnisotropicFriction {
+  Vec3 axis = Vec3::UnitX();  // unit, in the bodies' axes
+  double across = 1;          // over that along the axis, which is the materials' own
+};
+
 // How the force and the torque on the dynamic bodies of one entry change in time. An entry whose loads are constant has none.
 struct LoadInTime {
   TimeVector force;   // N
@@ -100,6 +106,7 @@ struct BodyGroup {
   std::shared_ptr<const MotionInTime> motion;                 // of kinematic bodies; null: their velocities are constant
   std::shared_ptr<const LoadInTime> load;                     // of dynamic bodies; null: it is constant
   std::shared_ptr<const SurfaceMotionInTime> surface_motion;  // null: their surfaces do not move along themselves
+  std::optional<AnisotropicFriction> friction;                // none: friction is the same in all directions
   std::shared_ptr<const Inlet> inlet;        // by which they come in; null: they are there, or an event adds them
   std::shared_ptr<const TriaxialCell> cell;  // whose plates they are; null: they are none
 

@@ -16,7 +16,7 @@ void add_bodies(const RankState& state, const ContactBatch& batch, std::vector<C
   const std::vector<double>& adhesive = state.adhesive;
   for (const Manifold& m : state.contacts.manifolds) {
     if (!counts_here(world, m)) continue;
-    const Vec3 s = first_tangent_of(m.normal), t = m.normal.cross(s);
+    const Vec3 s = state.contacts.frame_of(m).s, t = m.normal.cross(s);
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const auto& [along_n, along_s, along_t] = total[p];
       const double net = adhesive.empty() ? along_n : along_n - adhesive[p];

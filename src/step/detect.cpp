@@ -7,6 +7,7 @@
 
 #include "collide/contact_faults.hpp"
 #include "collide/crowds.hpp"
+#include "collide/friction_frames.hpp"
 #include "collide/stiction.hpp"
 #include "core/assume.hpp"
 #include "core/checked.hpp"
@@ -147,6 +148,7 @@ bool find_contacts(RankState& state) {
   leave_out_attached(state.scene, state.world, state.time(), state.contacts);
   leave_out_jointed(state.joint_input, state.contacts);
   if (!state.collide_settings.stiction.empty()) add_stiction(state.world, state.collide_settings, state.contacts);
+  if (!state.world.friction_axes.empty()) add_friction_frames(state.world, state.contacts);
   renew_bridges(state);
   state.adhesive = adhesive_impulses(state);
   assume([&] { return fault_of(state.contacts, state.world); });

@@ -270,9 +270,9 @@ class Impacts {
 
   void strike(const Pair& pair) {
     const Touch touch = touch_of(pair, pair.time);
-    const Vec3 n = touch.normal, s = first_tangent_of(n), t = n.cross(s);
-    Mat3 axes;
-    axes << n, s, t;
+    const Manifold& m = contacts_.manifolds[pair.manifold];
+    const FrictionFrame frame = contacts_.frame_at(m, touch.normal);
+    const Mat3 axes = frame.axes_about(touch.normal);
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
     const auto turn_of = [&](std::size_t slot) {
       if (world_.is_static(static_cast<Slot>(slot))) return Mat3(Mat3::Zero());
@@ -284,7 +284,7 @@ class Impacts {
     blow.count = touch.count;
     for (std::uint32_t k = 0; k < touch.count; ++k) {
       const Point& point = touch.points[k];
-      const Vec3 own = surface_velocity_between(world_, pair.a, point.arm_a, pair.b, point.arm_b, n);
+      const Vec3 own = surface_velocity_between(world_, pair.a, point.arm_a, pair.b, point.arm_b, touch.normal);
       blow.before[k] = axes.transpose() * (velocity_at(pair, point, pair.time) - own), blow.impulse[k].setZero();
       for (std::uint32_t l = 0; l < touch.count; ++l)
         for (int x = 0; x < 3; ++x) {
@@ -294,7 +294,7 @@ class Impacts {
                                   (turn_b * touch.points[l].arm_b.cross(f)).cross(touch.points[k].arm_b));
         }
     }
-    blow.solve(pair.restitution, acts_in_solve(state_.scene.solver.friction) ? contacts_.manifolds[pair.manifold].friction : 0);
+    blow.solve(pair.restitution, {acts_in_solve(state_.scene.solver.friction) ? m.friction : 0, frame.across});
     Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;
     for (std::uint32_t k = 0; k < touch.count; ++k) {
       const Vec3 f = axes * blow.impulse[k];

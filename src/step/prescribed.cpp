@@ -26,6 +26,7 @@ void set_loads(RankState& state) {
   const double from = state.time(), to = from + state.step();
   if (state.scene.gravity_in_time) state.gravity = state.collide_settings.gravity = state.scene.gravity_in_time->mean(from, to);
   if (state.scene.friction_in_time) state.collide_settings.friction = state.scene.friction_in_time->mean(from, to);
+  state.world.friction_axes = state.friction_axes;
   state.world.surface_motions.clear();
   for (const BodyGroup* group : state.belts)
     state.world.surface_motions.push_back({group->first, group->count, group->surface_motion->velocity.mean(from, to),

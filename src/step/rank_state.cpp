@@ -43,6 +43,8 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
   for (const BodyGroup& group : scene.groups)
     if (group.surface_motion) belts.push_back(&group);
   for (const BodyGroup& group : scene.groups)
+    if (group.friction) friction_axes.push_back({group.first, group.count, group.friction->axis, group.friction->across});
+  for (const BodyGroup& group : scene.groups)
     if (group.motion)
       prescribed.push_back(&group);
     else if (group.load)

@@ -40,6 +40,7 @@ struct RankState {
 
   Vec3 gravity = Vec3::Zero();               // m/s^2, the mean over the step that is taken next; after set_loads()
   std::vector<const BodyGroup*> loaded;      // dynamic bodies on which a force or torque changes in time
+  FrictionAxes friction_axes;                // of all bodies that have one
   std::vector<const BodyGroup*> belts;       // bodies whose surfaces move along themselves
   std::vector<const BodyGroup*> prescribed;  // kinematic bodies whose velocities change in time
 

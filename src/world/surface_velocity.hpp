@@ -6,6 +6,14 @@
 
 namespace unibody {
 
+// The axes in which the scene describes a body's shape: of hulls and compounds, whose orientation is that of their principal
+// axes, others than these.
+inline Quat scene_axes(const World& world, std::size_t slot) {
+  const Shape& shape = world.properties[slot].shape;
+  const Quat axes = world.orientation_of(slot);
+  return shape.kind == ShapeKind::hull || shape.kind == ShapeKind::compound ? Quat(axes * frame_of(shape).conjugate()) : axes;
+}
+
 inline bool has_own_motion(const World& world, Slot slot) {
   return find_motion(world.surface_motions, world.id[static_cast<std::size_t>(slot)]) != nullptr;
 }
@@ -14,9 +22,7 @@ inline OwnMotion own_motion(const World& world, Slot slot) {
   const auto i = static_cast<std::size_t>(slot);
   const SurfaceMotion* motion = find_motion(world.surface_motions, world.id[i]);
   if (motion == nullptr) return {};
-  const Shape& shape = world.properties[i].shape;
-  Quat axes = world.orientation_of(i);  // of principal moments, where the shape has axes of its own
-  if (shape.kind == ShapeKind::hull || shape.kind == ShapeKind::compound) axes = axes * frame_of(shape).conjugate();
+  const Quat axes = scene_axes(world, i);
   return {axes * motion->velocity, axes * motion->angular_velocity};
 }
 

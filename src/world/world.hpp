@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "world/friction_axes.hpp"
 #include "world/period.hpp"
 #include "world/properties.hpp"
 #include "world/surface_motion.hpp"
@@ -26,6 +27,7 @@ struct World {
   std::vector<Vec3> velocity;          // m/s
   std::vector<Vec3> angular_velocity;  // rad/s, world frame
   SurfaceMotions surface_motions;      // over the next step; of whole runs of bodies, whether or not they are here
+  FrictionAxes friction_axes;          // the same
   std::vector<Quat> held_orientation;  // of statics, from first_static() on, where nothing turns; else empty
 
   std::size_t size() const { return id.size(); }

@@ -57,6 +57,33 @@ TEST(Friction, ConeIsTheNearestPoint) {
   }
 }
 
+// Of the ellipse under a normal multiplier: in it, and what remains of the way to it square to its border. Points and limits of
+// all sizes, and ellipses as flat as a scene may have.
+TEST(Friction, EllipseIsTheNearestPoint) {
+  samples::Random random(7);
+  for (int k = 0; k < 100000; ++k) {
+    const double across = k % 10 == 0 ? 0.01 : std::pow(0.01, random(0, 1)), limit = std::pow(10, random(-6, 3));
+    const double size = std::pow(10, random(-2, 6)) * limit, angle = random(0, 2 * M_PI);
+    const double y_s = size * std::cos(angle), y_t = size * std::sin(angle);
+    Vec4d s = broadcast(y_s), t = broadcast(y_t);
+    clamp_ellipse(s, t, broadcast(limit), broadcast(across));
+    if (std::hypot(y_s, y_t / across) <= limit) {
+      EXPECT_EQ(s[1], y_s);
+      EXPECT_EQ(t[1], y_t);
+      continue;
+    }
+    EXPECT_NEAR(std::hypot(s[1], t[1] / across), limit, 1e-14 * limit);
+    const double normal_s = s[1], normal_t = t[1] / (across * across), away_s = y_s - s[1], away_t = y_t - t[1];
+    const double normal = std::hypot(normal_s, normal_t);
+    EXPECT_LT(std::abs(normal_s * away_t - normal_t * away_s), 1e-12 * normal * size) << across << ' ' << y_s << ' ' << y_t;
+    EXPECT_GE(normal_s * away_s + normal_t * away_t, 0);
+  }
+  Vec4d s = broadcast(3), t = broadcast(-4);
+  clamp_ellipse(s, t, broadcast(0), broadcast(0.5));
+  EXPECT_EQ(s[0], 0);
+  EXPECT_EQ(t[0], 0);
+}
+
 // What a projection on a closed convex cone is, to round-off: p in K, p - y in the dual cone, (p - y) . p = 0.
 TEST(Friction, ConeSatisfiesMoreausConditions) {
   samples::Random random(6);

@@ -146,7 +146,7 @@ class Restart(ProgramTest):
     def test_other_bodies_are_refused(self):
         self.check_refused(PILE, ("materials.stone.friction=[[0.2, 0.6], [0.7, 0.2]]", "materials.stone.stiction=0.2",
                                   "materials.stone.adhesion=3", "materials.stone.stiffness=3.0e+5", "materials.stone.damping_ratio=0.4", "materials.stone.liquid_volume=1.0e-5", "materials.stone.adhesion_range=0.001",
-                                  "bodies[1].surface_velocity=[0, {expression: \"t > 0.3 ? sin(5 * t) : 0\"}, 0]", "bodies[1].surface_angular_velocity=[0, 0, 1]", "bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].path=[0, 0, [[0.3, 0], [0.7, 0.2]]]",
+                                  "bodies[1].surface_velocity=[0, {expression: \"t > 0.3 ? sin(5 * t) : 0\"}, 0]", "bodies[1].surface_angular_velocity=[0, 0, 1]", "bodies[1].anisotropic_friction={axis: [1, 0, 0], across: 0.5}", "bodies[2].density=2700", "bodies[2].velocity=[0, 0, -2]", "bodies[1].path=[0, 0, [[0.3, 0], [0.7, 0.2]]]",
                                   "bodies[1].shape.box.size=[0.2, 0.9, 0.3]", "bodies[2].force=[0, 0, 1]"))
 
     def test_other_ties_or_another_wind_are_refused(self):
