@@ -4,52 +4,16 @@
 #include "scene/generators.hpp"
 #include "scene/in_time.hpp"
 #include "scene/inlet.hpp"
+#include "scene/inlet_mouth.hpp"
 #include "scene/mix.hpp"
-#include "scene/outlets.hpp"
 
 namespace unibody {
 
 namespace {
 
-const Keys& disc_keys() {
-  static const Keys table{
-      "inlet_disc", "A disc square to z.", {keys::number("radius", "m", positive, needed, "radius of the disc")}};
-  return table;
-}
-
-// Where centres may be drawn, in the entry's frame: a box, or a disc about the origin square to z.
-struct Mouth {
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // m
-  double radius = 0;                             // m; 0: it is a box
-
-  Vec3 draw(BodyRandom& random) const {
-    const double u = random.next(), v = random.next(), w = random.next();
-    if (radius == 0) return low + Vec3((high - low).array() * Vec3(u, v, w).array());
-    const double r = radius * std::sqrt(u), angle = 2 * M_PI * v;
-    return {r * std::cos(angle), r * std::sin(angle), 0};
-  }
-};
-
-Mouth read_mouth(const KeyedMap& map, const Scene& scene) {
-  map.only_one_of({"box", "disc"});
-  const Value *box = map.find("box"), *disc = map.find("disc");
-  if (!box && !disc) map.value().fail_missing("box", "a map with low and high, or disc: one with radius");
-  Mouth mouth;
-  if (box) {
-    std::tie(mouth.low, mouth.high) = read_corners(*box, scene.planar);
-    if (scene.planar && (mouth.low.y() != 0 || mouth.high.y() != 0))
-      box->fail("a box that leaves the plane", "0 as the second of three numbers (m; planar scene)");
-    return mouth;
-  }
-  if (scene.planar) disc->fail_expected("a box (planar scene)");
-  mouth.radius = KeyedMap(*disc, disc_keys()).number("radius");
-  mouth.low = {-mouth.radius, -mouth.radius, 0}, mouth.high = -mouth.low;
-  return mouth;
-}
-
 struct InletBodies {
   Mix mix;
-  Mouth mouth;
+  InletMouth mouth;
   std::uint64_t seed = 1;
   bool planar = false;
   BodyTemplate body;
@@ -74,25 +38,23 @@ struct InletBodies {
 }  // namespace
 
 const Keys& inlet_keys() {
-  static const Keys table{"inlet",
-                          "Bodies that come in while the scene runs, at places where they touch nothing.",
-                          {keys::count("the most bodies that ever come in"),
-                           keys::map("box", corners_keys, "a map with low and high", "a disc",
-                                     "box, in the entry's axes, in which their centres are drawn"),
-                           keys::map("disc", disc_keys, "a map with radius", "a box",
-                                     "disc about the entry's position in which their centres are drawn"),
-                           keys::number_in_time("rate", "1/s", not_negative, "a mass_rate", "bodies that become due in a second"),
-                           keys::number_in_time("mass_rate", "kg/s", not_negative, "a rate", "mass that becomes due in a second"),
-                           keys::number("from", "s", not_negative, 0, "time at which bodies begin to become due"),
-                           keys::number("until", "s", positive, "the end", "time from which no more become due; after `from`"),
-                           mix_key(), keys::seed("number that gives the random numbers")}};
+  static const Keys table =
+      Keys{"inlet",
+           "Bodies that come in while the scene runs, at places where they touch nothing.",
+           {keys::count("the most bodies that ever come in"),
+            keys::number_in_time("rate", "1/s", not_negative, "a mass_rate", "bodies that become due in a second"),
+            keys::number_in_time("mass_rate", "kg/s", not_negative, "a rate", "mass that becomes due in a second"),
+            keys::number("from", "s", not_negative, 0, "time at which bodies begin to become due"),
+            keys::number("until", "s", positive, "the end", "time from which no more become due; after `from`"), mix_key(),
+            keys::seed("number that gives the random numbers")}}
+          .with({"", "", inlet_mouth_keys()});
   return table;
 }
 
 Generated read_inlet(const Value& value, const BodyTemplate& body, const Scene& scene) {
   const KeyedMap map(value, inlet_keys());
   InletBodies bodies;
-  bodies.mouth = read_mouth(map, scene);
+  bodies.mouth = read_inlet_mouth(map, scene);
   bodies.mix = Mix::read(map.need("mix"), body, scene);
   bodies.seed = static_cast<std::uint64_t>(map.integer("seed"));
   bodies.planar = scene.planar, bodies.body = body;

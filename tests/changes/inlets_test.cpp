@@ -2,10 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 
 #include "changes/changing.hpp"
+#include "core/errors.hpp"
 #include "scene/scene_text.hpp"
 
 namespace unibody::small_worlds::inlets_test {
@@ -123,6 +127,63 @@ bodies:
     inner += from.norm() < std::sqrt(0.5);
   }
   EXPECT_NEAR(inner, 100, 4 * std::sqrt(50.0)) << "half of the disc's area is within this radius";
+}
+
+// Two squares of 1 m at right angles, one on top of z = 1 and one at x = 0, of two triangles each; the first is twice as wide.
+class InletsOnASurface : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(file_) << "v 0 0 1\nv 2 0 1\nv 2 1 1\nv 0 1 1\nv 0 0 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\nf 1 4 6\nf 1 6 5\n";
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  // Places in the file's own frame, of bodies whose entry is turned and moved.
+  std::vector<Vec3> places(const std::string& keys) {
+    Changing run("gravity: [0, 0, 0]\n" + inlet("count: 6000, rate: 600000, mesh: {file: " + file_ + keys +
+                                                    "}, mix: [{shape: {sphere: {radius: 1.0e-5}}}]",
+                                                "    position: [10, 0, 0]\n    orientation: {axis: [1, 0, 0], angle: 90}\n"));
+    run.frames(2);
+    std::vector<Vec3> places;
+    for (const Vec3& at : run.world().position) places.emplace_back(at.x() - 10, at.z(), -at.y());
+    return places;
+  }
+
+  const std::string file_ = (std::filesystem::temp_directory_path() / ("surface" + std::to_string(::getpid()) + ".obj")).string();
+};
+
+// Chi-squared of cells of equal area: above 68 in one of 1000 samples, where there are 36.
+TEST_F(InletsOnASurface, EvenlyByItsArea) {
+  const std::vector<Vec3> all = places("");
+  ASSERT_GT(all.size(), 5900U);
+  std::array<int, 36> cells{};  // 24 on top and 12 at the side
+  for (const Vec3& at : all) {
+    const auto cell = [](double x, int n) { return std::clamp(static_cast<int>(x * n), 0, n - 1); };
+    const bool on_top = std::abs(at.z() - 1) < 1e-9;
+    ASSERT_TRUE(on_top || std::abs(at.x()) < 1e-9);
+    ++cells[static_cast<std::size_t>(on_top ? 4 * cell(at.x() / 2, 6) + cell(at.y(), 4)
+                                            : 24 + 4 * cell(at.z(), 3) + cell(at.y(), 4))];
+  }
+  double sum = 0;
+  const double mean = static_cast<double>(all.size()) / 36;
+  for (const int count : cells) sum += (count - mean) * (count - mean) / mean;
+  EXPECT_LT(sum, 68);
+}
+
+TEST_F(InletsOnASurface, OnWhatFacesOneWay) {
+  for (const Vec3& at : places(", facing: [0, 0, 1], offset: 0.1")) EXPECT_NEAR(at.z(), 1.1, 1e-9);
+  for (const Vec3& at : places(", facing: [-0.8, 0, 0.6], within: 40, offset: -0.1")) EXPECT_NEAR(at.x(), 0.1, 1e-9);
+}
+
+TEST_F(InletsOnASurface, NothingFacesThatWay) {
+  try {
+    places(", facing: [0, 1, 0]");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_NE(
+        std::string(error.what()).find("inlet.mesh.facing': found [0, 1, 0], expected the direction of a triangle's normal"),
+        std::string::npos)
+        << error.what();
+  }
 }
 
 struct Law {

@@ -41,8 +41,16 @@ INSTANTIATE_TEST_SUITE_P(
                  inlet_at + ".mass_rate': found mass_rate beside rate, expected only one of rate and mass_rate"},
         BadInput{"negative_rate", with_inlet("count: 1, rate: -1, " + box + ", " + mix),
                  inlet_at + ".rate': found -1, expected a number >= 0 (1/s)"},
-        BadInput{"no_place", with_inlet("count: 1, rate: 1, " + mix),
-                 inlet_at + ".box': found nothing, expected a map with low and high, or disc: one with radius"},
+        BadInput{
+            "no_place", with_inlet("count: 1, rate: 1, " + mix),
+            inlet_at + ".box': found nothing, expected a map with low and high, disc: one with radius, or mesh: one with file"},
+        BadInput{"two_places", with_inlet("count: 1, rate: 1, disc: {radius: 1}, mesh: {file: none.obj}, " + mix),
+                 inlet_at + ".mesh': found mesh beside disc, expected only one of box, disc and mesh"},
+        BadInput{"no_such_file", with_inlet("count: 1, rate: 1, mesh: {file: none.obj}, " + mix),
+                 inlet_at + ".mesh.file': found FOLDER/none.obj, which isn't there, expected an OBJ, STL, PLY, glTF or DAE file, "
+                            "its path from the scene's folder"},
+        BadInput{"within_what", with_inlet("count: 1, rate: 1, mesh: {file: none.obj, within: 20}, " + mix),
+                 inlet_at + ".mesh.within': found 20, expected no such key without `facing`"},
         BadInput{"upside_down", with_inlet("count: 1, rate: 1, box: {low: [0, 0, 1], high: [1, 1, 0]}, " + mix),
                  inlet_at + ".box.high': found [1, 1, 0], expected a corner that is above the other one along each axis (m)"},
         BadInput{"no_mix", with_inlet("count: 1, rate: 1, " + box),
