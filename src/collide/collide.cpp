@@ -11,6 +11,7 @@
 #include "collide/face_patch.hpp"
 #include "collide/known_contacts.hpp"
 #include "collide/merge_supports.hpp"
+#include "collide/nodes_ahead.hpp"
 #include "collide/periodic_pairs.hpp"
 #include "collide/restitution.hpp"
 #include "collide/seams.hpp"
@@ -86,6 +87,7 @@ void Collider::collide(const World& world, const CollideSettings& settings, Cont
     collider.finish();
   }
   if (!at_seams_.empty()) mend_seams(settings, surfaces, contacts);
+  if (surfaces) leave_out_nodes_ahead(world, *surfaces, settings, contacts);
   leave_out_rings_in_piles(world, contacts);
   if (!settings.restitution.empty()) set_bounces(world, settings, contacts);
 }

@@ -206,6 +206,35 @@ TEST(Reference, IterativeSolversEndAtTheImplicitEulerStep) {
       }
 }
 
+// -error_estimate of a step that the iterations leave unfinished, far from where the cloth was in the step before, is its
+// distance from the implicit Euler step: also what the impulses miss by the turning of their directions is in it.
+TEST(Reference, TheErrorEstimateIsTheDistanceFromTheImplicitEulerStep) {
+  for (const ClothCase& of : {springs, membrane})
+    for (const std::string solver : {"accelerated_jacobi", "gauss_seidel"}) {
+      Scene scene = cloth(of, 8, 0.008);
+      scene.solver.name = solver, scene.solver.iterations = 40;
+      Experiment run(std::move(scene));
+      run.world() = Swinging(of).world;
+      run.simulation->detect();
+      const World start = run.world();
+      const ReferenceStep exact = reference_step(start, run.simulation->constraints, run.scene->gravity, run.h());
+      ASSERT_TRUE(exact.converged) << of.name << ": " << exact.reason;
+      StepRequest request;
+      request.error = true;
+      const StepReport step = run.simulation->step(request);
+      double squares = 0, mass = 0;
+      for (std::size_t i = 0; i < start.size(); ++i) {
+        if (start.properties[i].motion != Motion::dynamic) continue;
+        squares += start.properties[i].mass * (run.world().velocity[i] - exact.velocity[i]).squaredNorm();
+        mass += start.properties[i].mass;
+      }
+      const double right = run.h() * std::sqrt(squares / mass);
+      ASSERT_TRUE(step.error.has_value()) << of.name << ' ' << solver;
+      EXPECT_GT(step.turning, 1e-7) << of.name << ' ' << solver;
+      EXPECT_NEAR(step.error->distance, right, 1e-3 * right) << of.name << ' ' << solver;
+    }
+}
+
 // That difference with the step: where forces are smooth v - v~ is of the order of h and the difference of h^3; where velocities
 // jump, as after an impact, of h.
 TEST(Reference, TheDifferenceVanishesWithTheStep) {
