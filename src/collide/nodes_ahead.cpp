@@ -13,7 +13,7 @@ namespace {
 // fold: {0, 0, 0}.
 Vec3 levelled(const Vec3& direction, const std::vector<Vec3>& neighbours) {
   constexpr int sweeps = 16;  // of projections on one half space after the other, which come to one on all of them
-  constexpr double least_length = 0.5, no_lean = 1e-12;
+  constexpr double least_length = 0.5, no_lean = 1e-12, most_lean = 1e-3;
   Vec3 level = direction;
   bool leans = true;
   for (int sweep = 0; sweep < sweeps && leans; ++sweep) {
@@ -22,7 +22,8 @@ Vec3 levelled(const Vec3& direction, const std::vector<Vec3>& neighbours) {
       if (const double lean = to.dot(level); lean > no_lean) level -= lean * to, leans = true;
   }
   const double length = level.norm();
-  return length > least_length ? Vec3(level / length) : Vec3(Vec3::Zero());
+  const bool found = std::ranges::none_of(neighbours, [&](const Vec3& to) { return to.dot(level) > most_lean * length; });
+  return found && length > least_length ? Vec3(level / length) : Vec3(Vec3::Zero());
 }
 
 // m, how far a body reaches against a direction, from its centre.
@@ -62,11 +63,12 @@ class Ahead {
     const Proxy proxy = make_proxy(world_, static_cast<std::size_t>(body), settings_);
     const double radius = world_.properties[static_cast<std::size_t>(node)].shape.size.x();
     const double gap = level.dot(proxy.position - place(node)) - reach_against(proxy, level) - radius;
-    return gap - settings_.step * level.dot(approach) > -most_overlap * radius;
+    return gap > -most_overlap * radius && level.dot(approach) < most_closing * towards.dot(approach);
   }
 
  private:
   static constexpr double least_lean = 1e-9;   // as a sine
+  static constexpr double most_closing = 0.1;  // along the surface's own direction, over that along the distance
   static constexpr double most_overlap = 0.1;  // of the node's radius: what lies on a cloth overlaps it by the solve's tolerance
 
   Vec3 place(Slot s) const { return world_.position[static_cast<std::size_t>(s)]; }

@@ -67,7 +67,7 @@ const std::vector<Fault> faults{
      "bodies:\n  - {shape: {particle: {radius: 0.1}}, mass: 1, anisotropic_friction: {axis: [1, 0, 0], across: 0.5}}\n",
      "FILE:2: key 'bodies[0].anisotropic_friction': found a map, expected no such key for a particle: a point has no surface"},
     {"grooves_without_an_axis", moved("anisotropic_friction: {across: 0.5}"),
-     "FILE:2: key 'bodies[0].anisotropic_friction.axis': found nothing, expected a list of 3 numbers"},
+     "FILE:2: key 'bodies[0].anisotropic_friction.axis': found nothing, expected a vector of length 1"},
     {"grooves_too_smooth", moved("anisotropic_friction: {axis: [1, 0, 0], across: 0}"),
      "FILE:2: key 'bodies[0].anisotropic_friction.across': found 0, expected a number in [0.01, 100]"},
     {"grooves_in_a_cone", "solver: {friction: saxce}\n" + moved("anisotropic_friction: {axis: [1, 0, 0], across: 0.5}"),

@@ -270,7 +270,7 @@ const std::vector<BadInput> bad_generators{
      "FILE:2: key 'bodies[0].shape': found an unknown key, expected name, material, position, orientation, collide, start, mass, "
      "density, "
      "motion, "
-     "velocity, angular_velocity, path, surface_velocity, surface_angular_velocity, force, torque or pile"},
+     "velocity, angular_velocity, path, surface_velocity, surface_angular_velocity, anisotropic_friction, force, torque or pile"},
     {"scale_upside_down",
      "bodies:\n  - density: 1\n    pile: {count: 1, columns: [1, 1], mix: [{shape: {sphere: {radius: 1}}, scale: [2, 1]}]}\n",
      "FILE:3: key 'bodies[0].pile.mix[0].scale': found [2, 1], expected the smaller of the two factors first"},
