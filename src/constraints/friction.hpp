@@ -26,9 +26,10 @@ inline void clamp_disc(Vec4d& s, Vec4d& t, Vec4d limit) {
   s *= scale, t *= scale;
 }
 
-// The nearest point of the ellipse with the half axes `limit` along s and `across` times that along t (0 < across <= 1). At the
-// nearest point the way to it is square to the ellipse: it is (s / (1 + x), across^2 t / (across^2 + x)), in units of the limit,
-// for the root x >= 0 of a convex function. Newton's method comes to it from below without passing it.
+// Moves (s, t) to the nearest point of the ellipse that has the half axes `limit` along s and `across` times `limit` along t
+// (0 < across <= 1). The line from the nearest point to (s, t) is square to the ellipse. With lengths in units of the limit the
+// nearest point is therefore (s / (1 + x), across^2 t / (across^2 + x)), where x >= 0 is the root of a convex function. Newton's
+// method approaches this root from below and never passes it.
 inline void clamp_ellipse(Vec4d& s, Vec4d& t, Vec4d limit, Vec4d across) {
   const Vec4d one = broadcast(1), zero = broadcast(0), t_over = t / across;
   const Mask4 outside = s * s + t_over * t_over > limit * limit;

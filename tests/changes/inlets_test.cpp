@@ -129,7 +129,7 @@ bodies:
   EXPECT_NEAR(inner, 100, 4 * std::sqrt(50.0)) << "half of the disc's area is within this radius";
 }
 
-// Two squares of 1 m at right angles, one on top of z = 1 and one at x = 0, of two triangles each; the first is twice as wide.
+// A surface of two rectangles at right angles, of two triangles each: one of 2 m x 1 m at z = 1, and one of 1 m x 1 m at x = 0.
 class InletsOnASurface : public testing::Test {
  protected:
   void SetUp() override {

@@ -57,8 +57,8 @@ TEST(Friction, ConeIsTheNearestPoint) {
   }
 }
 
-// Of the ellipse under a normal multiplier: in it, and what remains of the way to it square to its border. Points and limits of
-// all sizes, and ellipses as flat as a scene may have.
+// The projected point lies on the border of the ellipse, and the line from it to the given point is square to the border. Given
+// points are up to a million limits away, and the flattest ellipses are as flat as a scene may ask for.
 TEST(Friction, EllipseIsTheNearestPoint) {
   samples::Random random(7);
   for (int k = 0; k < 100000; ++k) {

@@ -21,7 +21,7 @@ std::string body(const std::string& shape, double height, const Vec3& velocity, 
          std::to_string(velocity.x()) + ", " + std::to_string(velocity.y()) + ", 0]" + more + "}\n";
 }
 
-// Held, flat, and with their upper sides at z = 0.01.
+// A cloth and a block, both held and flat. With their thickness they reach up to z = 0.01, where bodies lie on them.
 const std::string cloth =
     "cloths:\n  - {grid: {size: [4, 4], nodes: [21, 21]}, mass: 1, thickness: 0.02, links: {}, "
     "pins: [{within: {min: [-9, -9, -9], max: [9, 9, 9]}}]}\n";
@@ -31,7 +31,7 @@ const std::string solid =
 
 const std::string box = "box: {size: [0.3, 0.3, 0.1]}";
 
-// The largest change of the velocity in a second, over the speed.
+// By how much the velocity of body 0 differs at most from the given one within 0.64 s, over the speed.
 double largest_change(Experiment& run, const Vec3& velocity) {
   double largest = 0;
   for (int k = 0, n = static_cast<int>(0.64 / run.h()); k < n; ++k) {
