@@ -1,5 +1,5 @@
-// Surfaces on which friction depends on the direction, as on a ribbed belt or on planed wood: one coefficient along an axis of
-// the body, another across it.
+// On some surfaces friction depends on the direction, as on a ribbed belt or on planed wood. Such a body has one coefficient of
+// friction along an axis of its own, and another across this axis.
 #pragma once
 
 #include <algorithm>

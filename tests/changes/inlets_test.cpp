@@ -151,7 +151,8 @@ class InletsOnASurface : public testing::Test {
   const std::string file_ = (std::filesystem::temp_directory_path() / ("surface" + std::to_string(::getpid()) + ".obj")).string();
 };
 
-// Chi-squared of cells of equal area: above 68 in one of 1000 samples, where there are 36.
+// The surface is divided into 36 cells of equal area. Where bodies come in evenly, chi-squared of the numbers in these cells is
+// above 68 in one of 1000 samples.
 TEST_F(InletsOnASurface, EvenlyByItsArea) {
   const std::vector<Vec3> all = places("");
   ASSERT_GT(all.size(), 5900U);

@@ -45,14 +45,16 @@ double largest_change(Experiment& run, const Vec3& velocity) {
 
 class SlidingOn : public testing::TestWithParam<std::tuple<const char*, int>> {};
 
-// Without friction nothing happens, as over the seams of rigid tiles, but for what the iterations leave.
+// Without friction the velocity should stay as it is. With 4 steps a frame it does, but for what the iterations leave; with 1
+// step a frame a box has been seen to change by 3e-4 of its speed, for which no cause is known.
 TEST_P(SlidingOn, WithoutFrictionABoxKeepsItsVelocity) {
   const auto [solver, substeps] = GetParam();
+  const double most = substeps == 1 ? 1e-3 : 1e-5;
   for (const std::string& surface : {cloth, solid})
     for (const Vec3& velocity : {Vec3(1, 0, 0), Vec3(0.8, 0.6, 0), Vec3(0.16, 0.12, 0)}) {
       Experiment run(scene_from_text(head("tolerance: 1.0e-8, iterations: 1000, name: " + std::string(solver), substeps, "0") +
                                      body(box, 0.05, velocity) + surface));
-      EXPECT_LT(largest_change(run, velocity), 1e-3) << velocity.transpose() << '\n' << surface;
+      EXPECT_LT(largest_change(run, velocity), most) << velocity.transpose() << '\n' << surface;
     }
 }
 
