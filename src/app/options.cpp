@@ -201,7 +201,8 @@ Simulates the scene file SCENE and writes its results into a folder.
   -wall_limit TIME       stop with a checkpoint before so much time has passed since the start: 3h55m, 90m, 45s or seconds. The signals
                          TERM, INT and USR1 do the same at once, after the frame that is being computed
   -strict                a warning at the start is an error (exit code 2); stop at the first step that has not converged, with the
-                         constraint named that is farthest from solved (exit code 3, as for every run that had to stop)
+                         constraint named that is farthest from solved, and at the first frame in which tetrahedra are inside out or
+                         edges go through faces (exit code 3, as for every run that had to stop)
   -dump_fclib FILE       write one frame's last step as a frictional contact problem in FCLIB's HDF5 form, with its solution;
                          rigid bodies alone, in space
   -dump_step N           of that frame (default: the last)

@@ -241,6 +241,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   last.guard = held, last.impacts = impacts;
   summary_.plans = last.plans;
   report.constraint_columns = further_columns(last, report);
+  if (options_.strict) stop_if_sides_are_lost(report);
   report.imbalance = running_.imbalance();
   return report;
 }

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/errors.hpp"
+#include "report/side_faults.hpp"
 
 namespace unibody {
 
@@ -27,6 +28,13 @@ void stop_if_wrong(const Scene& scene, const Convergence& convergence, const Ste
                   step.estimated_error, allowed);
   throw RunError("option -strict: frame " + std::to_string(frame) + " has not converged: " + by.data() +
                  (step.worst ? "; farthest from solved: " + told(*step.worst, scene) : ""));
+}
+
+void stop_if_sides_are_lost(const FrameReport& report) {
+  const auto faults = side_faults(report);
+  if (!faults.empty())
+    throw RunError("option -strict: frame " + std::to_string(report.step) + ": found " + told(faults.front()) +
+                   ", expected none; " + faults.front().remedy);
 }
 
 }  // namespace unibody

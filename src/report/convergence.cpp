@@ -5,6 +5,7 @@
 
 #include "core/text.hpp"
 #include "report/report.hpp"
+#include "report/side_faults.hpp"
 
 namespace unibody {
 
@@ -65,7 +66,7 @@ Off off_by(const FrameReport& report, bool asked) {
 void Convergence::add(const FrameReport& report) {
   const Off off = off_by(report, asked);
   offs.add(off.length), residuals.add(report.natural_residual), rates.add(report.residual_rate);
-  held += off.length <= allowed() ? 1 : 0;
+  held += off.length <= allowed() && side_faults(report).empty() ? 1 : 0;
   if (off.length > most_off.length) most_off = off, most_off_frame = report.step;
   unconverged += report.converged ? 0 : 1;
   if (report.natural_residual <= worst_residual) return;

@@ -38,7 +38,7 @@ struct Convergence {
   bool asked = false;                  // by the scene: the iterations were picked for it
   Figures residuals, offs;             // m
   Figures rates;                       // m/s, FrameReport::residual_rate
-  std::int64_t held = 0;               // frames that are off by no more than allowed()
+  std::int64_t held = 0;               // frames that are off by no more than allowed(), and in which no side was lost
   std::int64_t unconverged = 0;        // frames of which a step did not converge
   double worst_residual = 0;           // m
   std::int64_t worst_frame = 0;        // the first of those with that residual; 0: none has more than 0

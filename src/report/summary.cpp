@@ -109,11 +109,12 @@ void Summary::add(const FrameReport& report) {
   final = report;
   if (report.error) errors.add(report.step, *report.error);
   form_left += report.form_left, coarse.add(report.coarse);
-  convergence.add(report);
+  convergence.add(report), side_faults.add(report);
 }
 
 std::string told(const Summary& summary, const Scene& scene) {
-  std::string text = told(summary.convergence, scene) + told(summary.past, scene) + told_breaks(scene, summary.past);
+  std::string text = told(summary.convergence, scene) + told(summary.side_faults);
+  text += told(summary.past, scene) + told_breaks(scene, summary.past);
   std::array<char, 256> line{};
   if (const ErrorSamples& e = summary.errors; e.count > 0) {
     std::snprintf(line.data(), line.size(),
@@ -154,6 +155,7 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   if (!summary.restarted_from.empty()) j.set("restarted_from", summary.restarted_from);
   if (!summary.continued_from.empty()) j.set("continued_from", summary.continued_from);
   j.set("convergence", json_of(summary.convergence, scene));
+  if (!summary.side_faults.kinds.empty()) j.set("side_faults", json_of(summary.side_faults));
   if (const ErrorSamples& e = summary.errors; e.count > 0)
     j.set("error_estimates", Json::object()
                                  .set("samples", e.count)

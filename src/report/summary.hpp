@@ -8,6 +8,7 @@
 
 #include "report/convergence.hpp"
 #include "report/report.hpp"
+#include "report/side_faults.hpp"
 #include "scene/scene.hpp"
 #include "step/history.hpp"
 #include "step/plan.hpp"
@@ -41,6 +42,7 @@ struct Summary {
   std::vector<PhaseTimes> phases;
   FrameReport final;
   Convergence convergence;
+  SideFaults side_faults;
   ErrorSamples errors;
   CoarseCounts coarse;
   std::int64_t form_left = 0;      // steps taken in the incremental form, not the total one

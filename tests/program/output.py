@@ -304,6 +304,51 @@ class Switches(ProgramTest):
         self.assertEqual(run.code, 2)
         self.assertIn("option -strict: found solver.tolerance 0", run.err)
 
+    def test_a_run_says_what_is_inside_out(self):
+        # The material bears 0.19 of its modulus at most, half of the block's weight: its lowest tetrahedra must turn inside out, and
+        # the steps converge all the same.
+        scene = self.scene("""
+            time: {frame: 0.016, frames: 30}
+            solver: {name: gauss_seidel, iterations: 200, tolerance: 1.0e-4}
+            materials: {jelly: {friction: 0}}
+            bodies:
+              - {shape: {plane: {normal: [0, 0, 1]}}}
+            solids:
+              - {block: {size: [0.2, 0.2, 0.4], cells: [2, 2, 4]}, youngs_modulus: 1.0e+4, poissons_ratio: 0, density: 1000,
+                 thickness: 0.01, position: [0, 0, 0.205]}
+        """)
+        run = self.good(scene, "results", "-overwrite")
+        header, rows = report(self.folder / "results" / "report.csv")
+        counts = [int(row[header.index("inverted[jelly] (1)")]) for row in rows]
+        frames = [int(row[0]) for row in rows]
+        most = max(counts)
+        self.assertGreater(most, 0)
+        frame = frames[counts.index(most)]
+        self.assertIn(f"not as the scene has it: {most} tetrahedra of jelly inside out in frame {frame}, {counts[-1]} at the end; ", run.out)
+        summary = json.loads((self.folder / "results" / "summary.json").read_text())
+        self.assertEqual(summary["side_faults"], [{"what": "tetrahedra of jelly inside out", "most": most, "most_frame": frame, "at_end": counts[-1]}])
+        off = sum(count > 0 for count in counts)
+        self.assertLessEqual(summary["convergence"]["frames_within_accuracy"], 30 - off)
+        first = next(k for k, count in enumerate(counts) if count > 0)
+        for ranks in (1, 2):
+            strict = unibody(scene, "-output", self.folder / "results", "-overwrite", "-strict", ranks=ranks)
+            self.assertEqual(strict.code, 3)
+            self.assertIn(f"option -strict: frame {frames[first]}: found {counts[first]} tetrahedra of jelly inside out", strict.err)
+        guarded = self.good(scene, "results", "-overwrite", "-set", "solids[0].least_volume=0.1").out
+        self.assertNotIn("not as the scene has it", guarded)
+
+    def test_a_run_says_what_goes_through_what(self):
+        # A sheet that starts through another one.
+        scene = self.scene("""
+            time: {frame: 0.016, frames: 2}
+            gravity: [0, 0, 0]
+            cloths:
+              - {grid: {size: [1, 1], nodes: [5, 5]}, mass: 1, thickness: 0.01}
+              - {grid: {size: [1, 1], nodes: [4, 4]}, mass: 1, thickness: 0.01, orientation: {axis: [1, 0, 0], angle: 90}}
+        """)
+        run = self.good(scene, "results", "-overwrite")
+        self.assertRegex(run.out, r"not as the scene has it: \d+ edges of cloths or threads through faces in frame \d, \d+ at the end; ")
+
     def test_single_precision_changes_the_files_and_not_the_run(self):
         scene = self.scene(SCENE)
         double = self.good(scene, "double")
