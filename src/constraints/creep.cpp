@@ -16,7 +16,8 @@ namespace {
 
 Vec3 in_lane(const Vec3x4& v, std::size_t lane) { return {v.x[lane], v.y[lane], v.z[lane]}; }
 
-// How the bodies of a block's manifolds move along their faces, and what presses and holds them. Sums over a manifold's points.
+// How the bodies of a block's manifolds move along their faces, and what presses and holds them in the whole step, its two stages
+// together. Sums over a manifold's points.
 struct Rubbing {
   Side a, b;
   Vec3x4 t;  // the second direction in the face
@@ -29,16 +30,34 @@ struct Rubbing {
   Vec3x4 middle{broadcast(0), broadcast(0), broadcast(0)};
 };
 
-Rubbing rubbing_of(const ContactBatch& batch, const ContactBatch::Block& block, std::span<const SolverBody> bodies) {
+// The impulses of one point of a block's manifolds.
+struct PointImpulses {
+  Vec4d n, s, t;
+};
+
+// before: of the stage before this one, of all points of `contacts`; empty: the batch has them of the whole step.
+PointImpulses impulses_of(const ContactBatch& batch, const ContactBatch::Block& block, std::uint32_t k, const Contacts& contacts,
+                          std::span<const ContactBatch::Impulse> before) {
+  const auto& tangent = batch.tangent_impulses[block.first_tangent + k];
+  PointImpulses all{batch.normals[block.first_point + k].lambda, tangent.lambda_s, tangent.lambda_t};
+  for (std::size_t l = 0; l < lanes && !before.empty(); ++l) {
+    if (block.manifold[l] < 0) continue;
+    const ContactBatch::Impulse& more = before[contacts.manifolds[static_cast<std::size_t>(block.manifold[l])].first + k];
+    all.n[l] += more.n, all.s[l] += more.s, all.t[l] += more.t;
+  }
+  return all;
+}
+
+Rubbing rubbing_of(const ContactBatch& batch, const ContactBatch::Block& block, const Contacts& contacts,
+                   std::span<const ContactBatch::Impulse> before, std::span<const SolverBody> bodies) {
   Rubbing sum{gather(block.slot_a, bodies), gather(block.slot_b, bodies), cross(block.n, block.s)};
   for (std::uint32_t k = 0; k < block.count; ++k) {
     const auto& point = batch.points[block.first_point + k];
     const PointVelocity u = relative_velocity<true>(block, sum.t, point, sum.a, sum.b);
-    const Vec4d n = batch.normals[block.first_point + k].lambda;
-    const auto& impulse = batch.tangent_impulses[block.first_tangent + k];
-    const Vec4d along_t = block.ratio < 0 ? impulse.lambda_t : Vec4d(impulse.lambda_t / batch.ratio_at(block));
-    sum.normal += n, sum.along_s += impulse.lambda_s, sum.along_t += along_t;
-    sum.friction += sqrt(impulse.lambda_s * impulse.lambda_s + along_t * along_t);
+    const auto [n, s, t] = impulses_of(batch, block, k, contacts, before);
+    const Vec4d along_t = block.ratio < 0 ? t : Vec4d(t / batch.ratio_at(block));
+    sum.normal += n, sum.along_s += s, sum.along_t += along_t;
+    sum.friction += sqrt(s * s + along_t * along_t);
     sum.u_s += n * u.s, sum.u_t += n * u.t, sum.middle = sum.middle + point.arm_a * n;
   }
   return sum;
@@ -128,9 +147,11 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
     if (rubbing.friction[l] >= limit) creep.turn.setZero();
     if (creep.turn.norm() > most_creep) creep.turn *= most_creep / creep.turn.norm();
   };
+  const std::span<const Impulse> before =
+      kept_ == Kept::apart ? std::span<const Impulse>(kept_impulses_) : std::span<const Impulse>();
   for (const Block& block : blocks) {
     if (block.first_tangent < 0 || std::ranges::none_of(block.manifold, has_memory)) continue;
-    const Rubbing rubbing = rubbing_of(*this, block, bodies);
+    const Rubbing rubbing = rubbing_of(*this, block, *contacts_, before, bodies);
     for (std::size_t l = 0; l < lanes; ++l)
       if (has_memory(block.manifold[l])) note(block, rubbing, l);
   }
