@@ -64,6 +64,7 @@ struct BuildContext {
   std::function<void(std::span<std::int32_t>)> exchange{};  // values of guests from their homes, one a slot
   std::span<const Vec3> displaced{};                        // m, by slot: where bodies seem to start the step; empty: nowhere
   const Multipliers* contact_history = nullptr;             // of the last step
+  double least_creep = 0;                                   // m, what is less is not taken back (creep.hpp)
   std::function<bool(bool)> any_over_ranks{};               // collective
 };
 

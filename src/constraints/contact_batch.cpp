@@ -56,7 +56,7 @@ void ContactBatch::build(const BuildContext& context) {
   displaced_ = context.displaced;
   contacts_ = context.contacts, world_ = &context.world,
   friction_ = in_directions(context.settings.friction, !context.world.friction_axes.empty());
-  scaling_ = context.settings.scaling, step_ = context.state.step;
+  scaling_ = context.settings.scaling, step_ = context.state.step, least_creep_ = context.least_creep;
   is_gauss_seidel_ = counts.empty(), bias_is_gap_ = true, kept_ = Kept::nothing;
   bouncing_.clear(), leak_shares_.clear(), uneven_shares_.clear();
   constrained_.clear(), hidden_.clear(), selected_ = Islands::all, any_selected_ = true;
@@ -108,7 +108,7 @@ void ContactBatch::lay_out(std::span<const std::uint32_t> order, std::span<const
     if (acts_in_solve(friction_) && m.friction > 0) {
       rows.first_tangent = 0;
       if (friction_ == FrictionModel::ellipse) rows.ratio = 0;
-      if (is_carried(m) || (!creeps_.empty() && !creeps_[i].is_zero())) rows.drift = 0;
+      if (is_carried(m) || (!creeps_.empty() && !beyond(creeps_[i], least_creep_, smaller_radius(m)).is_zero())) rows.drift = 0;
     }
     if (!isotropic[m.slot_a] || !isotropic[m.slot_b]) rows.inertia = 0;
   }
@@ -189,7 +189,7 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   if (block.drift >= 0) {
     OwnMotion drift = is_carried(m) ? drift_of(m) : OwnMotion{};
     if (!creeps_.empty()) {
-      const Creep& creep = creeps_[number];
+      const Creep creep = beyond(creeps_[number], least_creep_, smaller_radius(m));
       const Vec3 back = -creep_taken_out / step_ * m.normal.dot(creep.turn) * m.normal;
       drift.v -= creep_taken_out / step_ * (creep.slip - m.normal * m.normal.dot(creep.slip));
       drift.v += back.cross(place_of(world, m, m.slot_a) - creeps_about(m)), drift.w += back;

@@ -263,6 +263,7 @@ class ContactBatch : public BatchDefaults {
   void recall_creeps(const Multipliers* history);
   void remember_creep(Multipliers& history, std::size_t manifold, Creep& sum, int& count) const;
   Vec3 creeps_about(const Manifold& m) const;
+  double smaller_radius(const Manifold& m) const;  // m, of the bounding spheres of its two bodies
   void forget_solids(const Surfaces& surfaces, std::span<Impulse> start) const;
   bool sinks(const Block& block, std::size_t lane, bool is_a, std::span<const SolverBody> bodies) const;
   struct Lane {
@@ -309,7 +310,7 @@ class ContactBatch : public BatchDefaults {
   const World* world_ = nullptr;
   std::span<const Vec3> displaced_;  // only while it is built
   FrictionModel friction_ = FrictionModel::disc;
-  double scaling_ = 1, step_ = 0.016;
+  double scaling_ = 1, step_ = 0.016, least_creep_ = 0;
   Stage stage_;
   bool is_gauss_seidel_ = false;
   bool bias_is_gap_ = false;                                           // just built: Point::bias holds the gap

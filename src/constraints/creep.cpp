@@ -42,7 +42,9 @@ PointImpulses impulses_of(const ContactBatch& batch, const ContactBatch::Block& 
   PointImpulses all{batch.normals[block.first_point + k].lambda, tangent.lambda_s, tangent.lambda_t};
   for (std::size_t l = 0; l < lanes && !before.empty(); ++l) {
     if (block.manifold[l] < 0) continue;
-    const ContactBatch::Impulse& more = before[contacts.manifolds[static_cast<std::size_t>(block.manifold[l])].first + k];
+    const Manifold& m = contacts.manifolds[static_cast<std::size_t>(block.manifold[l])];
+    if (k >= m.count) continue;  // a block has as many points as its largest manifold
+    const ContactBatch::Impulse& more = before[m.first + k];
     all.n[l] += more.n, all.s[l] += more.s, all.t[l] += more.t;
   }
   return all;
@@ -86,6 +88,11 @@ void ContactBatch::recall_creeps(const Multipliers* history) {
     if (k == old.size()) break;
     if (std::pair(old[k].id_a, old[k].id_b) == key) creeps_[i] = history->creeps[k];
   }
+}
+
+double ContactBatch::smaller_radius(const Manifold& m) const {
+  return std::min(bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_a)].shape),
+                  bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_b)].shape));
 }
 
 Vec3 ContactBatch::creeps_about(const Manifold& m) const {
@@ -141,8 +148,7 @@ void ContactBatch::note_creep(std::span<const SolverBody> bodies, std::uint32_t 
     }
     creep.slip += step_ * moved - m.normal * m.normal.dot(creep.slip);
     creep.turn = m.normal * (m.normal.dot(creep.turn) + step_ * m.normal.dot(turned));
-    const double most = most_creep * std::min(bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_a)].shape),
-                                              bounding_radius(world_->properties[static_cast<std::size_t>(m.slot_b)].shape));
+    const double most = most_creep * smaller_radius(m);
     if (creep.slip.norm() > most) creep.slip *= most / creep.slip.norm();
     if (rubbing.friction[l] >= limit) creep.turn.setZero();
     if (creep.turn.norm() > most_creep) creep.turn *= most_creep / creep.turn.norm();

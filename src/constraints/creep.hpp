@@ -12,10 +12,16 @@
 // memory, by which towers stand; contacts of a point or an edge, at which bodies roll, have none, since it kept piles of balls
 // from coming to rest.
 //
+// What a contact has crept by is taken back only as far as it is more than about the tolerance of the solve. What is less may be
+// the noise of the solve as well, of which contacts that hold the same bodies remember different parts: taken back, it kept walls
+// of bricks from coming to rest.
+//
 // The share that is taken back is a fourth of what made a table of convex pieces rock with accelerated Jacobi.
 #pragma once
 
 #include <cstdint>
+
+#include "constraints/multipliers.hpp"
 
 namespace unibody {
 
@@ -24,5 +30,11 @@ inline constexpr double most_creep = 0.01;                 // of the smaller bod
 inline constexpr double creep_kept = 0.9;                  // share of the creep that a step leaves to a contact that slides
 inline constexpr double sticking = 0.98;                   // share of friction's limit, up to which a contact sticks
 inline constexpr std::uint32_t least_points_in_piles = 3;  // of a manifold
+
+// What of a creep a step is to take back, before its share: what is beyond the least (m), which of a turn is seen at `reach` (m).
+inline Creep beyond(const Creep& creep, double least, double reach) {
+  const auto rest = [](double size, double small) { return size > small ? 1 - small / size : 0.0; };
+  return {creep.slip * rest(creep.slip.norm(), least), creep.turn * rest(reach * creep.turn.norm(), least)};
+}
 
 }  // namespace unibody

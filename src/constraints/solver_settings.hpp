@@ -81,7 +81,8 @@ inline constexpr double tight_links = 40;
 inline constexpr double automatic_velocity_share = 0.5;
 
 // What "auto" comes to by the size of the smallest dynamic body (its least extent), so that a scene made smaller does the same.
-inline constexpr double automatic_tolerance = 5e-5;            // of that size in a step of a whole frame; see plan.cpp
+inline constexpr double automatic_tolerance = 2e-5;            // of that size in a step of a whole frame, see plan.cpp;
+inline constexpr double constrained_tolerance = 5e-5;          // of bodies with constraints beside contacts
 inline constexpr double automatic_share_of_fall = 0.04;        // of g h^2: the tolerance is no more than this
 inline constexpr double automatic_margin = 0.2;                // of that size,
 inline constexpr double most_automatic_margin = 0.002;         // m, but no more than this

@@ -22,6 +22,7 @@ BuildContext build_context(RankState& state, const System& system) {
   BuildContext context{state.elements(), state.world, system, scene.solver, state.solver.sweeps_by_colour};
   context.time = state.time();
   context.contact_history = &state.history.contacts();
+  context.least_creep = least_creep(state.traits);
   context.contacts = &state.contacts, context.contact_batch = &system.contacts();
   context.pairs = &scene.pairs;
   context.has_surfaces = state.has_surfaces();

@@ -69,7 +69,9 @@ constexpr double aim_of_accuracy = 1e-4;
 
 // A force moves a body in a step by the square of the step's length. The tolerance falls as that square where a frame has more
 // steps: a stage then leaves the same share of the motion undone, and a body at rest creeps less per second the finer the steps
-// are. A short frame has few steps, so the tolerance is also bounded by a share of what a body falls in the step.
+// are. What stacks creep at one step a frame is some ten tolerances a contact (constraints/creep.hpp), for which that of bodies
+// with contacts alone is the smaller one. A short frame has few steps, so the tolerance is also bounded by a share of what a body
+// falls in the step.
 double automatic_tolerance_of(const SceneTraits& traits, double share) {
   const double part = traits.step / traits.frame, fall = traits.gravity * traits.step * traits.step;
   const double by_size = share * traits.smallest_size * part * part;
@@ -84,8 +86,9 @@ double tolerance_of_accuracy(double accuracy, const SceneTraits& traits, double 
 double tolerance_of(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts) {
   if (settings.tolerance) return *settings.tolerance;
   if (!std::isfinite(traits.smallest_size)) return 0;
-  return settings.accuracy ? tolerance_of_accuracy(*settings.accuracy, traits, facts.error_ratio)
-                           : automatic_tolerance_of(traits, automatic_tolerance);
+  return settings.accuracy
+             ? tolerance_of_accuracy(*settings.accuracy, traits, facts.error_ratio)
+             : automatic_tolerance_of(traits, traits.has_constraints() ? constrained_tolerance : automatic_tolerance);
 }
 
 void plan_sizes(const SolverSettings& settings, const SceneTraits& traits, const StepFacts& facts, StepPlan& plan) {
@@ -191,6 +194,14 @@ StepPlan plan_of_free_islands(const SolverSettings& settings, const SceneTraits&
   StepPlan free = plan(settings, traits.of_free_islands(), of_free);
   free.islands = Islands::free;
   return free;
+}
+
+double tolerance_of_contacts(const SceneTraits& traits) { return automatic_tolerance_of(traits, automatic_tolerance); }
+
+double least_creep(const SceneTraits& traits) {
+  constexpr double tolerances = 1.5, share_of_fall = 1e-3;  // of g h^2: in short frames the solve leaves less than its tolerance
+  const double least = tolerances * tolerance_of_contacts(traits), fall = traits.gravity * traits.step * traits.step;
+  return fall > 0 ? std::min(least, share_of_fall * fall) : least;
 }
 
 bool links_are_tight(double geometric_stiffness) { return !(automatic_share * geometric_stiffness <= tight_links); }

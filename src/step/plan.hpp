@@ -105,6 +105,12 @@ StepPlan plan_of_free_islands(const SolverSettings& settings, const SceneTraits&
 // Whether the plan depends on which islands have constraints.
 bool asks_for_islands(const SolverSettings& settings, const SceneTraits& traits);
 
+// m, the tolerance that bodies with contacts alone have where the scene asks for none; infinite: nothing moves.
+double tolerance_of_contacts(const SceneTraits& traits);
+
+// m, what a contact may have crept by before it is taken back; see constraints/creep.hpp.
+double least_creep(const SceneTraits& traits);
+
 bool links_are_tight(double geometric_stiffness);  // of the tightest link, with all of the old multipliers
 
 }  // namespace unibody

@@ -47,7 +47,7 @@ class Simulation : public RankState {
 
   bool is_crowded() const { return crowded_; }   // more bodies at one place than can be there, on any rank; after detect()
   std::vector<JointState> joint_states() const;  // of each of `joints`; after detect() or a step
-  SolverSettings settings_used() const;          // the scene's, with what "auto" comes to; after resolve_automatic_settings()
+  SolverSettings settings_used() const;          // the scene's, with what "auto" comes to; after detect()
   std::size_t bytes() const;                     // all that this rank holds
 
  private:

@@ -79,10 +79,8 @@ namespace {
 // m. A manifold counts as solved where its own residual is no more than this share of the automatic tolerance, whatever the
 // scene's: one that is at the tolerance may stand in a column that as a whole is far from solved.
 double solved_residual(const RankState& state) {
-  constexpr double share = 0.06;
-  SolverSettings automatic = state.scene.solver;
-  automatic.tolerance.reset(), automatic.accuracy.reset();
-  return share * unibody::plan(automatic, state.traits).tolerance;
+  constexpr double share = 0.15;
+  return share * tolerance_of_contacts(state.traits);
 }
 
 // The leak of this step, and what is taken back of its impulses, where the contacts that the position stage pushed on open

@@ -72,9 +72,7 @@ std::string tower(int boxes, double aside, const std::string& edge = "0.4") {
   return text;
 }
 
-// m, for boxes of 0.1 m on each other: a thousandth of the edge. A contact that a step leaves aside by the tolerance, 5e-5 of the
-// edge in a step of a whole frame, and that takes a tenth back of what it remembers, comes to stand ten tolerances aside.
-double bound(int boxes, int substeps) { return substeps == 1 ? boxes * 10 * 5e-5 * 0.1 : 1e-3 * 0.1; }
+constexpr double bound = 1e-3 * 0.1;  // m, for boxes of 0.1 m on each other: a thousandth of the edge
 
 // A stack on a slope at nine tenths of what friction holds, in steps of one stage, which start from a share of the last forces,
 // and of two.
@@ -87,24 +85,48 @@ TEST_P(Creep, AStackOnASlopeStays) {
     run.seconds(2);
     const Vec3 before = run.position(3);
     run.seconds(10);
-    EXPECT_LT((run.position(3) - before).norm(), settings == one_stage ? 1e-3 * 0.1 : bound(3, GetParam().substeps));
+    EXPECT_LT((run.position(3) - before).norm(), bound);
   }
 }
 
-// Stacks that take more than 50 iterations, on the level and on slopes, at default settings.
+// Boxes of 0.1 m on each other, every second one so far aside (m).
+std::string zigzag(int boxes, double aside) {
+  std::string text = "gravity: [0, 0, -9.81]\nbodies:\n  - {shape: {plane: {normal: [0, 0, 1]}}}\n";
+  for (int k = 0; k < boxes; ++k)
+    text += "  - {shape: {box: {size: [0.1, 0.1, 0.1]}}, mass: 1, position: [" + std::to_string(k % 2 * aside) + ", 0, " +
+            std::to_string(0.05 + 0.1 * k) + "]}\n";
+  return text;
+}
+
+// Stacks that take more than 50 iterations, on the level and on slopes, and stacks that stand askew, at default settings.
 TEST_P(Creep, StacksStay) {
   const std::string settings = header(GetParam().solver, GetParam().substeps, 0.016);
   for (const std::string& text :
-       {"gravity: [0, 0, -9.81]\n" + tower(5, 0, "0.1"), "gravity: [0.981, 0, -9.81]\n" + tower(5, 0, "0.1"),
-        "gravity: [2.943, 0, -9.81]\n" + tower(3, 0, "0.1"), "gravity: [1.962, 0, -9.81]\n" + tower(5, 0)}) {
+       {zigzag(2, 0.01), zigzag(2, 0.025), zigzag(3, 0.025), zigzag(5, 0.01), "gravity: [0, 0, -9.81]\n" + tower(5, 0, "0.1"),
+        "gravity: [0.981, 0, -9.81]\n" + tower(5, 0, "0.1"), "gravity: [2.943, 0, -9.81]\n" + tower(3, 0, "0.1"),
+        "gravity: [1.962, 0, -9.81]\n" + tower(5, 0)}) {
     Experiment run(scene_from_text(settings + text));
     run.seconds(2);
     const std::vector<Vec3> before = run.world().position;
     run.seconds(10);
     for (std::size_t i = 0; i < run.world().homes; ++i)
-      EXPECT_LT((run.world().position[i] - before[i]).norm(), bound(static_cast<int>(run.world().homes), GetParam().substeps))
-          << text << i;
+      EXPECT_LT((run.world().position[i] - before[i]).norm(), bound) << text << i;
   }
+}
+
+// Bricks in two courses, in which each upper one rests on two, hold each other in more ways than one: what their contacts
+// remember must not set them against each other. They come to rest, to round-off.
+TEST_P(Creep, AWallComesToRest) {
+  if (GetParam().substeps == 1) GTEST_SKIP() << "a step of a whole frame leaves up to the tolerance, some 1e-6 m";
+  std::string text =
+      "gravity: [0, 0, -9.81]\nmaterials: {brick: {friction: 0.6}}\nperiodic: {x: [0.05, 1.05]}\nbodies:\n"
+      "  - {shape: {plane: {normal: [0, 0, 1]}}}\n";
+  for (int k = 0; k < 8; ++k)
+    text += "  - {shape: {box: {size: [0.24, 0.12, 0.1]}}, mass: 2, position: [" + std::to_string(0.125 * k) + ", 0, " +
+            (k % 2 == 0 ? "0.05" : "0.15") + "]}\n";
+  Experiment run(scene_from_text(header(GetParam().solver, GetParam().substeps, 0.016) + text));
+  run.seconds(4);
+  for (int k = 1; k <= 8; ++k) EXPECT_LT(run.velocity(k).norm(), 1e-8) << k;  // m/s
 }
 
 // Towers of ten boxes lean or stand on a slope, far from where they would fall. Their steps do not converge with 50 iterations,

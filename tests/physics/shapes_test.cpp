@@ -215,8 +215,9 @@ std::string table() {
 
 }  // namespace
 
-// A solid of convex pieces drops on one foot, rocks and stands on four, and comes to rest: what it slipped when it landed is
-// taken back by its memory of creep, with Gauss-Seidel within 100 steps, with accelerated Jacobi more slowly.
+// A solid of convex pieces drops on one foot, rocks and stands on four, and comes to rest: what it slipped when it landed, at
+// most a hundredth of its bounding radius of 0.54 m, is taken back by its memory of creep, by a tenth in each step of 16 ms.
+// With accelerated Jacobi and few iterations that is slower.
 TEST(Shapes, ATableOfConvexPiecesComesToRestOnItsFeet) {
   const TextFile file(table());
   const double top = 0.8 * 0.6 * 0.05, legs = 4 * 0.06 * 0.06 * 0.4, height = (0.425 * top + 0.2 * legs) / (top + legs);
@@ -230,7 +231,8 @@ TEST(Shapes, ATableOfConvexPiecesComesToRestOnItsFeet) {
       run.steps(100);
       double bound = 1e-4;  // m/s
       for (int k = 0; k < 3; ++k) {
-        if (solver == "gauss_seidel") bound = k == 0 ? 1e-7 : 1e-11;
+        constexpr int landed = 10;  // steps
+        if (solver == "gauss_seidel") bound = std::max(0.1 * 0.01 * 0.54 / 0.016 * std::pow(0.9, 100 * (k + 1) - landed), 1e-11);
         EXPECT_LT(run.velocity(1).norm(), bound) << solver << ' ' << iterations << ' ' << k;
         EXPECT_LT(run.penetration(), 0.1 * bound) << solver << ' ' << iterations << ' ' << k;  // m
         const Vec3 at = run.position(1);

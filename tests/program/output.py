@@ -190,10 +190,10 @@ class Results(ProgramTest):
         for name in ("unibody", "petsc", "metis"):
             self.assertRegex(versions[name], r"^\d+\.\d+\.\d+$")
         self.assertRegex(versions["mpi"], r"\d+\.\d+")
-        # What the scene leaves to the program is told as it was used for all islands: a tolerance of 5e-5 of the smallest box, ...
+        # What the scene leaves to the program is told as it was used for all islands: a tolerance of 2e-5 of the smallest box, ...
         self.assertEqual(summary["settings"], {
             "time": {"frame (s)": STEP, "frames": FRAMES, "substeps": 1},
-            "solver": {"name": "accelerated_jacobi", "iterations": "auto", "accuracy": "auto", "tolerance (m)": 5e-5 * 0.11, "acceleration": "auto",
+            "solver": {"name": "accelerated_jacobi", "iterations": "auto", "accuracy": "auto", "tolerance (m)": 2e-5 * 0.11, "acceleration": "auto",
                        "mass_sharing": "directions", "level": "position", "stabilisation": 0.4, "stages": "two",
                        "warm_start": "auto", "velocity_share": 0.8, "leak": 0.6, "friction": "disc", "gap": "frozen", "form": "incremental",
                        "order": "coloured", "joints": "iterative", "coarse": False, "scaling": 1, "recovery_time (s)": STEP, "recovery_speed (m/s)": 0.25,
@@ -209,7 +209,7 @@ class Results(ProgramTest):
         self.assertGreaterEqual(iterations, int(5e5 / (20 * 43 + 40 * pairs + 5 * points)))
         self.assertEqual({key: plan[key] for key in ("islands", "stages", "tolerance (m)", "has_velocity_stage", "velocity_iterations", "leak",
                                                      "most_stiffness")},
-                         {"islands": "all", "stages": "two", "tolerance (m)": 5e-5 * 0.11, "has_velocity_stage": True,
+                         {"islands": "all", "stages": "two", "tolerance (m)": 2e-5 * 0.11, "has_velocity_stage": True,
                           "velocity_iterations": int(0.8 * iterations), "leak": 0.6, "most_stiffness": 2})
         self.assertEqual(set(summary["files"]), set(os.listdir(self.results)))
         for name in ("kinetic_energy (J)", "penetration_max (m)", "natural_residual (m)"):

@@ -69,17 +69,22 @@ TEST(StepPlan, AnOpenCountOfIterationsGoesByWhatTheyCost) {
 
 TEST(StepPlan, SizesGoByTheSmallestBody) {
   const StepPlan plan = unibody::plan({}, grains());
-  EXPECT_DOUBLE_EQ(plan.tolerance, 5e-5 * 0.06 / 16);  // a quarter of a frame
+  EXPECT_DOUBLE_EQ(plan.tolerance, 2e-5 * 0.06 / 16);  // a quarter of a frame
   EXPECT_DOUBLE_EQ(plan.margin, 0.002);                // a fifth of the size is more
   EXPECT_DOUBLE_EQ(plan.recovery_speed, 0.25);
   EXPECT_DOUBLE_EQ(plan.recovery_time, 0.02);  // a frame, not a step
   EXPECT_EQ(plan.surface_recovery_time, 0);
+
+  EXPECT_DOUBLE_EQ(least_creep(grains()), std::min(1.5 * plan.tolerance, 1e-3 * grains().gravity * 0.005 * 0.005));
 
   SceneTraits dust = grains();
   dust.smallest_size = 0.0006;
   const StepPlan small = unibody::plan({}, dust);
   EXPECT_DOUBLE_EQ(small.tolerance, 0.01 * plan.tolerance);
   EXPECT_DOUBLE_EQ(small.margin, 0.00012);
+  SceneTraits jointed = grains();
+  jointed.has_joints = true;
+  EXPECT_DOUBLE_EQ(unibody::plan({}, jointed).tolerance, 5e-5 * 0.06 / 16);
   EXPECT_DOUBLE_EQ(small.recovery_speed, std::sqrt(2 * 10 * 0.0006 / 3));
   dust.gravity = 0;
   EXPECT_DOUBLE_EQ(unibody::plan({}, dust).recovery_speed, 0.25);
@@ -98,12 +103,12 @@ TEST(StepPlan, TheToleranceFallsWithTheStep) {
     traits.frame = frame, traits.step = frame / parts;
     return unibody::plan({}, traits).tolerance;
   };
-  EXPECT_DOUBLE_EQ(tolerance(0.016, 1), 3e-6);
-  for (const int parts : {4, 16}) EXPECT_DOUBLE_EQ(parts * tolerance(0.016, parts) / 0.016, 3e-6 / 0.016 / parts);
+  EXPECT_DOUBLE_EQ(tolerance(0.016, 1), 1.2e-6);
+  for (const int parts : {4, 16}) EXPECT_DOUBLE_EQ(parts * tolerance(0.016, parts) / 0.016, 1.2e-6 / 0.016 / parts);
   EXPECT_DOUBLE_EQ(tolerance(0.001, 1), 0.04 * 10 * 1e-6);
   SceneTraits weightless = grains();
   weightless.frame = weightless.step = 0.001, weightless.gravity = 0;
-  EXPECT_DOUBLE_EQ(unibody::plan({}, weightless).tolerance, 3e-6);
+  EXPECT_DOUBLE_EQ(unibody::plan({}, weightless).tolerance, 1.2e-6);
 }
 
 // With an accuracy a step stops at a residual: the part of the accuracy that falls to this step, divided by the ratio of error to
