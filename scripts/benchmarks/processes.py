@@ -21,6 +21,8 @@ YOUNG, POISSON, GRAVITY = 1e9, 0.3, 9.81
 STEP = 2e-6  # s, of the soft spheres: 0.12 of Rayleigh's time
 VARIANTS = {'unibody': [], 'unibody, margin 0.1 mm': ['solver.margin=0.0001'],
             'unibody, margin 0.1 mm, 16 steps a frame': ['solver.margin=0.0001', 'time.substeps=16']}
+FINER = {'intruder': {'unibody, margin 0.1 mm, 60 steps a frame': ['solver.margin=0.0001', 'time.substeps=60'],
+                      'unibody, 200 steps a frame': ['time.substeps=200']}}
 M2 = ['materials.M1.friction=0.4', 'materials.M1.restitution=0.4', 'bodies[2].density=2000']
 SMALL = ['bodies[0].shape.mesh.revolve.profile=[[0.008, 0], [0.022, 0], [0.022, 0.12]]']
 # name: scene, settings, when the rivals start (s), for how long (s), how often places are compared (s)
@@ -173,7 +175,7 @@ def processes(arguments):
     programs = ['liggghts'] + (['yade'] if shutil.which('yade') else [])
     results = {}
     for name in wanted:
-        own, case = own_run(name, arguments.core, VARIANTS)
+        own, case = own_run(name, arguments.core, VARIANTS | FINER.get(name, {}))
         results[name] = {variant: (run, curves(name, run, case)) for variant, run in own.items()}
         for program in programs:
             run = rival_run(program, name, case, arguments.core)
