@@ -115,9 +115,9 @@ TEST_P(Creep, StacksStay) {
 }
 
 // Bricks in two courses, in which each upper one rests on two, hold each other in more ways than one: what their contacts
-// remember must not set them against each other. They come to rest, to round-off.
+// remember must not set them against each other. They come to rest, to round-off; in steps of a whole frame they move by no
+// more than the tolerance in each, 2e-5 of their height.
 TEST_P(Creep, AWallComesToRest) {
-  if (GetParam().substeps == 1) GTEST_SKIP() << "a step of a whole frame leaves up to the tolerance, some 1e-6 m";
   std::string text =
       "gravity: [0, 0, -9.81]\nmaterials: {brick: {friction: 0.6}}\nperiodic: {x: [0.05, 1.05]}\nbodies:\n"
       "  - {shape: {plane: {normal: [0, 0, 1]}}}\n";
@@ -126,7 +126,8 @@ TEST_P(Creep, AWallComesToRest) {
             (k % 2 == 0 ? "0.05" : "0.15") + "]}\n";
   Experiment run(scene_from_text(header(GetParam().solver, GetParam().substeps, 0.016) + text));
   run.seconds(4);
-  for (int k = 1; k <= 8; ++k) EXPECT_LT(run.velocity(k).norm(), 1e-8) << k;  // m/s
+  for (int k = 1; k <= 8; ++k)
+    EXPECT_LT(run.velocity(k).norm(), GetParam().substeps == 1 ? 2e-5 * 0.1 / 0.016 : 1e-8) << k;  // m/s
 }
 
 // Towers of ten boxes lean or stand on a slope, far from where they would fall. Their steps do not converge with 50 iterations,
