@@ -78,7 +78,7 @@ SweepTerms<Vec4d> sweep_block(ContactBatch& batch, const Block& block, const Upd
 
 // The natural residual's own step, 1/K of the point alone, so that it does not depend on the solver's scaling. softness: what the
 // normal row has beside it (compliance.hpp): the residual is then the speed that the multiplier's error makes. `ratio` is the
-// coefficient of friction along t over that along s.
+// coefficient of friction along t divided by the one along s.
 template <FrictionModel model, bool tangential>
 Vec4d point_residual(const Block& block, const Vec3x4& t, Point p, const Normal& normal, const TangentImpulse* sideways,
                      const Side& a, const Side& b, const Inertia* inertia, Vec4d softness, Vec4d ratio) {

@@ -129,7 +129,8 @@ bodies:
   EXPECT_NEAR(inner, 100, 4 * std::sqrt(50.0)) << "half of the disc's area is within this radius";
 }
 
-// A surface of two rectangles at right angles, of two triangles each: one of 2 m x 1 m at z = 1, and one of 1 m x 1 m at x = 0.
+// The surface has two rectangles at right angles to each other, of two triangles each: a level one of 2 m x 1 m at z = 1, and an
+// upright one of 1 m x 1 m at x = 0.
 class InletsOnASurface : public testing::Test {
  protected:
   void SetUp() override {

@@ -57,8 +57,9 @@ TEST(Friction, ConeIsTheNearestPoint) {
   }
 }
 
-// The projected point lies on the border of the ellipse, and the line from it to the given point is square to the border. Given
-// points are up to a million limits away, and the flattest ellipses are as flat as a scene may ask for.
+// The projected point lies on the border of the ellipse, and the line from it to the given point is square to the border. The
+// given points lie up to a million limits away from the origin, and the flattest ellipses have the smallest ratio that a scene
+// may ask for.
 TEST(Friction, EllipseIsTheNearestPoint) {
   samples::Random random(7);
   for (int k = 0; k < 100000; ++k) {
