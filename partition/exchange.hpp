@@ -30,7 +30,8 @@ class Exchange {
       : halo_(halo),
         clock_(clock),
         letters_(halo.comm(), longest_letter),
-        sums_(halo.comm(), longest_letter > 0 ? sizeof(SweepSums) : 0) {}
+        sums_(halo.comm(), longest_letter > 0 ? sizeof(SweepSums) : 0),
+        shares_memory_(longest_letter > 0) {}
   static constexpr std::size_t usual_letter = 256 << 10;  // what is longer takes its time either way
 
   // Calls a function with the colour (-1: none) and the bodies of each constraint of a batch.
@@ -66,7 +67,8 @@ class Exchange {
   std::span<const Neighbour> neighbours() const { return neighbours_; }
 
   MPI_Comm comm() const { return halo_.comm(); }
-  Mailboxes& boxes_of_sums() const { return sums_; }  // for a SweepSums to each other rank, and no other messages
+  bool shares_memory() const { return shares_memory_; }  // ranks of one node use mailboxes
+  Mailboxes& boxes_of_sums() const { return sums_; }     // for a SweepSums to each other rank, and no other messages
   PhaseClock& clock() const { return clock_; }
 
   // This rank's and the other rank's body of a manifold across the cut.
@@ -92,6 +94,7 @@ class Exchange {
   const Halo& halo_;
   PhaseClock& clock_;
   mutable Mailboxes letters_, sums_;
+  bool shares_memory_;
   std::vector<Neighbour> neighbours_;
   std::map<std::uint32_t, Ends> ends_;
   TrafficByRank lasting_, of_step_;  // what batches share until slots move; and what this step's do, those included

@@ -48,7 +48,7 @@ std::optional<std::string> contact_of(const Scene& scene, const Simulation& simu
 std::optional<std::string> constraint_of(const Scene& scene, const Simulation& simulation, Id id) {
   std::optional<std::string> found;
   bool guilty = false;
-  for_each_type(simulation.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+  for_each_type(simulation.ties.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
     const auto& multipliers = simulation.history.of<ConstraintBatch<C>>();
     for (std::size_t i = 0; i < list.size() && !guilty; ++i) {
       if (!holds(list[i].ids, id)) continue;
@@ -56,12 +56,12 @@ std::optional<std::string> constraint_of(const Scene& scene, const Simulation& s
       if (guilty || !found) found = std::string(C::name) + others(scene, list[i].ids, id);
     }
   });
-  for (std::size_t i = 0; i < simulation.joints.size() && !guilty; ++i) {
-    const Joint& joint = scene.joints[static_cast<std::size_t>(simulation.joints[i])];
+  for (std::size_t i = 0; i < simulation.ties.joints.size() && !guilty; ++i) {
+    const Joint& joint = scene.joints[static_cast<std::size_t>(simulation.ties.joints[i])];
     if (!holds(joint.ids, id)) continue;
     guilty = i < simulation.history.joints().size() && !all_finite(simulation.history.joints()[i].value);
     if (guilty || !found)
-      found = "joint " + std::to_string(simulation.joints[i]) + " (" +
+      found = "joint " + std::to_string(simulation.ties.joints[i]) + " (" +
               std::string(joint_names[static_cast<std::size_t>(joint.kind)]) + ")" + others(scene, joint.ids, id);
   }
   return found;

@@ -30,9 +30,9 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   Simulation& simulation = from.simulation;
   const MPI_Comm comm = simulation.comm();
   const World& world = simulation.world;
-  auto columns = constraint_columns(comm, scene, world, simulation.constraints, step.constraint_residuals());
+  auto columns = constraint_columns(comm, scene, world, simulation.ties.constraints, step.constraint_residuals());
   const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
-  add(strain_columns(comm, scene, world, simulation.constraints));
+  add(strain_columns(comm, scene, world, simulation.ties.constraints));
   columns.push_back({"impacts (1)", static_cast<double>(step.impacts)});
   if (!scene.constraint_groups.empty() || simulation.traits.complies)
     columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
@@ -42,7 +42,7 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   }
   if (simulation.traits.has_centre_constraints) columns.push_back({"turning (m)", report.turning});
   if (scene.solver.form == Form::total) columns.push_back({"form_left (1)", static_cast<double>(report.form_left)});
-  add(joint_columns(comm, scene.joints, simulation.joints, simulation.joint_slots, simulation.joint_states(),
+  add(joint_columns(comm, scene.joints, simulation.ties.joints, simulation.ties.joint_slots, simulation.joint_states(),
                     step.residual_of<JointBatch>()));
   if (simulation.traits.is_wet) columns.push_back({"liquid_bridges (1)", static_cast<double>(count_bridges(simulation))});
   add(break_columns(scene, simulation.history.past));
@@ -55,7 +55,7 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   columns.push_back({"held_pairs (1)", static_cast<double>(step.guard.pairs)});
   if (!scene.output.crossings) return columns;
   const PhaseClock::Scope scope(from.clock, Phase::output);
-  columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm, world, simulation.surfaces))});
+  columns.push_back({"crossings (1)", static_cast<double>(count_crossings(comm, world, simulation.search.surfaces))});
   return columns;
 }
 

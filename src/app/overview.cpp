@@ -165,13 +165,13 @@ void tell_run(const Simulation& simulation, std::vector<std::string>& lines) {
 
 void find_faults(const Simulation& simulation, const Bodies& bodies, std::vector<std::string>& warnings) {
   const Scene& scene = simulation.scene;
-  if (const Overlaps overlaps = find_overlaps(simulation); overlaps.count > 0 && simulation.steps_done == 0)
+  if (const Overlaps overlaps = find_overlaps(simulation); overlaps.count > 0 && simulation.when.steps_done == 0)
     warnings.push_back(counted(overlaps.count, "pair") +
                        " of bodies overlap at the start by more than 1 % of the smaller one's size, the deepest by " +
                        number_text(overlaps.depth, 3) + " m: " + name_with_line(scene, overlaps.deepest[0]) + " and " +
                        name_with_line(scene, overlaps.deepest[1]) +
                        "; they will be pushed apart: move them, unless that is meant");
-  if (simulation.steps_done == 0)
+  if (simulation.when.steps_done == 0)
     for (std::string& warning : misplaced_bodies(simulation)) warnings.push_back(std::move(warning));
   if (scene.gravity.z() > 0)
     warnings.push_back("gravity points up (" + number_text(scene.gravity.z(), 3) +

@@ -235,7 +235,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   report.measures = measure(comm_, simulation_.world, simulation_.contacts, scene_.gravity_at(report.time),
                             static_cast<double>(simulation_.bytes()), &scene_.pairs);
   if (!scene_.constraint_groups.empty())
-    report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.constraints);
+    report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.ties.constraints);
   if (simulation_.traits.complies)
     report.measures.elastic_energy += contact_energy(comm_, simulation_.world, simulation_.contacts, scene_.pairs);
   last.guard = held, last.impacts = impacts;
@@ -271,9 +271,10 @@ void Run::write(std::int64_t frame) {
   const double time = static_cast<double>(frame) * scene_.time.frame;
   if (frames_ && frame % scene_.output.every == 0 && !frames_->holds(frame)) frames_->write(frame, time, simulation_.world);
   if (joint_files_ && frame % std::max(1, scene_.output.every) == 0 && !joint_files_->holds(frame))
-    joint_files_->write(frame, time, simulation_.joints, simulation_.joint_slots, simulation_.joint_states());
+    joint_files_->write(frame, time, simulation_.ties.joints, simulation_.ties.joint_slots, simulation_.joint_states());
   if (break_file_) break_file_->write(simulation_.history.past.breaks);
-  if (writes_contacts(frame)) contact_file_->write(frame, time, std::exchange(contact_impulses_, {}), simulation_.whole_step);
+  if (writes_contacts(frame))
+    contact_file_->write(frame, time, std::exchange(contact_impulses_, {}), simulation_.when.whole_step);
 }
 
 void Run::checkpoint_in_turn(std::int64_t frame) {

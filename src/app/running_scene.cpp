@@ -45,7 +45,7 @@ std::int64_t RunningScene::start() {
     frame = restore(comm_, scene_, options_, simulation);
     repeat_past(scene_, simulation.history);
   }
-  simulation.steps_done = frame * scene_.time.substeps;
+  simulation.when.steps_done = frame * scene_.time.substeps;
   simulation.resolve_automatic_settings();
   check_accuracy(simulation);
   if (options_.restart.empty()) simulation.make_constraints();

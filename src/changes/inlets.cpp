@@ -36,7 +36,7 @@ Body as_obstacle(Body body) {
 }
 
 CollideSettings still_settings(const Simulation& simulation) {
-  CollideSettings settings = simulation.collide_settings;
+  CollideSettings settings = simulation.search.settings;
   settings.step = 0, settings.margin = 0, settings.gravity.setZero();
   settings.restitution.clear(), settings.struck = {};
   return settings;

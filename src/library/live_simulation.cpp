@@ -131,15 +131,15 @@ int LiveSimulation::ranks() const {
 
 std::int64_t LiveSimulation::steps_done() const {
   check_open();
-  return running_->simulation.steps_done;
+  return running_->simulation.when.steps_done;
 }
 
 void LiveSimulation::step() {
   check_open();
   Simulation& simulation = running_->simulation;
   const int substeps = scene_.time.substeps;
-  const std::int64_t frame = simulation.steps_done / substeps + 1;
-  const int substep = static_cast<int>(simulation.steps_done % substeps);
+  const std::int64_t frame = simulation.when.steps_done / substeps + 1;
+  const int substep = static_cast<int>(simulation.when.steps_done % substeps);
   if (substep == 0) running_->start_frame(frame);
   probes_->start_frame(simulation.world);
   StepRequest request;
@@ -147,7 +147,8 @@ void LiveSimulation::step() {
   StepReport step = running_->step(request, frame, substep);
   impulses_ = std::move(step.impulses);
   tell_probes(impulses_);
-  report_.push_back({simulation.steps_done, step.iterations, step.sliding, step.impacts, time(), step.residual, step.converged});
+  report_.push_back(
+      {simulation.when.steps_done, step.iterations, step.sliding, step.impacts, time(), step.residual, step.converged});
   if (substep + 1 < substeps) return;
   simulation.detect();
   running_->imbalance();
@@ -281,9 +282,9 @@ std::vector<JointState> LiveSimulation::joint_states() {
   std::vector<std::uint64_t> bits(scene_.joints.size() * width);
   std::vector<JointState> here = simulation.joint_states();
   for (std::size_t i = 0; i < here.size(); ++i) {
-    if (!simulation.joint_slots[i].counted) continue;
+    if (!simulation.ties.joint_slots[i].counted) continue;
     const auto numbers = numbers_of_state(here[i]);
-    const auto at = static_cast<std::size_t>(simulation.joints[i]) * width;
+    const auto at = static_cast<std::size_t>(simulation.ties.joints[i]) * width;
     for (std::size_t k = 0; k < width; ++k) bits[at + k] = std::bit_cast<std::uint64_t>(*numbers[k]);
   }
   unite(comm_, bits);
@@ -291,7 +292,7 @@ std::vector<JointState> LiveSimulation::joint_states() {
   for (std::size_t j = 0; j < all.size(); ++j) {
     const auto numbers = numbers_of_state(all[j]);
     for (std::size_t k = 0; k < width; ++k) *numbers[k] = std::bit_cast<double>(bits[j * width + k]);
-    all[j].broken = simulation.joint_input.is_broken(static_cast<std::int64_t>(j));  // every rank knows all that have broken
+    all[j].broken = simulation.ties.joint_input.is_broken(static_cast<std::int64_t>(j));  // every rank knows all that have broken
   }
   return all;
 }

@@ -48,7 +48,7 @@ void check_accuracy(const RankState& state) {
 
 bool samples_error(const RankState& state) {
   if (!state.scene.solver.accuracy) return false;
-  return state.steps_done >= state.history.error_ratio.next;
+  return state.when.steps_done >= state.history.error_ratio.next;
 }
 
 void estimate_by_ratio(const RankState& state, StepReport& report) {
@@ -63,7 +63,7 @@ void take_sample(RankState& state, double distance, double tolerance, StepReport
   const bool steady = found <= steady_factor * before && before <= steady_factor * found;
   const double frames = steady ? frames_between : few_frames;
   known.ratio = std::max(found, std::sqrt(found * before));
-  known.next = state.steps_done + std::llround(frames * state.traits.frame / state.whole_step);
+  known.next = state.when.steps_done + std::llround(frames * state.traits.frame / state.when.whole_step);
 }
 
 }  // namespace unibody

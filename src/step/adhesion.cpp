@@ -64,7 +64,7 @@ std::vector<double> adhesive_impulses(const RankState& state) {
 }
 
 void attract(const RankState& state, System& system) {
-  const std::vector<double>& impulses = state.adhesive;
+  const std::vector<double>& impulses = state.rows.adhesive;
   if (impulses.empty()) return;
   const World& world = state.world;
   for (const Manifold& m : state.contacts.manifolds)

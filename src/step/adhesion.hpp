@@ -17,7 +17,7 @@ namespace unibody {
 // their gaps.
 std::vector<double> adhesive_impulses(const RankState& state);
 
-// Changes the predicted velocities of home bodies by RankState::adhesive. The same bits on any number of ranks.
+// Changes the predicted velocities of home bodies by StepRows::adhesive. The same bits on any number of ranks.
 void attract(const RankState& state, System& system);
 
 }  // namespace unibody

@@ -26,8 +26,8 @@ BuildContext build_context(RankState& state, const System& system) {
   context.contacts = &state.contacts, context.contact_batch = &system.contacts();
   context.pairs = &scene.pairs;
   context.has_surfaces = state.has_surfaces();
-  context.attached = state.attached, context.has_attachments = state.traits.has_attachments;
-  context.constraint_colours = state.colours;
+  context.attached = state.ties.attached, context.has_attachments = state.traits.has_attachments;
+  context.constraint_colours = state.rows.colours;
   context.memory = system.bodies.get_allocator().resource();
   context.exchange = [&state](std::span<std::int32_t> values) { state.exchange.refresh(values); };
   context.any_over_ranks = [&state](bool here) { return state.any_over_ranks(here); };
@@ -43,11 +43,11 @@ void predict_particles(const RankState& state, System& system) {
   Vec3 gain = Vec3::Zero();
   for (std::size_t i = 0; i < state.world.first_static(); ++i) {
     const BodyProperties& body = state.world.properties[i];
-    if (body.is_dynamic() && (&body != kind || !state.loaded.empty())) {
+    if (body.is_dynamic() && (&body != kind || !state.drives.loaded.empty())) {
       kind = &body;
       inverse_mass = 1 / body.mass;
-      const Vec3 force = state.loaded.empty() ? body.force : properties_in_step(state, i).force;
-      gain = state.step() * (state.gravity + force / body.mass);
+      const Vec3 force = state.drives.loaded.empty() ? body.force : properties_in_step(state, i).force;
+      gain = state.step() * (state.drives.gravity + force / body.mass);
     }
     Eigen::Map<Vec3> v(system.bodies[i].v);
     v = state.world.velocity[i];
@@ -97,7 +97,7 @@ void count_constraints(const RankState& state, const BuildContext& context, Syst
   for_each_batch(system.batches, [&]<class B>(auto, B&) {
     if constexpr (!B::lasts) B::count(context, counts);
   });
-  for (std::size_t i = 0; i < state.lasting_counts.size(); ++i) counts[i] += state.lasting_counts[i];
+  for (std::size_t i = 0; i < state.rows.lasting_counts.size(); ++i) counts[i] += state.rows.lasting_counts[i];
   state.exchange.refresh(counts);
 }
 
@@ -139,9 +139,10 @@ void predict(const RankState& state, System& system) {
   if (!world.has_rotations) predict_particles(state, system);
   for (std::size_t i = world.has_rotations ? 0 : world.first_static(); i < n; ++i) {
     const FreeMotion motion =
-        state.loaded.empty()
-            ? predict_motion(world.properties[i], world.state(i), state.gravity, state.step(), state.scene.planar)
-            : predict_motion(properties_in_step(state, i), world.state(i), state.gravity, state.step(), state.scene.planar);
+        state.drives.loaded.empty()
+            ? predict_motion(world.properties[i], world.state(i), state.drives.gravity, state.step(), state.scene.planar)
+            : predict_motion(properties_in_step(state, i), world.state(i), state.drives.gravity, state.step(),
+                             state.scene.planar);
     system.bodies[i] = motion.body;
     const bool held_in_plane = state.scene.planar && state.traits.has_joints;  // whose rows would tilt a disc of scalar inertia
     system.isotropic[i] = motion.isotropic && !held_in_plane;
@@ -151,17 +152,17 @@ void predict(const RankState& state, System& system) {
     system.gyroscopic[i] = motion.gyroscopic;
     system.bodies[i].inverse_inertia = 0;
   }
-  if (state.drag.any()) state.drag.apply(world, state.time(), state.step(), world.homes, system.bodies);
-  if (state.pressure.any())  // after the drag, which must find the same velocities of guests
-    state.pressure.apply(world, state.time(), state.step(), world.homes, system.bodies);
+  if (state.drives.drag.any()) state.drives.drag.apply(world, state.time(), state.step(), world.homes, system.bodies);
+  if (state.drives.pressure.any())  // after the drag, which must find the same velocities of guests
+    state.drives.pressure.apply(world, state.time(), state.step(), world.homes, system.bodies);
   push_on_parts(state, system.bodies);
   if (state.traits.adheres) attract(state, system);
 }
 
 void assemble(RankState& state, System& system, std::span<double> geometric_stiffness) {
-  state.attached = attached_nodes(state.scene, state.world, state.time());
+  state.ties.attached = attached_nodes(state.scene, state.world, state.time());
   if (state.scene.solver.level == Level::velocity)
-    for (AttachedNode& a : state.attached) a.gap *= state.scene.solver.stabilisation;
+    for (AttachedNode& a : state.ties.attached) a.gap *= state.scene.solver.stabilisation;
   BuildContext context = build_context(state, system);
   state.exchange.start_step(state.world, state.contacts);
   for_each_batch(system.batches, [&]<class B>(auto, B& batch) {
@@ -170,7 +171,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
   });
   state.exchange.finish_step();
   if (state.is_pushed() || state.traits.adheres) state.exchange.refresh(system.bodies);
-  state.impacts = resolve_impacts(state, system);
+  state.impacts.count = resolve_impacts(state, system);
   steady_by_stiffness(state, system, geometric_stiffness);
 
   std::pmr::vector<std::uint32_t> order(state.contacts.manifolds.size(), &state.scratch);
@@ -178,7 +179,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
   if (!state.solver.sweeps_by_colour) count_constraints(state, context, system);
   order_contacts(state, order, groups);
   fill_places(state, system);
-  context.displaced = state.displaced;
+  context.displaced = state.impacts.displaced;
   context.contact_order = order, context.contact_groups = groups;
   bool by_wrenches = false;
   for_each_batch(system.batches, [&]<class B>(auto, B& batch) {
@@ -190,7 +191,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
 
 StepFacts facts_of(const RankState& state, System& system) {
   const Contacts& contacts = state.contacts;
-  const bool may_bounce = !state.collide_settings.restitution.empty();
+  const bool may_bounce = !state.search.settings.restitution.empty();
   const auto bounces = [](const SurfaceContact& c) { return c.bounce > 0; };
   const bool tight = asks_for_tight_links(state.scene.solver, state.traits) &&
                      links_are_tight(geometric_stiffness(system.batches, system, state.history));
@@ -219,10 +220,10 @@ namespace {
 
 // A body that was hit within the step, as if it had started it where it seems to come from.
 void displace(RankState& state, std::size_t i) {
-  state.world.position[i] += state.displaced[i];
-  const double angle = state.turned[i].norm();
+  state.world.position[i] += state.impacts.displaced[i];
+  const double angle = state.impacts.turned[i].norm();
   if (!(angle > 0)) return;
-  const Quat turn(Eigen::AngleAxisd(angle, state.turned[i] / angle));
+  const Quat turn(Eigen::AngleAxisd(angle, state.impacts.turned[i] / angle));
   state.world.orientation[i] = (turn * state.world.orientation[i]).normalized();
 }
 
@@ -237,7 +238,7 @@ void finalise(RankState& state, const System& system) {
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
     world.velocity[i] = Eigen::Map<const Vec3>(solved.v);
     world.position[i] += state.step() * Eigen::Map<const Vec3>(moving.v);
-    if (!state.displaced.empty()) world.position[i] += state.displaced[i];
+    if (!state.impacts.displaced.empty()) world.position[i] += state.impacts.displaced[i];
   }
   for (std::size_t i = world.has_rotations ? 0 : world.first_static(); i < world.size(); ++i) {
     if (i >= world.homes && i < world.first_static()) continue;
@@ -247,7 +248,7 @@ void finalise(RankState& state, const System& system) {
     world.set_state(
         i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(), state.scene.planar,
                          (i >= world.first_static() || !in_contact[i]) && !state.is_tied(world.id[i])));
-    if (!state.displaced.empty() && i < world.homes) displace(state, i);
+    if (!state.impacts.displaced.empty() && i < world.homes) displace(state, i);
   }
 }
 

@@ -28,10 +28,10 @@ std::vector<std::uint8_t> touched_groups(const RankState& state) {
   for (const Manifold& m : state.contacts.manifolds) touch(m.id_a), touch(m.id_b);
   for (const SurfaceContact& c : state.contacts.surface)
     for (const Id id : c.ids) touch(id);
-  for (const AttachedNode& a : state.attached)
+  for (const AttachedNode& a : state.ties.attached)
     for (const Id id : a.ids) touch(id);
   for (std::size_t j = 0; j < state.scene.joints.size(); ++j)
-    if (!state.joint_input.is_broken(static_cast<std::int64_t>(j)))
+    if (!state.ties.joint_input.is_broken(static_cast<std::int64_t>(j)))
       for (const Id id : state.scene.joints[j].ids) touch(id);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, touched.data(), static_cast<int>(touched.size()), MPI_UINT8_T, MPI_MAX, state.comm()));
   return touched;
@@ -93,7 +93,7 @@ CoarseSolve take_over(RankState& state, System& system, const PrimalDualReport& 
     if (level.taken[i] >= 0)
       for (int k = 0; k < 3; ++k) system.bodies[i].v[k] = solver.velocities()[i][k];
   for_each_constraint_batch(system.batches, [&]<class C>(auto type, ConstraintBatch<C>& batch) {
-    const auto& list = std::get<decltype(type)::value>(state.constraints);
+    const auto& list = std::get<decltype(type)::value>(state.ties.constraints);
     std::vector<std::array<double, C::rows>> all(list.size());
     batch.get_multipliers(all);
     for (std::size_t i = 0; i < list.size(); ++i)
@@ -112,7 +112,7 @@ CoarseSolve solve_coarse_level(RankState& state, System& system, const StepPlan&
   const std::int64_t touching = std::ranges::count_if(touched, [](std::uint8_t t) { return t != 0; });
   if (std::ranges::find(touched, 0) == touched.end()) return {0, {0, touching, 0}};
   if (state.any_over_ranks(level.built_version != state.halo.version())) {
-    level.solver = std::make_shared<PrimalDual>(state.world, state.constraints, level.aggregates, state.comm());
+    level.solver = std::make_shared<PrimalDual>(state.world, state.ties.constraints, level.aggregates, state.comm());
     level.built_version = state.halo.version();
   }
   PrimalDual& solver = *level.solver;
@@ -132,7 +132,7 @@ CoarseSolve solve_coarse_level(RankState& state, System& system, const StepPlan&
 
 void forget_multipliers(RankState& state) {
   if (state.coarse.taken.empty()) return;
-  for_each_type(state.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+  for_each_type(state.ties.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
     auto& remembered = state.history.of<ConstraintBatch<C>>();
     for (std::size_t i = 0; i < list.size(); ++i)
       if (is_taken(state, list[i])) remembered[i].fill(0);

@@ -13,7 +13,7 @@ bool moves_freely(const World& world, Slot slot) { return world.properties[stati
 void add_bodies(const RankState& state, const ContactBatch& batch, std::vector<ContactImpulse>& out) {
   const World& world = state.world;
   const auto total = batch.total_impulses();
-  const std::vector<double>& adhesive = state.adhesive;
+  const std::vector<double>& adhesive = state.rows.adhesive;
   for (const Manifold& m : state.contacts.manifolds) {
     if (!counts_here(world, m)) continue;
     const Vec3 s = state.contacts.frame_of(m).s, t = m.normal.cross(s);
@@ -71,7 +71,7 @@ void add_impulse(const World& world, const Manifold& manifold, const Vec3& point
 }
 
 std::vector<ContactImpulse> contact_impulses(const RankState& state, const System& system) {
-  std::vector<ContactImpulse> out = state.impact_impulses;
+  std::vector<ContactImpulse> out = state.impacts.impulses;
   add_bodies(state, system.contacts(), out);
   if (!state.contacts.surface.empty()) add_surfaces(state, system.batch<SurfaceBatch>(), out);
   return out;

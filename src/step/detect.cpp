@@ -26,10 +26,10 @@
 namespace unibody {
 
 void make_constraints(RankState& state) {
-  state.constraints = build_constraints(state.scene, state.world);
-  state.joints = joints_here(state.scene.joints, state.world);
-  state.couplings = couplings_here(state.scene.couplings, state.world);
-  state.attachments = attachments_here(state.world, state.scene.attachments);
+  state.ties.constraints = build_constraints(state.scene, state.world);
+  state.ties.joints = joints_here(state.scene.joints, state.world);
+  state.ties.couplings = couplings_here(state.scene.couplings, state.world);
+  state.ties.attachments = attachments_here(state.world, state.scene.attachments);
   for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
     if constexpr (KeyedBatch<B>) {
       std::size_t count = 0;
@@ -37,37 +37,37 @@ void make_constraints(RankState& state) {
       state.history.of<B>().assign(count, {});
     }
   });
-  std::vector<Id> wanted = partners(state.world, state.constraints);
+  std::vector<Id> wanted = partners(state.world, state.ties.constraints);
   const auto add = [&](const std::vector<Id>& more) {
     std::vector<Id> both;
     std::set_union(wanted.begin(), wanted.end(), more.begin(), more.end(), std::back_inserter(both));
     wanted = std::move(both);
   };
-  if (state.needs_surfaces()) add(state.surfaces.partners(state.world));
+  if (state.needs_surfaces()) add(state.search.surfaces.partners(state.world));
   if (state.traits.has_attachments) add(partners(state.world, state.scene.attachments));
-  if (state.traits.has_joints) add(partners(state.scene.joints, state.joints, state.world));
-  add(partners(state.scene.couplings, state.couplings, state.world));
+  if (state.traits.has_joints) add(partners(state.scene.joints, state.ties.joints, state.world));
+  add(partners(state.scene.couplings, state.ties.couplings, state.world));
   state.halo.reset(state.world, wanted);
-  state.colours = {};
-  for_each_type(state.constraints, [&](auto type, const auto& list) {
-    for (const auto& c : list) state.colours[type.value] = std::max(state.colours[type.value], c.colour + 1);
+  state.rows.colours = {};
+  for_each_type(state.ties.constraints, [&](auto type, const auto& list) {
+    for (const auto& c : list) state.rows.colours[type.value] = std::max(state.rows.colours[type.value], c.colour + 1);
   });
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, state.colours.data(), static_cast<int>(state.colours.size()), MPI_INT32_T, MPI_MAX,
-                          state.comm()));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, state.rows.colours.data(), static_cast<int>(state.rows.colours.size()), MPI_INT32_T,
+                          MPI_MAX, state.comm()));
   SceneTraits& traits = state.traits;
-  traits.has_centre_constraints = std::ranges::any_of(state.colours, [](std::int32_t n) { return n > 0; });
+  traits.has_centre_constraints = std::ranges::any_of(state.rows.colours, [](std::int32_t n) { return n > 0; });
   traits.only_links = true, traits.has_solids = false, traits.only_solids = traits.has_centre_constraints;
-  for_each_type(state.constraints, [&]<class C>(auto type, const ConstraintList<C>&) {
-    if (state.colours[type.value] == 0) return;
+  for_each_type(state.ties.constraints, [&]<class C>(auto type, const ConstraintList<C>&) {
+    if (state.rows.colours[type.value] == 0) return;
     traits.only_links = traits.only_links && is_link<C>;
     traits.has_solids = traits.has_solids || fills_space<C>;
     traits.only_solids = traits.only_solids && fills_space<C>;
   });
   if (asks_for_stiffness(state.scene.solver, traits) && std::isinf(traits.stiffness)) {  // of the start, however late it is
-    const double here = stiffness_number(state.scene, state.constraints, stiffest_for_total);
+    const double here = stiffness_number(state.scene, state.ties.constraints, stiffest_for_total);
     traits.stiffness = largest_of_ranks(state.comm(), here);
   }
-  traits.lasting_work = counted_work_of(state.world, state.constraints);
+  traits.lasting_work = counted_work_of(state.world, state.ties.constraints);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &traits.lasting_work, 1, MPI_INT64_T, MPI_SUM, state.comm()));
   for (const Joint& joint : state.scene.joints) traits.lasting_work += static_cast<std::int64_t>(cost_of(joint));
 }
@@ -75,36 +75,37 @@ void make_constraints(RankState& state) {
 void refresh_guests(RankState& state) {
   const PhaseClock::Scope scope(state.clock, Phase::halo);
   hold_pinned(state.scene, state.world, state.time(), state.step());  // homes, so that their guests learn it
-  state.collide_settings.has_past = state.steps_done > 0;
+  state.search.settings.has_past = state.when.steps_done > 0;
   if (state.is_alone() && !state.needs_surfaces())
     state.halo.refresh_partners(state.world);
   else
-    state.halo.refresh_guests(state.world, state.collide_settings, state.needs_surfaces() ? &state.surfaces : nullptr);
+    state.halo.refresh_guests(state.world, state.search.settings, state.needs_surfaces() ? &state.search.surfaces : nullptr);
   hold_pinned(state.scene, state.world, state.time(), state.step());  // guests: a refresh brings states only
   assume([&] { return fault_of(state.world); });
 }
 
 void build_lasting(RankState& state, System& system) {
   if (state.traits.has_joints)
-    state.joint_slots = joint_slots(state.scene.joints, state.joints, state.world, static_cast<Slot>(state.world.size()));
-  state.coupling_slots =
-      coupling_slots(state.scene.couplings, state.couplings, state.world, static_cast<Slot>(state.world.size()));
+    state.ties.joint_slots =
+        joint_slots(state.scene.joints, state.ties.joints, state.world, static_cast<Slot>(state.world.size()));
+  state.ties.coupling_slots =
+      coupling_slots(state.scene.couplings, state.ties.couplings, state.world, static_cast<Slot>(state.world.size()));
   const BuildContext context = build_context(state, system);
   state.exchange.start_lasting();
-  state.lasting_counts.clear();
+  state.rows.lasting_counts.clear();
   if (!state.solver.sweeps_by_colour && state.traits.has_centre_constraints)
-    state.lasting_counts.assign(state.world.size() + 1, 0);
+    state.rows.lasting_counts.assign(state.world.size() + 1, 0);
   for_each_batch(system.batches, [&]<class B>(auto place, B& batch) {
     if constexpr (B::lasts) {
       batch.build(context);
-      if (!state.lasting_counts.empty()) B::count(context, state.lasting_counts);
+      if (!state.rows.lasting_counts.empty()) B::count(context, state.rows.lasting_counts);
     }
     if constexpr (B::stencils_last)
       state.exchange.share_lasting(state.world, place, state.solver.sweeps_by_colour,
                                    [&](const auto& f) { B::for_each_stencil(context, f); });
   });
-  if (state.drag.any()) state.drag.build(state.world, state.surfaces);
-  if (state.pressure.any()) state.pressure.build(state.world, state.surfaces);
+  if (state.drives.drag.any()) state.drives.drag.build(state.world, state.search.surfaces);
+  if (state.drives.pressure.any()) state.drives.pressure.build(state.world, state.search.surfaces);
 }
 
 namespace {
@@ -117,7 +118,7 @@ void check_reach(const RankState& state) {
   Id first = none;
   for (std::size_t i = 0; i < world.size(); ++i) {
     if (world.properties[i].shape.kind == ShapeKind::plane) continue;
-    const Bounds bounds = swept_bounds(world, i, state.collide_settings);
+    const Bounds bounds = swept_bounds(world, i, state.search.settings);
     for (int k = 0; k < 3; ++k)
       if (world.period.along(k) && !(bounds.upper[k] - bounds.lower[k] <= 0.5 * world.period.length[k]))
         first = std::min(first, world.id[i]);
@@ -134,30 +135,30 @@ void check_reach(const RankState& state) {
 bool find_contacts(RankState& state) {
   if (state.is_alone()) return false;
   if (state.world.period.any()) check_reach(state);
-  state.crowd_ranks = crowd_ranks(state.world);
-  const bool crowded = state.any_over_ranks(!state.crowd_ranks.empty());
+  state.search.crowd_ranks = crowd_ranks(state.world);
+  const bool crowded = state.any_over_ranks(!state.search.crowd_ranks.empty());
   if (crowded) {
-    state.crowd_ranks.resize(state.world.size(), -1);
-    state.halo.tell_guests(state.world, state.crowd_ranks);
+    state.search.crowd_ranks.resize(state.world.size(), -1);
+    state.halo.tell_guests(state.world, state.search.crowd_ranks);
   }
-  state.gaps_found.clear();
+  state.impacts.gaps_found.clear();
   const Scratch::Frame frame(state.scratch);
   Collider(&state.scratch)
-      .collide(state.world, state.collide_settings, state.contacts, state.surfaces.empty() ? nullptr : &state.surfaces,
-               state.crowd_ranks);
+      .collide(state.world, state.search.settings, state.contacts,
+               state.search.surfaces.empty() ? nullptr : &state.search.surfaces, state.search.crowd_ranks);
   leave_out_attached(state.scene, state.world, state.time(), state.contacts);
-  leave_out_jointed(state.joint_input, state.contacts);
-  if (!state.collide_settings.stiction.empty()) add_stiction(state.world, state.collide_settings, state.contacts);
+  leave_out_jointed(state.ties.joint_input, state.contacts);
+  if (!state.search.settings.stiction.empty()) add_stiction(state.world, state.search.settings, state.contacts);
   if (!state.world.friction_axes.empty()) add_friction_frames(state.world, state.contacts);
   renew_bridges(state);
-  state.adhesive = adhesive_impulses(state);
+  state.rows.adhesive = adhesive_impulses(state);
   assume([&] { return fault_of(state.contacts, state.world); });
   return crowded;
 }
 
 CrowdCount count_crowds(const RankState& state) {
   CrowdCount count;
-  const std::span ranks(state.crowd_ranks.data(), std::min(state.crowd_ranks.size(), state.world.homes));
+  const std::span ranks(state.search.crowd_ranks.data(), std::min(state.search.crowd_ranks.size(), state.world.homes));
   for (const std::int32_t rank : ranks) count.bodies += rank >= 0, count.most = std::max<std::int64_t>(count.most, rank + 1);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.bodies, 1, MPI_INT64_T, MPI_SUM, state.comm()));
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &count.most, 1, MPI_INT64_T, MPI_MAX, state.comm()));

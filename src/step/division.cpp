@@ -61,18 +61,18 @@ void renew_fineness(RankState& state) {
   const int before = fineness.parts;
   fineness = next_fineness(fineness, deepest_contact(state), allowed);
   // The shorter a step, the less of its error is seen in its residual.
-  if (fineness.parts != before) state.history.error_ratio.next = std::min(state.history.error_ratio.next, state.steps_done);
+  if (fineness.parts != before) state.history.error_ratio.next = std::min(state.history.error_ratio.next, state.when.steps_done);
 }
 
 int parts_of_step(const RankState& state) {
   const int least = state.history.fineness.parts;
   if (!state.traits.has_joints || !state.world.has_rotations) return least;
   double fastest = 0;
-  for (std::size_t i = 0; i < state.joints.size(); ++i) {
-    if (state.joint_input.is_broken(state.joints[i])) continue;
-    const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.joints[i])];
+  for (std::size_t i = 0; i < state.ties.joints.size(); ++i) {
+    if (state.ties.joint_input.is_broken(state.ties.joints[i])) continue;
+    const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.ties.joints[i])];
     for (const auto& [end, slot] :
-         {std::pair(std::size_t{0}, state.joint_slots[i].a), std::pair(std::size_t{1}, state.joint_slots[i].b)})
+         {std::pair(std::size_t{0}, state.ties.joint_slots[i].a), std::pair(std::size_t{1}, state.ties.joint_slots[i].b)})
       fastest = std::max(fastest, turn_that_matters(state, joint, end, slot));
   }
   const double turn = state.step() * largest_of_ranks(state.comm(), fastest);
@@ -83,7 +83,7 @@ int parts_of_step(const RankState& state) {
 
 void set_step_length(RankState& state, double step) {
   const double ratio = step / state.step();
-  state.traits.step = state.collide_settings.step = step;
+  state.traits.step = state.search.settings.step = step;
   for_each_batch_type([&]<class B>(auto, std::type_identity<B>) {
     if constexpr (KeyedBatch<B> && !std::is_same_v<B, JointBatch>)
       for (auto& multipliers : state.history.of<B>())

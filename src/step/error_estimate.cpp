@@ -100,7 +100,7 @@ ConvergedStep converge(RankState& state, System& system, StepPlan plan, const St
   }
   system.bodies.assign(best.begin(), best.end());
   if (state.has_surfaces())
-    SurfaceGuard(state.world, state.surfaces, state.collide_settings, &state.scratch).hold(system.bodies, state.halo);
+    SurfaceGuard(state.world, state.search.surfaces, state.search.settings, &state.scratch).hold(system.bodies, state.halo);
   if (state.scene.solver.friction == FrictionModel::postprocess) {
     system.contacts().set_impulses(impulses);
     postprocess_friction(state.world, state.contacts, system, state.exchange);
@@ -156,7 +156,7 @@ Scene scene_of_reference(const RankState& state) {
 // Whether that solver would do anything else than solve_on(). Where constraints have the incremental form, what they converge to
 // depends on the way: there is no other one to it.
 bool has_other_reference(const RankState& state) {
-  const bool is_total = state.form == Form::total && (state.scene.solver.form == Form::total || state.traits.only_solids);
+  const bool is_total = state.rows.form == Form::total && (state.scene.solver.form == Form::total || state.traits.only_solids);
   const bool any_way = !state.traits.has_centre_constraints || is_total || state.scene.solver.level == Level::velocity;
   return any_way && (state.solver.sweeps_by_colour || has_iterative_joints(state));
 }
@@ -178,10 +178,10 @@ void take_history(const RankState& state, const SolvedStep& solved, RankState& o
   History history = state.history;
   remember(history.contacts(), state.world, state.contacts, solved.impulses, state.step());
   history.joints() = other.history.joints();
-  for (std::size_t k = 0; k < other.joints.size(); ++k) {
-    const auto here = std::lower_bound(state.joints.begin(), state.joints.end(), other.joints[k]);
-    if (here != state.joints.end() && *here == other.joints[k])
-      history.joints()[k] = state.history.joints()[static_cast<std::size_t>(here - state.joints.begin())];
+  for (std::size_t k = 0; k < other.ties.joints.size(); ++k) {
+    const auto here = std::lower_bound(state.ties.joints.begin(), state.ties.joints.end(), other.ties.joints[k]);
+    if (here != state.ties.joints.end() && *here == other.ties.joints[k])
+      history.joints()[k] = state.history.joints()[static_cast<std::size_t>(here - state.ties.joints.begin())];
   }
   other.history = std::move(history);
 }
@@ -190,13 +190,13 @@ void take_history(const RankState& state, const SolvedStep& solved, RankState& o
 ConvergedStep solve_anew(const RankState& state, const SolvedStep& solved, std::span<const double> geometric_stiffness) {
   const Scene scene = scene_of_reference(state);
   PhaseClock clock;
-  RankState other(state.comm(), scene, clock, state.shares_memory);
+  RankState other(state.comm(), scene, clock, state.exchange.shares_memory());
   set_step_length(other, state.step());  // of a part, where the step is divided
   System system(&other.scratch);
   other.world = world_before(state.world, solved);
-  other.steps_done = state.steps_done, other.time_in_step = state.time_in_step;
+  other.when.steps_done = state.when.steps_done, other.when.in_step = state.when.in_step;
   other.traits.smallest_size = state.traits.smallest_size;
-  other.collide_settings.margin = state.collide_settings.margin;
+  other.search.settings.margin = state.search.settings.margin;
   set_loads(other);
   make_constraints(other);
   take_history(state, solved, other);
@@ -232,10 +232,10 @@ ConvergedStep converged_step(RankState& state, System& system, const StepPlan& p
     best.iterations = iterations;
   };
   const bool other = has_other_reference(state);
-  if (other && has_iterative_joints(state)) take(solve_anew(state, solved, state.geometric_stiffness));
+  if (other && has_iterative_joints(state)) take(solve_anew(state, solved, state.rows.geometric_stiffness));
   if (!(best.residual <= effort.enough)) take(solve_on(state, system, plan, facts, solved, effort));
   if (other && !has_iterative_joints(state) && !(best.residual <= effort.enough))
-    take(solve_anew(state, solved, state.geometric_stiffness));
+    take(solve_anew(state, solved, state.rows.geometric_stiffness));
   return best;
 }
 

@@ -40,8 +40,8 @@ class Impacts {
     if (!state_.any_over_ranks(!pairs_.empty())) return 0;
     leave_chains_to_the_solve();
     const std::size_t n = world_.size() + 1;
-    start_velocity_.resize(n), clock_.assign(n, 0), state_.displaced.assign(n, Vec3::Zero());
-    state_.turned.assign(n, Vec3::Zero());
+    start_velocity_.resize(n), clock_.assign(n, 0), state_.impacts.displaced.assign(n, Vec3::Zero());
+    state_.impacts.turned.assign(n, Vec3::Zero());
     for (std::size_t i = 0; i < world_.size(); ++i) start_velocity_[i] = velocity_of(system_.bodies[i]);
     index_bodies();
     for (Pair& pair : pairs_) pair.time = time_of(pair);
@@ -65,7 +65,7 @@ class Impacts {
 
   // As the solve's contacts see them: every one with a home body is here.
   void list_pairs() {
-    const auto& e = state_.collide_settings.restitution;
+    const auto& e = state_.search.settings.restitution;
     for (std::uint32_t k = 0; k < contacts_.manifolds.size(); ++k) {
       const Manifold& m = contacts_.manifolds[k];
       if (e.empty() && !(m.time > 0)) continue;
@@ -97,11 +97,11 @@ class Impacts {
 
   double restitution_of(const Manifold& m) const {
     const auto material = [&](Slot s) { return world_.properties[static_cast<std::size_t>(s)].material; };
-    return state_.collide_settings.restitution_of(material(m.slot_a), material(m.slot_b));
+    return state_.search.settings.restitution_of(material(m.slot_a), material(m.slot_b));
   }
 
   bool may_be_struck(Slot slot) const {
-    const auto& struck = state_.collide_settings.struck;
+    const auto& struck = state_.search.settings.struck;
     const auto i = static_cast<std::size_t>(slot);
     return !struck.empty() && moves(slot) &&
            struck.speed_at(world_.period.wrapped(world_.position[i]), bounding_radius(world_.properties[i].shape)) > 0;
@@ -129,7 +129,7 @@ class Impacts {
   // The place of a body at a time of the step (m).
   Vec3 place(Slot s, double t) const {
     const auto i = static_cast<std::size_t>(s);
-    return world_.position[i] + state_.displaced[i] + t * velocity(s) + 0.5 * t * (t - step_) * acceleration(s);
+    return world_.position[i] + state_.impacts.displaced[i] + t * velocity(s) + 0.5 * t * (t - step_) * acceleration(s);
   }
   // The same of the pair's second body, where the first one meets it.
   Vec3 place_of_b(const Pair& p, double t) const {
@@ -152,8 +152,8 @@ class Impacts {
       const ContactPoint& p = contacts_.points[m.first + k];
       Point& point = points[k];
       point.arm_a = arm_of(world_, m, p, pair.a), point.arm_b = arm_of(world_, m, p, pair.b);
-      point.gap = p.gap + m.normal.dot(state_.displaced[i] + state_.turned[i].cross(point.arm_a) - state_.displaced[j] -
-                                       state_.turned[j].cross(point.arm_b));
+      point.gap = p.gap + m.normal.dot(state_.impacts.displaced[i] + state_.impacts.turned[i].cross(point.arm_a) -
+                                       state_.impacts.displaced[j] - state_.impacts.turned[j].cross(point.arm_b));
     }
     return points;
   }
@@ -311,7 +311,7 @@ class Impacts {
     if (!counts_here(world_, m)) return;
     const Point& arms = touch.points[k];
     const Vec3 point = moves(pair.a) ? place_of(world_, m, pair.a) + arms.arm_a : place_of(world_, m, pair.b) + arms.arm_b;
-    add_impulse(world_, m, point, touch.normal, impulse, state_.impact_impulses);
+    add_impulse(world_, m, point, touch.normal, impulse, state_.impacts.impulses);
   }
 
   void push(std::size_t i, const Vec3& impulse, const Vec3& turning, double time) {
@@ -319,9 +319,9 @@ class Impacts {
     if (!(body.inverse_mass > 0)) return;
     const Vec3 change = body.inverse_mass * impulse;
     velocity_of(body) += change, spin_of(body) += turning;
-    state_.displaced[i] -= time * change;
+    state_.impacts.displaced[i] -= time * change;
     // Of others the spin would have to follow from the momentum in that attitude, and could be worth more energy there.
-    if (system_.isotropic[i]) state_.turned[i] -= time * turning;
+    if (system_.isotropic[i]) state_.impacts.turned[i] -= time * turning;
     clock_[i] = time;
   }
 
@@ -332,7 +332,7 @@ class Impacts {
     std::vector<SolverBody> before(system_.bodies.begin() + static_cast<std::ptrdiff_t>(first),
                                    system_.bodies.begin() + static_cast<std::ptrdiff_t>(end));
     state_.exchange.refresh(std::span<SolverBody>(system_.bodies)), state_.exchange.refresh(std::span(clock_));
-    state_.exchange.refresh(std::span(state_.displaced)), state_.exchange.refresh(std::span(state_.turned));
+    state_.exchange.refresh(std::span(state_.impacts.displaced)), state_.exchange.refresh(std::span(state_.impacts.turned));
     for (std::size_t i = first; i < end; ++i) {
       const SolverBody &was = before[i - first], &is = system_.bodies[i];
       if (!std::equal(was.v, was.v + 3, is.v) || !std::equal(was.w, was.w + 3, is.w)) changed_.push_back(static_cast<Slot>(i));
@@ -345,16 +345,16 @@ class Impacts {
   // The solve sees each gap as it is from where the bodies seem to have started the step. The row of two bodies that pass by each
   // other would stop them, so its gap is opened. Two bodies that overlap, or that have an impact left, keep their row.
   void correct_contacts() {
-    if (state_.gaps_found.empty())
-      for (const ContactPoint& p : contacts_.points) state_.gaps_found.push_back(p.gap);
+    if (state_.impacts.gaps_found.empty())
+      for (const ContactPoint& p : contacts_.points) state_.impacts.gaps_found.push_back(p.gap);
     for (Manifold& m : contacts_.manifolds) {
       const auto i = static_cast<std::size_t>(m.slot_a), j = static_cast<std::size_t>(m.slot_b);
-      if (state_.displaced[i].isZero(0) && state_.displaced[j].isZero(0)) continue;
-      m.displaced = m.normal.dot(state_.displaced[i] - state_.displaced[j]);
+      if (state_.impacts.displaced[i].isZero(0) && state_.impacts.displaced[j].isZero(0)) continue;
+      m.displaced = m.normal.dot(state_.impacts.displaced[i] - state_.impacts.displaced[j]);
       for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
         ContactPoint& point = contacts_.points[p];
-        const Vec3 of_a = state_.turned[i].cross(arm_of(world_, m, point, m.slot_a));
-        const Vec3 of_b = state_.turned[j].cross(arm_of(world_, m, point, m.slot_b));
+        const Vec3 of_a = state_.impacts.turned[i].cross(arm_of(world_, m, point, m.slot_a));
+        const Vec3 of_b = state_.impacts.turned[j].cross(arm_of(world_, m, point, m.slot_b));
         point.gap += m.displaced + m.normal.dot(of_a - of_b);
       }
     }
@@ -365,7 +365,7 @@ class Impacts {
         const bool slow = contacts_.bounce.empty() || !(contacts_.bounce[p] > 0);
         if (!contacts_.bounce.empty()) contacts_.bounce[p] = 0;
         const double closing = -m.normal.dot(u);
-        const bool overlaps = both_round(pair) && state_.gaps_found[p] < -1e-6 * (radius(pair.a) + radius(pair.b));
+        const bool overlaps = both_round(pair) && state_.impacts.gaps_found[p] < -1e-6 * (radius(pair.a) + radius(pair.b));
         const bool is_settled = pair.time == never && !overlaps;
         if (is_settled && both_round(pair) && (pair.fast || !slow || closing > 2 * step_ * state_.traits.gravity))
           contacts_.points[p].gap = std::max(contacts_.points[p].gap, step_ * closing);
@@ -391,9 +391,9 @@ class Impacts {
 
 std::int64_t resolve_impacts(RankState& state, System& system) {
   for (Manifold& m : state.contacts.manifolds) m.displaced = 0;
-  if (!state.gaps_found.empty())  // the step is taken once more
-    for (std::size_t p = 0; p < state.contacts.points.size(); ++p) state.contacts.points[p].gap = state.gaps_found[p];
-  state.displaced.clear(), state.turned.clear(), state.gaps_found.clear(), state.impact_impulses.clear();
+  if (!state.impacts.gaps_found.empty())  // the step is taken once more
+    for (std::size_t p = 0; p < state.contacts.points.size(); ++p) state.contacts.points[p].gap = state.impacts.gaps_found[p];
+  state.impacts.displaced.clear(), state.impacts.turned.clear(), state.impacts.gaps_found.clear(), state.impacts.impulses.clear();
   return Impacts(state, system).run();
 }
 

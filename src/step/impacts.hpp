@@ -16,8 +16,9 @@
 
 namespace unibody {
 
-// Changes the predicted velocities and the gaps and bounces of contacts, and fills state.displaced and state.turned. After
-// Exchange::finish_step(). Collective. Returns how many impacts this rank counts: over all ranks, each once.
+// Changes the predicted velocities and the gaps and bounces of contacts, and fills state.impacts.displaced and
+// state.impacts.turned. After Exchange::finish_step(). Collective. Returns how many impacts this rank counts: over all ranks,
+// each once.
 std::int64_t resolve_impacts(RankState& state, System& system);
 
 }  // namespace unibody

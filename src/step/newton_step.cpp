@@ -26,7 +26,8 @@ bool inverts(const World& world, const ConstraintList<C>& solids, std::span<cons
 
 StepReport newton_step(RankState& state, System& system, const StepPlan& plan) {
   const World& world = state.world;
-  const ReferenceStep step = reference_step(world, state.constraints, std::span(system.bodies).first(world.size()), state.step());
+  const ReferenceStep step =
+      reference_step(world, state.ties.constraints, std::span(system.bodies).first(world.size()), state.step());
   for (std::size_t i = 0; i < world.size(); ++i)
     for (int k = 0; k < 3; ++k) system.bodies[i].v[k] = step.velocity[i][k];
   for_each_constraint_batch(system.batches, [&]<class B>(auto type, B& batch) {
@@ -38,7 +39,7 @@ StepReport newton_step(RankState& state, System& system, const StepPlan& plan) {
   measure_solution(state, system, plan, report);
   report.residual = std::max(report.residual, state.step() * step.correction);
   report.converged = step.converged;
-  for_each_solid_type(state.constraints, [&](const auto& solids) {
+  for_each_solid_type(state.ties.constraints, [&](const auto& solids) {
     report.converged = report.converged && !inverts(world, solids, step.velocity, state.step());
   });
   return report;

@@ -9,7 +9,7 @@ namespace unibody {
 void set_prescribed_velocities(RankState& state) {
   World& world = state.world;
   const double from = state.time(), to = from + state.step();
-  for (const BodyGroup* group : state.prescribed) {
+  for (const BodyGroup* group : state.drives.prescribed) {
     const Vec3 velocity = group->motion->mean_velocity(from, to), spin = group->motion->angular_velocity.mean(from, to);
     for (Id k = 0; k < group->count; ++k) {
       const Slot found = world.find(group->first + k);  // statics are on every rank
@@ -24,11 +24,12 @@ void set_prescribed_velocities(RankState& state) {
 
 void set_loads(RankState& state) {
   const double from = state.time(), to = from + state.step();
-  if (state.scene.gravity_in_time) state.gravity = state.collide_settings.gravity = state.scene.gravity_in_time->mean(from, to);
-  if (state.scene.friction_in_time) state.collide_settings.friction = state.scene.friction_in_time->mean(from, to);
-  state.world.friction_axes = state.friction_axes;
+  if (state.scene.gravity_in_time)
+    state.drives.gravity = state.search.settings.gravity = state.scene.gravity_in_time->mean(from, to);
+  if (state.scene.friction_in_time) state.search.settings.friction = state.scene.friction_in_time->mean(from, to);
+  state.world.friction_axes = state.search.friction_axes;
   state.world.surface_motions.clear();
-  for (const BodyGroup* group : state.belts)
+  for (const BodyGroup* group : state.drives.belts)
     state.world.surface_motions.push_back({group->first, group->count, group->surface_motion->velocity.mean(from, to),
                                            group->surface_motion->angular_velocity.mean(from, to)});
 }
@@ -37,8 +38,8 @@ BodyProperties properties_in_step(const RankState& state, std::size_t slot) {
   BodyProperties body = state.world.properties[slot];
   const Id id = state.world.id[slot];
   const auto has = [id](const BodyGroup* group) { return id >= group->first && id < group->first + group->count; };
-  const auto group = std::ranges::find_if(state.loaded, has);
-  if (group == state.loaded.end()) return body;
+  const auto group = std::ranges::find_if(state.drives.loaded, has);
+  if (group == state.drives.loaded.end()) return body;
   const double from = state.time(), to = from + state.step();
   body.force = (*group)->load->force.mean(from, to), body.torque = (*group)->load->torque.mean(from, to);
   return body;

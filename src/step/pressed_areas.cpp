@@ -8,7 +8,7 @@
 namespace unibody {
 
 void measure_pressed_areas(RankState& state) {
-  if (state.pressed_areas.empty()) return;
+  if (state.ties.pressed_areas.empty()) return;
   const std::vector<Joint>& joints = state.scene.joints;
   std::vector<std::int64_t> sliders;  // on whose offsets areas depend
   for (const Joint& joint : joints)
@@ -20,11 +20,11 @@ void measure_pressed_areas(RankState& state) {
   // One rank counts each joint, and the others add zero: the sum is that rank's value to the last bit.
   std::vector<double> offsets(sliders.size(), 0);
   const auto place_of = [&](std::int64_t slider) { return std::ranges::lower_bound(sliders, slider) - sliders.begin(); };
-  for (std::size_t i = 0; i < state.joints.size(); ++i) {
-    if (!state.joint_slots[i].counted || !std::ranges::binary_search(sliders, state.joints[i])) continue;
-    const Joint& joint = joints[static_cast<std::size_t>(state.joints[i])];
-    offsets[static_cast<std::size_t>(place_of(state.joints[i]))] =
-        joint_state(joint, state.joint_slots[i], state.world, {}, state.step()).coordinate;
+  for (std::size_t i = 0; i < state.ties.joints.size(); ++i) {
+    if (!state.ties.joint_slots[i].counted || !std::ranges::binary_search(sliders, state.ties.joints[i])) continue;
+    const Joint& joint = joints[static_cast<std::size_t>(state.ties.joints[i])];
+    offsets[static_cast<std::size_t>(place_of(state.ties.joints[i]))] =
+        joint_state(joint, state.ties.joint_slots[i], state.world, {}, state.step()).coordinate;
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, offsets.data(), static_cast<int>(offsets.size()), MPI_DOUBLE, MPI_SUM, state.comm()));
 
@@ -33,7 +33,7 @@ void measure_pressed_areas(RankState& state) {
     double area = 1;
     for (const PressedArea::Length& length : joints[j].area->lengths)
       area *= std::max(0.0, length.at_start + offsets[static_cast<std::size_t>(place_of(length.slider))]);
-    state.pressed_areas[j] = area;
+    state.ties.pressed_areas[j] = area;
   }
 }
 

@@ -5,7 +5,7 @@
 
 namespace unibody {
 
-// Measures RankState::pressed_areas by where the bodies are now; every rank then knows all of these areas. Collective. It comes
+// Measures Ties::pressed_areas by where the bodies are now; every rank then knows all of these areas. Collective. It comes
 // after build_lasting(), which finds the slots of joints.
 void measure_pressed_areas(RankState& state);
 

@@ -9,23 +9,48 @@
 
 namespace unibody {
 
-RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool in_shared_memory)
-    : scene(of),
-      clock(timed_by),
-      shares_memory(in_shared_memory),
-      whole_step(scene.time.frame / scene.time.substeps),
-      solver(find_solver(scene.solver.name)),
-      joint_input{scene.joints,   &joints,         &joint_slots, scene.joint_colours, scene.joint_trees > 0, &broken,
-                  &pressed_areas, scene.couplings, &couplings,   &coupling_slots,     scene.coupling_colours},
-      surfaces(scene.surfaces),
-      drag(scene),
-      pressure(scene),
-      form(scene.solver.form == Form::total ? Form::total : Form::incremental),
-      coarse(scene),
-      halo(over),
-      exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
-  traits.frame = scene.time.frame, traits.step = whole_step;
-  traits.gravity = scene.gravity_in_time ? scene.gravity_in_time->largest() : scene.gravity.norm(), gravity = scene.gravity;
+Drives::Drives(const Scene& scene) : gravity(scene.gravity), drag(scene), pressure(scene) {
+  for (const BodyGroup& group : scene.groups) {
+    if (group.surface_motion) belts.push_back(&group);
+    if (group.motion)
+      prescribed.push_back(&group);
+    else if (group.load)
+      loaded.push_back(&group);
+  }
+}
+
+Ties::Ties(const Scene& scene)
+    : joint_input{scene.joints,   &joints,         &joint_slots, scene.joint_colours, scene.joint_trees > 0, &broken,
+                  &pressed_areas, scene.couplings, &couplings,   &coupling_slots,     scene.coupling_colours} {
+  joints_break = std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.bears.any(); });
+  if (std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.area != nullptr; }))
+    pressed_areas.assign(scene.joints.size(), 0);
+  bodies = tied_bodies(scene, broken);
+}
+
+ContactSearch::ContactSearch(const Scene& scene, const Solver& solver, double step) : surfaces(scene.surfaces) {
+  for (const BodyGroup& group : scene.groups)
+    if (group.friction) friction_axes.push_back({group.first, group.count, group.friction->axis, group.friction->across});
+  settings.step = step;
+  settings.gravity = scene.gravity;
+  settings.planar = scene.planar;
+  settings.merge_supports = !solver.sweeps_by_colour;
+  settings.friction = scene.friction;
+  if (scene.pairs.any(PairValue::restitution)) settings.restitution = scene.pairs[PairValue::restitution];
+  if (scene.pairs.any(PairValue::stiction)) {
+    settings.stiction = scene.pairs[PairValue::stiction];
+    settings.stiction_speed = scene.pairs[PairValue::stiction_speed];
+  }
+  settings.material_count = scene.materials.size();
+  if (scene.touch_rules.any()) settings.touch_rules = &scene.touch_rules;
+}
+
+namespace {
+
+SceneTraits traits_of(const Scene& scene) {
+  SceneTraits traits;
+  traits.frame = scene.time.frame, traits.step = scene.time.frame / scene.time.substeps;
+  traits.gravity = scene.gravity_in_time ? scene.gravity_in_time->largest() : scene.gravity.norm();
   traits.has_joints = !scene.joints.empty(), traits.has_attachments = !scene.attachments.empty();
   traits.adheres = scene.pairs.any(PairValue::adhesion) || scene.pairs.any(PairValue::surface_energy);
   if (traits.adheres) traits.adhesion_range = std::ranges::max(scene.pairs[PairValue::adhesion_range]);
@@ -36,31 +61,24 @@ RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool 
                  angle = std::ranges::max(scene.pairs[PairValue::contact_angle]) * M_PI / 180;
     traits.adheres = true, traits.adhesion_range = std::max(traits.adhesion_range, rupture_distance(volume, angle));
   }
-  joints_break = std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.bears.any(); });
-  if (std::ranges::any_of(scene.joints, [](const Joint& joint) { return joint.area != nullptr; }))
-    pressed_areas.assign(scene.joints.size(), 0);
-  tied = tied_bodies(scene, broken);
-  for (const BodyGroup& group : scene.groups)
-    if (group.surface_motion) belts.push_back(&group);
-  for (const BodyGroup& group : scene.groups)
-    if (group.friction) friction_axes.push_back({group.first, group.count, group.friction->axis, group.friction->across});
-  for (const BodyGroup& group : scene.groups)
-    if (group.motion)
-      prescribed.push_back(&group);
-    else if (group.load)
-      loaded.push_back(&group);
-  collide_settings.step = traits.step;
-  collide_settings.gravity = scene.gravity;
-  collide_settings.planar = scene.planar;
-  collide_settings.merge_supports = !solver.sweeps_by_colour;
-  collide_settings.friction = scene.friction;
-  if (scene.pairs.any(PairValue::restitution)) collide_settings.restitution = scene.pairs[PairValue::restitution];
-  if (scene.pairs.any(PairValue::stiction)) {
-    collide_settings.stiction = scene.pairs[PairValue::stiction];
-    collide_settings.stiction_speed = scene.pairs[PairValue::stiction_speed];
-  }
-  collide_settings.material_count = scene.materials.size();
-  if (scene.touch_rules.any()) collide_settings.touch_rules = &scene.touch_rules;
+  return traits;
+}
+
+}  // namespace
+
+RankState::RankState(MPI_Comm over, const Scene& of, PhaseClock& timed_by, bool in_shared_memory)
+    : scene(of),
+      clock(timed_by),
+      solver(find_solver(scene.solver.name)),
+      traits(traits_of(scene)),
+      when{scene.time.frame / scene.time.substeps},
+      drives(scene),
+      ties(scene),
+      search(scene, solver, traits.step),
+      coarse(scene),
+      halo(over),
+      exchange(halo, timed_by, in_shared_memory ? Exchange::usual_letter : 0) {
+  if (scene.solver.form == Form::total) rows.form = Form::total;
 }
 
 std::vector<Id> tied_bodies(const Scene& scene, const std::vector<std::uint8_t>& broken) {
@@ -74,7 +92,7 @@ std::vector<Id> tied_bodies(const Scene& scene, const std::vector<std::uint8_t>&
 
 bool RankState::is_tied(Id id) const {
   const auto holds = [&](const ConstraintGroup& group) { return id >= group.first && id < group.first + group.count; };
-  return std::ranges::binary_search(tied, id) || std::ranges::any_of(scene.constraint_groups, holds);
+  return std::ranges::binary_search(ties.bodies, id) || std::ranges::any_of(scene.constraint_groups, holds);
 }
 
 bool RankState::any_over_ranks(bool here) const {
@@ -98,9 +116,10 @@ std::size_t RankState::bytes() const {
   return bytes_of(world.id) + world.properties.bytes() + bytes_of(world.position) + bytes_of(world.orientation) +
          bytes_of(world.velocity) + bytes_of(world.angular_velocity) + bytes_of(world.held_orientation) +
          bytes_of(multipliers.manifolds) + bytes_of(multipliers.points) + bytes_of(multipliers.places) +
-         bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(attached) +
-         bytes_of_pairs + drag.bytes() + pressure.bytes() + surfaces.bytes() + halo.bytes() + scratch.bytes() + bytes_of(joints) +
-         bytes_of(history.joints()) + bytes_of(broken) + bytes_of(joint_slots) + bytes_of(lasting_counts) + coarse.bytes();
+         bytes_of(contacts.manifolds) + bytes_of(contacts.points) + bytes_of(contacts.surface) + bytes_of(ties.attached) +
+         bytes_of_pairs + drives.drag.bytes() + drives.pressure.bytes() + search.surfaces.bytes() + halo.bytes() +
+         scratch.bytes() + bytes_of(ties.joints) + bytes_of(history.joints()) + bytes_of(ties.broken) +
+         bytes_of(ties.joint_slots) + bytes_of(rows.lasting_counts) + coarse.bytes();
 }
 
 }  // namespace unibody

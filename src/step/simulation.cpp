@@ -45,28 +45,28 @@ void Simulation::resolve_automatic_settings() {
   for (std::size_t i = 0; i < world.homes; ++i) smallest = std::min(smallest, smallest_size(world.properties[i].shape));
   if (scene.bodies_come_and_go()) smallest = smallest_of_all(scene, halo.rank(), halo.size());
   smallest = smallest_of_ranks(comm(), smallest);
-  collide_settings.margin = plan(scene.solver, traits).margin;
+  search.settings.margin = plan(scene.solver, traits).margin;
 }
 
 void Simulation::make_constraints() {
   unibody::make_constraints(*this);
-  constraints_made_ = true, built_version_ = -1;
+  done_.constraints_made = true, done_.built_version = -1;
 }
 
 void Simulation::detect() {
-  if (detected_) return;
-  if (!constraints_made_) make_constraints();
+  if (done_.contacts_found) return;
+  if (!done_.constraints_made) make_constraints();
   set_prescribed_velocities(*this);
   set_loads(*this);
   refresh_guests(*this);
-  if (built_version_ != halo.version()) build_lasting(*this, system_);
-  built_version_ = halo.version();
+  if (done_.built_version != halo.version()) build_lasting(*this, system_);
+  done_.built_version = halo.version();
   measure_pressed_areas(*this);
-  if (std::exchange(loads_are_new_, false)) break_overloaded(*this);
+  if (!std::exchange(done_.loads_compared, true)) break_overloaded(*this);
   know_breaks(*this);
   const PhaseClock::Scope scope(clock, Phase::collide);
-  crowded_ = find_contacts(*this);
-  detected_ = true;
+  done_.is_crowded = find_contacts(*this);
+  done_.contacts_found = true;
 }
 
 StepReport Simulation::step(const StepRequest& request) {
@@ -75,27 +75,27 @@ StepReport Simulation::step(const StepRequest& request) {
   const int parts = parts_of_step(*this);
   if (parts == 1) {
     const StepReport report = take_part(request);
-    ++steps_done;
+    ++when.steps_done;
     return report;
   }
   StepReport all;
   StepRequest within;  // of a part before the last
   within.name_above = request.name_above, within.impulses = request.impulses;
-  set_length(whole_step / parts);
+  set_length(when.whole_step / parts);
   for (int k = 0; k < parts; ++k) {
-    time_in_step = k * RankState::step();
+    when.in_step = k * RankState::step();
     const StepReport report = take_part(k + 1 == parts ? request : within);
     all.add_part(report, k == 0);
   }
-  set_length(whole_step);
-  time_in_step = 0, ++steps_done;
+  set_length(when.whole_step);
+  when.in_step = 0, ++when.steps_done;
   return all;
 }
 
 // Batches that last know the length, and so do contacts.
 void Simulation::set_length(double length) {
   set_step_length(*this, length);
-  detected_ = false, built_version_ = -1;
+  done_.contacts_found = false, done_.built_version = -1;
 }
 
 StepReport Simulation::take_part(const StepRequest& request) {
@@ -104,23 +104,23 @@ StepReport Simulation::take_part(const StepRequest& request) {
     detect();
     const PhaseClock::Scope scope(clock, Phase::solve);
     const Scratch::Frame frame(scratch);
-    if (traits.has_joints) geometric_stiffness = geometric_stiffness_of_joints(*this);
+    if (traits.has_joints) rows.geometric_stiffness = geometric_stiffness_of_joints(*this);
     StepRequest asked = request;
     asked.may_be_outrun = tries < most_searches;
     report = take_in_form(asked);
-    if (!report.outrun) finalise(*this, system_), loads_are_new_ = true;
+    if (!report.outrun) finalise(*this, system_), done_.loads_compared = false;
     system_.clear(&scratch);
-    detected_ = false;
+    done_.contacts_found = false;
     if (!report.outrun) break;
   }
-  collide_settings.struck.clear();
+  search.settings.struck.clear();
   return report;
 }
 
 // One way of taking the step; there may be another one, from the same origin.
 StepReport Simulation::attempt(const StepRequest& request) {
   predict(*this, system_);
-  assemble(*this, system_, geometric_stiffness);
+  assemble(*this, system_, rows.geometric_stiffness);
   if (leaves_total_form(*this, system_)) set_form(*this, system_, Form::incremental);
   const StepFacts facts = facts_of(*this, system_);
   const StepPlan plan = unibody::plan(scene.solver, traits, facts);
@@ -132,7 +132,7 @@ StepReport Simulation::attempt(const StepRequest& request) {
 // asked for, and so not converged.
 StepReport Simulation::take_in_form(const StepRequest& request) {
   StepReport report;
-  const auto take = [&] { take_steadily(*this, system_, geometric_stiffness, [&] { report = attempt(request); }); };
+  const auto take = [&] { take_steadily(*this, system_, rows.geometric_stiffness, [&] { report = attempt(request); }); };
   if (!traits.has_centre_constraints || plan(scene.solver, traits).form != Form::total) {
     take();
     return report;
@@ -145,7 +145,7 @@ StepReport Simulation::take_in_form(const StepRequest& request) {
     go_back(*this, system_, origin);
     take();
   }
-  report.form_left = scene.solver.form == Form::total && form != Form::total;
+  report.form_left = scene.solver.form == Form::total && rows.form != Form::total;
   report.converged = report.converged && !report.form_left;
   return report;
 }
@@ -156,7 +156,7 @@ void Simulation::move_homes(std::span<const int> home) {
   migrate(comm(), world, history.contacts(), home);
   make_constraints();
   take_histories(*this, std::move(records));
-  detected_ = false;
+  done_.contacts_found = false;
 }
 
 namespace {
@@ -194,23 +194,23 @@ void Simulation::change_bodies(const BodyChanges& changes) {
   multipliers = keep_own(world, kept);
   make_constraints();
   take_histories(*this, std::move(records));
-  detected_ = false;
+  done_.contacts_found = false;
 }
 
 void Simulation::release(std::span<const std::size_t> released) {
   release_joints(*this, released);
-  detected_ = false;
+  done_.contacts_found = false;
 }
 
 std::vector<JointState> Simulation::joint_states() const {
-  if (joint_slots.size() != joints.size()) throw std::logic_error("joint_states() before detect()");
+  if (ties.joint_slots.size() != ties.joints.size()) throw std::logic_error("joint_states() before detect()");
   std::vector<JointState> states;
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (joint_input.is_broken(joints[i]))
+  for (std::size_t i = 0; i < ties.joints.size(); ++i)
+    if (ties.joint_input.is_broken(ties.joints[i]))
       states.push_back({.broken = true});
     else
-      states.push_back(joint_state(scene.joints[static_cast<std::size_t>(joints[i])], joint_slots[i], world, history.joints()[i],
-                                   RankState::step()));
+      states.push_back(joint_state(scene.joints[static_cast<std::size_t>(ties.joints[i])], ties.joint_slots[i], world,
+                                   history.joints()[i], RankState::step()));
   return states;
 }
 

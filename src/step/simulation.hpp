@@ -26,7 +26,7 @@ class Simulation : public RankState {
   void detect();
 
   // After velocities of bodies were set from outside, between steps: contacts are found anew.
-  void bodies_were_changed() { detected_ = false; }
+  void bodies_were_changed() { done_.contacts_found = false; }
 
   // Moves every home body to its new home rank, and makes the constraints of those that are here then.
   void move_homes(std::span<const int> home);
@@ -45,10 +45,10 @@ class Simulation : public RankState {
   // All constraints of the bodies that are home here, not yet loaded. detect() does it where nobody has.
   void make_constraints();
 
-  bool is_crowded() const { return crowded_; }   // more bodies at one place than can be there, on any rank; after detect()
-  std::vector<JointState> joint_states() const;  // of each of `joints`; after detect() or a step
-  SolverSettings settings_used() const;          // the scene's, with what "auto" comes to; after detect()
-  std::size_t bytes() const;                     // all that this rank holds
+  bool is_crowded() const { return done_.is_crowded; }  // more bodies at one place than can be there, on any rank; after detect()
+  std::vector<JointState> joint_states() const;         // of each of `joints`; after detect() or a step
+  SolverSettings settings_used() const;                 // the scene's, with what "auto" comes to; after detect()
+  std::size_t bytes() const;                            // all that this rank holds
 
  private:
   void set_length(double length);
@@ -56,10 +56,16 @@ class Simulation : public RankState {
   StepReport attempt(const StepRequest& request);
   StepReport take_in_form(const StepRequest& request);
 
+  // What has been done for the step that comes next.
+  struct Done {
+    bool constraints_made = false, contacts_found = false;
+    bool is_crowded = false;
+    bool loads_compared = true;       // what joints bore in the last step, with what they bear
+    std::int64_t built_version = -1;  // of the halo, for which the slots of the batches that last hold
+  };
+
   System system_{&scratch};  // within step(), but for the batches that last
-  bool detected_ = false, constraints_made_ = false, crowded_ = false;
-  bool loads_are_new_ = false;       // what joints bore in the last step has not been compared with what they bear
-  std::int64_t built_version_ = -1;  // of the halo, for which the slots of the batches that last hold
+  Done done_;
 };
 
 }  // namespace unibody

@@ -24,7 +24,7 @@ void warm_start(RankState& state, System& system, const StepPlan& plan) {
   if (plan.islands == Islands::constrained)
     warm.free_contacts_share = plan_of_free_islands(state.scene.solver, state.traits, {}).contacts_share;
   warm.setting = state.scene.solver.warm_start.value_or(-1);
-  if (plan.solids_start_cold) warm.cold_solids = &state.surfaces;
+  if (plan.solids_start_cold) warm.cold_solids = &state.search.surfaces;
   {
     const Scratch::Frame frame(state.scratch);
     for_each_batch(system.batches,
@@ -35,7 +35,7 @@ void warm_start(RankState& state, System& system, const StepPlan& plan) {
   const SceneTraits& traits = state.traits;
   if (jacobi && (!state.is_alone() || traits.has_attachments || traits.has_joints)) system.wrenches.assign(n, Wrench{});
   if (traits.has_centre_constraints && (jacobi || warm.share > 0)) system.impulses.assign(n, Vec4d{});
-  if (!warm.has_contacts() && warm.share <= 0 && state.pressed_areas.empty()) return;
+  if (!warm.has_contacts() && warm.share <= 0 && state.ties.pressed_areas.empty()) return;
   const Scratch::Frame frame(state.scratch);
   const bool borrowed =
       !jacobi && (warm.has_contacts() || traits.has_joints || traits.has_attachments) && system.wrenches.empty();
@@ -112,7 +112,7 @@ void follow_up(RankState& state, System& system, const StepPlan& plan, double le
   system.contacts().note_creep(system.bodies, pile ? least_points_in_piles : 1);
   if (state.has_surfaces())
     report.guard =
-        SurfaceGuard(state.world, state.surfaces, state.collide_settings, &state.scratch).hold(system.bodies, state.halo);
+        SurfaceGuard(state.world, state.search.surfaces, state.search.settings, &state.scratch).hold(system.bodies, state.halo);
   if (state.scene.solver.friction == FrictionModel::postprocess)
     report.sliding = postprocess_friction(state.world, state.contacts, system, state.exchange);
   for_each_batch(system.batches, [&](auto place, auto& batch) {
@@ -121,7 +121,7 @@ void follow_up(RankState& state, System& system, const StepPlan& plan, double le
   });
   forget_multipliers(state);
   if (state.is_alone()) return;
-  std::array<std::int64_t, 2> counts{report.sliding, state.impacts};
+  std::array<std::int64_t, 2> counts{report.sliding, state.impacts.count};
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, counts.data(), 2, MPI_INT64_T, MPI_SUM, state.comm()));
   report.sliding = counts[0], report.impacts = counts[1];
 }
@@ -201,7 +201,7 @@ StepReport solve(RankState& state, System& system, const StepPlan& plan, const S
   Predicted predicted;
   if (state.coarse.exists()) predicted.bodies.assign(system.bodies.begin(), system.bodies.end());
   if (state.traits.has_centre_constraints && state.scene.solver.level != Level::velocity) {
-    set_form(state, system, state.form);  // the last step may have ended in the total one
+    set_form(state, system, state.rows.form);  // the last step may have ended in the total one
     predicted.velocities = velocities_of(system.bodies, &state.scratch);
   }
   warm_start(state, system, plan);

@@ -32,9 +32,9 @@ bool has_turning_joints(const RankState& state) { return state.traits.has_joints
 
 std::vector<double> geometric_stiffness_of_joints(const RankState& state) {
   std::vector<double> geometric_stiffness(state.world.size() + 1, 0.0);
-  for (std::size_t i = 0; i < state.joints.size(); ++i) {
-    const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.joints[i])];
-    const Slot ends[2] = {state.joint_slots[i].a, state.joint_slots[i].b};
+  for (std::size_t i = 0; i < state.ties.joints.size(); ++i) {
+    const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.ties.joints[i])];
+    const Slot ends[2] = {state.ties.joint_slots[i].a, state.ties.joint_slots[i].b};
     for (std::size_t e = 0; e < 2; ++e)
       geometric_stiffness[static_cast<std::size_t>(ends[e])] +=
           state.step() * turning_stiffness(joint, e, state.history.joints()[i]);
@@ -86,12 +86,12 @@ void go_back(RankState& state, System& system, const StepOrigin& origin) {
 }
 
 void set_form(RankState& state, System& system, Form form) {
-  state.form = form;
+  state.rows.form = form;
   set_form(system.batches, form, state.scene.solver.form != Form::total);
 }
 
 bool leaves_total_form(const RankState& state, const System& system) {
-  return state.form == Form::total && state.traits.has_centre_constraints &&
+  return state.rows.form == Form::total && state.traits.has_centre_constraints &&
          state.any_over_ranks(moves_beyond(system.batches, most_edge_motion, system));
 }
 

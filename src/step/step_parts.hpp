@@ -8,7 +8,7 @@ namespace unibody {
 
 // Contacts are those of the last detect(); before it there are none.
 inline StepParts parts_of(const RankState& state) {
-  return {state.world, state.contacts, &state.constraints, state.scene.joints, state.joints};
+  return {state.world, state.contacts, &state.ties.constraints, state.scene.joints, state.ties.joints};
 }
 
 }  // namespace unibody

@@ -24,7 +24,7 @@ double speed_of_surface(const SolverBody& body, const Proxy& proxy, bool turns) 
 // How far a body's centre goes in the step (m).
 Vec3 way_of(const RankState& state, const System& system, std::size_t i) {
   const Vec3 way = state.step() * Eigen::Map<const Vec3>(system.bodies[i].v);
-  return state.displaced.empty() ? way : Vec3(way + state.displaced[i]);
+  return state.impacts.displaced.empty() ? way : Vec3(way + state.impacts.displaced[i]);
 }
 
 // The home bodies that get further than their contacts were sought for.
@@ -36,9 +36,9 @@ std::vector<Struck> faster_than_sought(const RankState& state, const System& sys
     if (!body.is_dynamic() || body.shape.kind == ShapeKind::particle) continue;
     const bool turns = !is_round(body.shape);
     if (!turns && Eigen::Map<const Vec3>(system.bodies[i].v).norm() <= state.world.velocity[i].norm()) continue;
-    const Proxy proxy = make_proxy(state.world, i, state.collide_settings);
+    const Proxy proxy = make_proxy(state.world, i, state.search.settings);
     const double speed = speed_of_surface(system.bodies[i], proxy, turns);
-    const double sought = step * proxy.speed + proxy.spin_reach + proxy.fall + state.collide_settings.margin / 2;
+    const double sought = step * proxy.speed + proxy.spin_reach + proxy.fall + state.search.settings.margin / 2;
     if (step * speed > sought + share * proxy.half_size)
       found.push_back({state.world.period.wrapped(proxy.position), way_of(state, system, i), proxy.radius + step * speed, speed,
                        proxy.half_size, proxy.id, proxy.group});
@@ -114,12 +114,12 @@ class RunOver {
     if (shape.kind == ShapeKind::particle) return;
     const bool fixed = world.is_static(static_cast<Slot>(i));
     const Vec3 way = fixed ? Vec3(state_.step() * world.velocity[i]) : way_of(state_, system_, i);
-    Proxy proxy = make_proxy(world, i, state_.collide_settings);
+    Proxy proxy = make_proxy(world, i, state_.search.settings);
     if (shape.kind != ShapeKind::plane) proxy.position = world.period.wrapped(proxy.position);
     const double radius = shape.kind == ShapeKind::plane ? HUGE_VAL : proxy.radius + way.norm();
     ways_.for_each_near(proxy.position, radius, [&](const Struck& s) {
       if (s.id == world.id[i] || (s.group >= 0 && s.group == proxy.group)) return;
-      if (!state_.collide_settings.may_touch(s.id, world.id[i])) return;
+      if (!state_.search.settings.may_touch(s.id, world.id[i])) return;
       const double inner = s.half_size + proxy.half_size - share * std::min(s.half_size, proxy.half_size);
       const bool meet = fixed ? is_inside(s, proxy, way)
                               : least_distance(s.centre - proxy.position, s.way - way) < inner && !is_known(s.id, world.id[i]);
@@ -129,7 +129,7 @@ class RunOver {
 
   // Whether the ball in a body ends its way inside of something that does not give way.
   bool is_inside(const Struck& s, Proxy other, const Vec3& way) const {
-    CollideSettings at_the_end = state_.collide_settings;
+    CollideSettings at_the_end = state_.search.settings;
     at_the_end.step = at_the_end.margin = 0, at_the_end.struck.clear();
     Proxy ball{};
     ball.position = s.centre + s.way, ball.velocity = Vec3::Zero(), ball.rotation = Mat3::Identity();
@@ -151,9 +151,9 @@ class RunOver {
     const auto key_of = [](const Manifold& m) { return std::pair(m.id_a, m.id_b); };
     const auto found = std::ranges::lower_bound(manifolds, key, {}, key_of);
     if (found != manifolds.end() && key_of(*found) == key) return true;
-    return std::ranges::any_of(state_.joints, [&](auto j) {
+    return std::ranges::any_of(state_.ties.joints, [&](auto j) {
       const Joint& joint = state_.scene.joints[static_cast<std::size_t>(j)];
-      return !state_.joint_input.is_broken(j) && std::pair<Id, Id>(std::minmax(joint.ids[0], joint.ids[1])) == key;
+      return !state_.ties.joint_input.is_broken(j) && std::pair<Id, Id>(std::minmax(joint.ids[0], joint.ids[1])) == key;
     });
   }
 
@@ -178,7 +178,7 @@ bool find_struck(RankState& state, const System& system) {
     s.reach += state.step() * (std::min(s.speed, most) - s.speed), s.speed = std::min(s.speed, most);
     struck.push_back(s);
   }
-  state.collide_settings.struck.add(with_images(struck, state.world.period));
+  state.search.settings.struck.add(with_images(struck, state.world.period));
   return !struck.empty();
 }
 

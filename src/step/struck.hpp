@@ -11,7 +11,7 @@ inline constexpr int most_searches = 3;  // how often contacts are sought anew i
 
 // Whether the solve has given some body more speed than its contacts were sought for, and it meets on its way something that it
 // has no contact with, by more than a tenth of the smaller one's half size. Those bodies are then added to
-// collide_settings.struck, the same list on all ranks. Collective.
+// search.settings.struck, the same list on all ranks. Collective.
 bool find_struck(RankState& state, const System& system);
 
 }  // namespace unibody

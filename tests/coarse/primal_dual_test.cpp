@@ -64,7 +64,7 @@ TEST(PrimalDual, StepIsThatOfTheReference) {
     Experiment run(is_solid ? solid() : cloth(of, 9, h));
     run.simulation->detect();
     shake(run.world(), 0.3, 1e-4, 7);
-    const ConstraintSet& constraints = run.simulation->constraints;
+    const ConstraintSet& constraints = run.simulation->ties.constraints;
     const ReferenceStep expected = reference_step(run.world(), constraints, scene.gravity, h);
     ASSERT_TRUE(expected.converged) << of.name << ' ' << expected.reason;
     const OneStep found(scene, run.world(), constraints, h, to_the_end());
@@ -89,7 +89,7 @@ TEST(PrimalDual, SolutionIsThatOfAnyStart) {
   Experiment run(cloth(springs, 9, h));
   run.simulation->detect();
   shake(run.world(), 0.3, 1e-4, 7);
-  const ConstraintSet& constraints = run.simulation->constraints;
+  const ConstraintSet& constraints = run.simulation->ties.constraints;
   const OneStep one(scene, run.world(), constraints, h, to_the_end()),
       other(scene, run.world(), constraints, h, to_the_end(), 1e-3);
   EXPECT_LT(largest_difference(one.velocity, other.velocity), 1e-8 * largest(one.velocity));
@@ -104,7 +104,7 @@ TEST(PrimalDual, BodiesThatTakeNoPartKeepTheirPrediction) {
   Aggregates aggregates;
   const std::vector<Vec3> points(81, Vec3::Zero());
   aggregates.add(0, points);
-  PrimalDual solver(run.world(), run.simulation->constraints, aggregates, MPI_COMM_SELF);
+  PrimalDual solver(run.world(), run.simulation->ties.constraints, aggregates, MPI_COMM_SELF);
   auto& links = solver.multipliers<Distance>();
   for (auto& one : links) one[0] = 0.25;
   const std::vector<SolverBody> predicted = predict_bodies(run.world(), scene.gravity, h);

@@ -105,7 +105,7 @@ TEST(ExtraBatch, GoesOnFromACheckpoint) {
       for (std::size_t i = 0; i < s.world.homes; ++i)
         s.world.set_state(i, checkpoint.read_bodies(s.world.id[i], s.world.id[i] + 1)[0].state);
       s.history.contacts() = checkpoint.read_multipliers(s.world);
-      s.make_constraints(), s.steps_done = 6;
+      s.make_constraints(), s.when.steps_done = 6;
       if (with_history) checkpoint.read_histories(s.elements(), s.history);
       second.steps(6);
       found[with_history] = second.motion();

@@ -127,7 +127,7 @@ bodies:
   s.move_homes(balance.homes(parts_of(s)));
   s.detect();
   // Two ranks both evaluate the joint at their cut; cells hold three or four links.
-  EXPECT_LT(largest_over_mean(s.joints.size()), 1.35);
+  EXPECT_LT(largest_over_mean(s.ties.joints.size()), 1.35);
   const double even = balance.imbalance(parts_of(s));
   EXPECT_LT(even, 1.35);
   s.move_homes(std::vector<int>(s.world.homes, 0));  // the chain on one rank, however few its bodies

@@ -64,7 +64,7 @@ TEST(RanksJoints, AMachineHasTheBitsOfOneRank) {
     }
     // Each rank's joints are those of its bodies, and each is counted once.
     int counted = 0;
-    for (const JointSlots& s : run.simulation->joint_slots) counted += s.counted;
+    for (const JointSlots& s : run.simulation->ties.joint_slots) counted += s.counted;
     MPI_Allreduce(MPI_IN_PLACE, &counted, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
     EXPECT_EQ(counted, static_cast<int>(run.scene->joints.size()));
     double drift = 0;

@@ -68,7 +68,7 @@ TEST(RanksRolling, GoesOnFromACheckpoint) {
     for (std::size_t i = 0; i < to.world.homes; ++i)
       to.world.set_state(i, checkpoint.read_bodies(to.world.id[i], to.world.id[i] + 1)[0].state);
     to.history.contacts() = checkpoint.read_multipliers(to.world);
-    to.make_constraints(), to.steps_done = 20;
+    to.make_constraints(), to.when.steps_done = 20;
     checkpoint.read_histories(to.elements(), to.history);
     if (!with_torques) to.history.of<RollingBatch>().clear();
   };

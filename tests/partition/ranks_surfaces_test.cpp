@@ -174,7 +174,7 @@ Story told(Experiment& run, MPI_Comm comm, int steps, Between between) {
     story.touched |= contacts > 0;
     if (k % 5 != 0) continue;
     story.counts.push_back(contacts);
-    story.counts.push_back(count_crossings(comm, run.world(), run.simulation->surfaces));
+    story.counts.push_back(count_crossings(comm, run.world(), run.simulation->search.surfaces));
     story.hashes.push_back(state_hash(comm, run.world()));
   }
   return story;

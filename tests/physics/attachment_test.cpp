@@ -150,7 +150,7 @@ TEST(Attachment, AThreadBearsAHangingBall) {
     scene.solver.name = solver, scene.solver.iterations = 6000, scene.solver.tolerance = 0;
     Experiment run(std::move(scene));
     run.steps(5);
-    const auto& links = std::get<ConstraintList<Distance>>(run.simulation->constraints);
+    const auto& links = std::get<ConstraintList<Distance>>(run.simulation->ties.constraints);
     const auto& impulses = run.simulation->history.of<ConstraintBatch<Distance>>();
     ASSERT_EQ(links.size(), 4u);
     for (std::size_t k = 0; k < 4; ++k) {

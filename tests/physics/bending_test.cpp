@@ -74,7 +74,7 @@ double energy_per_area(Lattice lattice, const Eigen::Matrix2d& H, double out = 0
     x.z() = 0.5 * x.head<2>().dot(H * x.head<2>()) + (in_outer_rows(world.id[i]) && world.id[i] % 2 == 0 ? out : 0);
   }
   run.simulation->detect();
-  const ConstraintSet& constraints = run.simulation->constraints;
+  const ConstraintSet& constraints = run.simulation->ties.constraints;
   const double h = 1;  // s: the slowest wave, of some 60 rad^2/s^2, dies out by that factor in each step
   ReferenceStep step;
   for (int k = 0; k < 6; ++k) advance(world, step = reference_step(world, constraints, Vec3::Zero(), h), h);

@@ -23,7 +23,7 @@ Scene hanging(double size, int nodes, double damping = 0, const std::string& dia
 }
 
 Stretch stretch_of(const Experiment& run) {
-  return measure_stretch(MPI_COMM_SELF, run.simulation->world, run.simulation->constraints, 1).at(0);
+  return measure_stretch(MPI_COMM_SELF, run.simulation->world, run.simulation->ties.constraints, 1).at(0);
 }
 
 double median_of(std::vector<double> values) {

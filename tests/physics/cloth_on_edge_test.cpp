@@ -34,7 +34,7 @@ double depth(const Vec3& half, const Vec3& from, const Vec3& to) {
 double deepest_edge(Experiment& run, const Vec3& half) {
   run.simulation->detect();
   double deepest = -HUGE_VAL;
-  for (const SurfaceEdge& edge : run.simulation->surfaces.edges) {
+  for (const SurfaceEdge& edge : run.simulation->search.surfaces.edges) {
     const auto at = [&](std::size_t k) { return run.world().position[static_cast<std::size_t>(edge.nodes[k])]; };
     deepest = std::max(deepest, depth(half, at(0), at(1)));
   }
@@ -72,7 +72,7 @@ TEST(ClothOnEdge, TwoInOnePlacePart) {
     EXPECT_GT((run.position(40) - run.position(40 + 81)).norm(), 1e-4) << turn;
     run.steps(60);
     run.simulation->detect();
-    EXPECT_EQ(count_crossings(MPI_COMM_SELF, run.world(), run.simulation->surfaces), 0) << turn;
+    EXPECT_EQ(count_crossings(MPI_COMM_SELF, run.world(), run.simulation->search.surfaces), 0) << turn;
     const Vec3 apart = run.position(40) - run.position(40 + 81);
     EXPECT_GE(apart.norm(), 0.02 - 1e-4) << turn;
     for (Id k = 0; k < 81; ++k) EXPECT_LT((run.position(k) - run.position(k + 81) - apart).norm(), 1e-3) << turn << ' ' << k;

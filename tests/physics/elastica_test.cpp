@@ -106,7 +106,7 @@ TEST(Elastica, SpacingAloneIsTheError) {
     ReferenceStep step;
     for (int k = 0; k < 110; ++k) {
       const double h = k < 50 ? 0.02 : 0.1;
-      step = reference_step(run.world(), run.simulation->constraints, run.scene->gravity, h, settings);
+      step = reference_step(run.world(), run.simulation->ties.constraints, run.scene->gravity, h, settings);
       ASSERT_TRUE(step.converged) << n << ' ' << k << ' ' << step.reason;
       advance(run.world(), step, h);
     }

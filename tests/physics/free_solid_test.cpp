@@ -22,7 +22,7 @@ Scene block_with(const std::string& solver, const std::string& more) {
 }
 
 double all_energy(Experiment& run) {
-  return run.energy() + elastic_energy(MPI_COMM_SELF, run.world(), run.simulation->constraints);
+  return run.energy() + elastic_energy(MPI_COMM_SELF, run.world(), run.simulation->ties.constraints);
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ std::vector<double> peaks(const std::string& solver, const std::string& shape, d
                       shape + "}, mass: 1, position: [0, 0, 1.1]}\n"));
   std::vector<double> result;
   double before = 2, last = 1.5;  // above where it starts
-  while (result.size() < 3 && run.simulation->steps_done * h < 2) {
+  while (result.size() < 3 && run.simulation->when.steps_done * h < 2) {
     run.step();
     const double z = run.position(1).z() - 0.1;
     if (last >= before && last > z) result.push_back(last);

@@ -34,7 +34,7 @@ struct ChainState {
 
 ChainState state_of(Experiment& run, double load) {
   ChainState state;
-  const auto& all = std::get<ConstraintList<Distance>>(run.simulation->constraints);
+  const auto& all = std::get<ConstraintList<Distance>>(run.simulation->ties.constraints);
   const auto& impulses = run.simulation->history.of<ConstraintBatch<Distance>>();  // of distances, the first type
   EXPECT_EQ(all.size(), static_cast<std::size_t>(links));
   for (std::size_t k = 0; k < all.size(); ++k) {

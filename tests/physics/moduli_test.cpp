@@ -67,7 +67,7 @@ Eigen::Matrix2d stress(const Model& model, const Eigen::Matrix2d& e) {
   }
   run.steps(100);
   Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-  for_each_type(run.simulation->constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+  for_each_type(run.simulation->ties.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
     const auto& impulses = run.simulation->history.of<ConstraintBatch<C>>();
     for (std::size_t n = 0; n < list.size(); ++n) {
       std::array<Vec4d, C::parameter_names.size()> parameters;

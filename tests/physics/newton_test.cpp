@@ -31,7 +31,7 @@ Scene beam(const std::string& cells, double step, double gravity, const std::str
 
 ElasticMesh mesh_at_rest(const Experiment& run) {
   run.simulation->make_constraints();
-  return mesh_of(run.simulation->constraints, run.simulation->world.position, lame(young, poisson));
+  return mesh_of(run.simulation->ties.constraints, run.simulation->world.position, lame(young, poisson));
 }
 
 }  // namespace
@@ -95,7 +95,7 @@ TEST(Newton, ItsImpulsesAreThoseOfTheLaw) {
   Experiment run(beam("[4, 1, 1]", 0.016, -9.8));
   run.steps(3);
   std::size_t count = 0;
-  for_each_type(run.simulation->constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
+  for_each_type(run.simulation->ties.constraints, [&]<class C>(auto, const ConstraintList<C>& list) {
     const auto& impulses = run.simulation->history.of<ConstraintBatch<C>>();
     ASSERT_EQ(impulses.size(), list.size());
     for (std::size_t i = 0; i < list.size(); ++i, ++count) {
@@ -142,7 +142,7 @@ TEST(Newton, SaysWhereItDoesNotConverge) {
   run.simulation->detect();
   ReferenceSettings settings;
   settings.iterations = 3;
-  const ReferenceStep step = reference_step(run.world(), run.simulation->constraints, run.scene->gravity, run.h(), settings);
+  const ReferenceStep step = reference_step(run.world(), run.simulation->ties.constraints, run.scene->gravity, run.h(), settings);
   EXPECT_FALSE(step.converged);
   EXPECT_GT(run.h() * step.correction, 1e-3);
   EXPECT_EQ(step.reason, "DIVERGED_MAX_IT");
@@ -207,7 +207,7 @@ Mode lowest_mode(Experiment& run) {
   run.simulation->detect();  // which makes the constraints and holds what is pinned
   const World& world = run.world();
   // At rest and with a step of 1 s the problem's Jacobian is (M + K) / m.
-  const ElasticProblem problem(world, run.simulation->constraints, predict_bodies(world, Vec3::Zero(), 1), 1);
+  const ElasticProblem problem(world, run.simulation->ties.constraints, predict_bodies(world, Vec3::Zero(), 1), 1);
   std::vector<PetscInt> rows, columns;
   std::vector<double> values;
   problem.pattern(rows, columns);

@@ -24,7 +24,7 @@ std::string hard_rubber(const std::string& size) {
 }
 
 Strain strain_of(Experiment& run) {
-  return measure_strain(MPI_COMM_SELF, run.world(), run.simulation->constraints, run.scene->materials.size())[0];
+  return measure_strain(MPI_COMM_SELF, run.world(), run.simulation->ties.constraints, run.scene->materials.size())[0];
 }
 double all_energy(Experiment& run) { return run.energy() + strain_of(run).energy; }
 

@@ -23,7 +23,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 std::int64_t crossings(Experiment& run) {
   run.simulation->detect();  // the surfaces, too
-  return count_crossings(MPI_COMM_SELF, run.world(), run.simulation->surfaces);
+  return count_crossings(MPI_COMM_SELF, run.world(), run.simulation->search.surfaces);
 }
 
 void expect_no_crossings(Experiment& run, int steps, const std::string& what) {
@@ -68,7 +68,7 @@ TEST(SurfaceCrossing, ABulletDoesNotPassAClothOfOneCell) {
                 run.step();
                 const std::array<Vec3, 5> after = places(run, id);
                 const auto way = [&](std::size_t i) { return MovingPoint{before[i], after[i]}; };
-                for (const auto& f : run.simulation->surfaces.faces) {
+                for (const auto& f : run.simulation->search.surfaces.faces) {
                   const auto node = [&](std::size_t i) { return way(static_cast<std::size_t>(f.nodes[i])); };
                   EXPECT_FALSE(point_meets_triangle(way(4), node(0), node(1), node(2), {0, 1e-9, 200}).hit)
                       << solver << ", speed " << speed << ", mass " << mass << ", pinned " << pinned << ", aim " << aim.x()
@@ -149,8 +149,8 @@ gravity: [0, 0, 0]
         } else if (!crossed) {
           std::vector<std::array<Slot, 3>> faces;
           std::vector<std::array<Slot, 2>> edges;
-          for (const auto& f : run.simulation->surfaces.faces) faces.push_back(f.nodes);
-          for (const auto& e : run.simulation->surfaces.edges) edges.push_back(e.nodes);
+          for (const auto& f : run.simulation->search.surfaces.faces) faces.push_back(f.nodes);
+          for (const auto& e : run.simulation->search.surfaces.edges) edges.push_back(e.nodes);
           crossed = !find_crossings(world.position, faces, edges).empty();
           ASSERT_EQ(count, 0) << "of a cloth that doesn't collide with itself none count";
         }

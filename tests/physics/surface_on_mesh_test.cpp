@@ -81,7 +81,7 @@ class OnMesh {
   const MeshSurface& mesh() { return shape_library().meshes[run.world().properties[run.slot(0)].shape.data]; }
   std::vector<TriangleNodes> faces() {
     std::vector<TriangleNodes> all;
-    for (const SurfaceFace& f : run.simulation->surfaces.faces) {
+    for (const SurfaceFace& f : run.simulation->search.surfaces.faces) {
       const auto place = [&](std::size_t k) { return run.world().position[static_cast<std::size_t>(f.nodes[k])]; };
       all.push_back({place(0), place(1), place(2)});
     }

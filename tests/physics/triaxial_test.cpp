@@ -35,7 +35,7 @@ std::vector<std::string> ways() {
 // N or N m: what the motor of a joint gives.
 double motor_of(Experiment& run, std::size_t joint) {
   const Simulation& s = *run.simulation;
-  return joint_state(s.scene.joints[joint], s.joint_slots[joint], s.world, s.history.joints()[joint], s.step()).motor;
+  return joint_state(s.scene.joints[joint], s.ties.joint_slots[joint], s.world, s.history.joints()[joint], s.step()).motor;
 }
 
 // The columns of the scene's first probe, of one frame.

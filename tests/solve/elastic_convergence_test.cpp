@@ -94,7 +94,7 @@ Errors errors_of_cube(int cells) {
                                             "density: 1\n    youngs_modulus: 1.0e5\n    poissons_ratio: 0.3")));
   run.simulation->make_constraints();
   World& world = run.world();
-  const ElasticMesh mesh = mesh_of(run.simulation->constraints, world.position, lame(young, poisson));
+  const ElasticMesh mesh = mesh_of(run.simulation->ties.constraints, world.position, lame(young, poisson));
   const std::vector<Vec3> loads = consistent_loads(mesh);
   for (std::size_t i = 0; i < mesh.rest.size(); ++i) {
     BodyProperties properties = world.properties[i];
@@ -106,7 +106,7 @@ Errors errors_of_cube(int cells) {
     }
     world.properties.set(i, properties);
   }
-  const ReferenceStep step = reference_step(world, run.simulation->constraints, Vec3::Zero(), huge_step);
+  const ReferenceStep step = reference_step(world, run.simulation->ties.constraints, Vec3::Zero(), huge_step);
   EXPECT_TRUE(step.converged) << cells << " cells: " << step.residual << " m/s, " << step.reason;
   std::vector<Vec3> x = world.position;
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += huge_step * step.velocity[i];

@@ -66,7 +66,7 @@ TEST(ElasticProblem, IsTheFullSystemWithoutItsImpulses) {
     Experiment run(std::move(of.scene));
     run.simulation->detect();
     shake(run.world(), 0.5, 2e-3, 5);
-    const ConstraintSet& set = run.simulation->constraints;
+    const ConstraintSet& set = run.simulation->ties.constraints;
     for (const LinearSolver linear : {LinearSolver::direct, LinearSolver::cg}) {
       ReferenceSettings settings;
       settings.linear = linear;

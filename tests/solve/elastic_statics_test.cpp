@@ -23,7 +23,7 @@ ElasticMesh distorted_block() {
   Experiment run(scene_from_text(
       block_text("[0.6, 0.4, 0.5]", "[3, 2, 2]", "density: 1000\n    youngs_modulus: 1.0e5\n    poissons_ratio: 0.3")));
   run.simulation->make_constraints();
-  ElasticMesh mesh = mesh_of(run.simulation->constraints, run.world().position, lame(young, poisson));
+  ElasticMesh mesh = mesh_of(run.simulation->ties.constraints, run.world().position, lame(young, poisson));
   const Vec3 half(0.3, 0.2, 0.25);
   samples::Random random(31);
   for (Vec3& x : mesh.rest) {

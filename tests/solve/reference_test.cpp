@@ -38,7 +38,7 @@ struct Swinging {
   const ConstraintSet& constraints;
 
   explicit Swinging(const ClothCase& of)
-      : scene(cloth(of, 8, 0.008)), run(cloth(of, 8, 0.008)), world(run.world()), constraints(run.simulation->constraints) {
+      : scene(cloth(of, 8, 0.008)), run(cloth(of, 8, 0.008)), world(run.world()), constraints(run.simulation->ties.constraints) {
     run.simulation->detect();
     shake(world, 0.3, 1e-3, 7);
     for (int k = 0; k < 12; ++k) {
@@ -190,7 +190,7 @@ TEST(Reference, IterativeSolversEndAtTheImplicitEulerStep) {
         run.step();
         run.simulation->detect();
         const World start = run.world();
-        const ReferenceStep exact = reference_step(start, run.simulation->constraints, run.scene->gravity, run.h());
+        const ReferenceStep exact = reference_step(start, run.simulation->ties.constraints, run.scene->gravity, run.h());
         ASSERT_TRUE(exact.converged) << of.name << ": " << exact.reason;
         std::vector<Vec3> free;
         for (std::size_t i = 0; i < start.size(); ++i)
@@ -217,7 +217,7 @@ TEST(Reference, TheErrorEstimateIsTheDistanceFromTheImplicitEulerStep) {
       run.world() = Swinging(of).world;
       run.simulation->detect();
       const World start = run.world();
-      const ReferenceStep exact = reference_step(start, run.simulation->constraints, run.scene->gravity, run.h());
+      const ReferenceStep exact = reference_step(start, run.simulation->ties.constraints, run.scene->gravity, run.h());
       ASSERT_TRUE(exact.converged) << of.name << ": " << exact.reason;
       StepRequest request;
       request.error = true;

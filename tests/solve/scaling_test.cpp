@@ -113,7 +113,7 @@ double rho_of_solid(double youngs_modulus, double share) {
       block_text("[0.3, 0.1, 0.1]", "[3, 1, 1]", "density: 1000\n    youngs_modulus: 1.0e+5\n    poissons_ratio: 0.3"));
   Experiment run(scene);
   run.simulation->detect();
-  const ElasticMesh mesh = mesh_of(run.simulation->constraints, run.world().position, lame(youngs_modulus, poissons_ratio));
+  const ElasticMesh mesh = mesh_of(run.simulation->ties.constraints, run.world().position, lame(youngs_modulus, poissons_ratio));
   EXPECT_EQ(mesh.cells.size(), 15u);
   const ConstraintSet set = constraints_of(mesh, youngs_modulus, poissons_ratio);
   IterativeStep step(run.world(), set, Vec3::Zero(), 0.016, "jacobi");

@@ -84,7 +84,7 @@ joints:
 Experiment from(Experiment& start, const std::string& text) {
   Experiment e(scene_from_text(text));
   Simulation &to = *e.simulation, &of = *start.simulation;
-  to.world = of.world, to.steps_done = of.steps_done;
+  to.world = of.world, to.when.steps_done = of.when.steps_done;
   to.make_constraints();
   to.history = of.history;
   return e;

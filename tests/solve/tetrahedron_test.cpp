@@ -95,7 +95,7 @@ struct Cantilever {
     SolverSettings settings;
     settings.form = form, settings.order = order, settings.acceleration = acceleration;
     const World& world = experiment->simulation->world;
-    IterativeStep step(world, experiment->simulation->constraints, scene.gravity, h, solver, settings);
+    IterativeStep step(world, experiment->simulation->ties.constraints, scene.gravity, h, solver, settings);
     step.iterate(iterations);
     auto places = step.velocity();
     for (std::size_t i = 0; i < world.size(); ++i) places[i] = world.position[i] + h * places[i];

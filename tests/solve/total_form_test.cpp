@@ -30,7 +30,7 @@ Experiment spinning(const std::string& solver, double turn, MPI_Comm comm = MPI_
 }
 
 double kinetic_and_elastic(Experiment& run) {
-  return run.kinetic_energy() + elastic_energy(MPI_COMM_SELF, run.world(), run.simulation->constraints);
+  return run.kinetic_energy() + elastic_energy(MPI_COMM_SELF, run.world(), run.simulation->ties.constraints);
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ TEST(TotalForm, IsTakenByItselfWhereItIsKnownToConverge) {
   const auto form_of = [](const std::string& text) {
     Experiment run(scene_from_text(text));
     run.step();
-    return run.simulation->form;
+    return run.simulation->rows.form;
   };
   const std::string links =
       "cloths:\n  - grid: {size: [1, 1], nodes: [4, 4]}\n    mass: 1\n    thickness: 0.01\n    position: [0, 0, 9]\n";

@@ -37,7 +37,7 @@ TEST(Turning, IsWhatTheImpulsesMiss) {
     const std::vector<Vec3> before(run.world().velocity.begin(), run.world().velocity.end());
     run.step();
     std::vector<Vec3> impulse(before.size(), Vec3::Zero());
-    const auto& links = std::get<ConstraintList<Distance>>(run.simulation->constraints);
+    const auto& links = std::get<ConstraintList<Distance>>(run.simulation->ties.constraints);
     const auto& multipliers = run.simulation->history.of<ConstraintBatch<Distance>>();
     ASSERT_EQ(links.size(), 10u);
     for (std::size_t k = 0; k < links.size(); ++k) {

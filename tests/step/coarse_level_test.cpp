@@ -26,7 +26,7 @@ Scene scene_of(const std::string& text, bool coarse, const std::string& solver =
 }
 
 Stretch stretch_of(const Experiment& run) {
-  return measure_stretch(MPI_COMM_SELF, run.simulation->world, run.simulation->constraints, 1).at(0);
+  return measure_stretch(MPI_COMM_SELF, run.simulation->world, run.simulation->ties.constraints, 1).at(0);
 }
 
 struct Worst {
