@@ -15,19 +15,26 @@
 #include <string_view>
 #include <vector>
 
-#include "constraints/batch.hpp"
+#include "constraints/row_batch.hpp"
 #include "joints/coupling.hpp"
 #include "joints/joint_batch.hpp"
 #include "joints/joint_side.hpp"
 
 namespace unibody {
 
-class CouplingBatch : public BatchDefaults {
+// The row's four ends are of the first joint, then of the second; their gradients have the ratio in them.
+struct CouplingRow : Row<4, JointSide> {
+  std::array<std::uint8_t, 2> types{};  // of the coordinates
+  std::array<double, 2> factor{};       // 1 and -ratio
+  std::array<double, 2> coordinate{};   // rad or m, at the start of the step; from start_from() on with whole turns
+  double constant = 0;                  // C
+};
+
+class CouplingBatch : public RowBatch<CouplingBatch, CouplingRow> {
  public:
   // Of each coupling that is here: its impulse; the two coordinates at the start of the step, whole turns included; C; and 1 once
   // they are known.
   using History = std::vector<std::array<double, 5>>;
-  using Key = std::array<Id, 1>;  // the coupling's number
   static constexpr std::string_view name = "couplings";
   static constexpr bool stencils_last = true;
   static constexpr std::size_t remembered_impulses = 1;
@@ -43,53 +50,16 @@ class CouplingBatch : public BatchDefaults {
   static void for_each_stencil(const BuildContext& context, F&& f) {
     for_each_tie(context, [&](std::int32_t colour, std::span<const Slot> bodies) { f(colour, bodies); });
   }
-  static void count(const BuildContext& context, std::span<std::int32_t> counts) {
-    count_stencils<CouplingBatch>(context, counts);
-  }
-
-  void build(const BuildContext& context);
-
-  std::size_t colours() const { return colour_end_.size(); }
-  void sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums);
-  double relax(std::size_t colour, bool backwards, SolveState& state);
-  template <class F>
-  void for_each_unknown(F&& f) {
-    for (Row& row : rows_) f(std::span(&row.lambda, 1));
-  }
-  double residual(const SolveState& state) const;  // the largest |c| (m); an angle counts by its joint's lever
-  void for_each_residual(const SolveState& state, const ResidualVisitor& visit) const;
-  std::size_t bytes() const { return rows_.capacity() * sizeof(Row); }
+  static std::int32_t colours_of(const BuildContext& context);
+  static std::optional<CouplingRow> row_of(const BuildContext& context, const Key& key, std::size_t number);
 
   void start_from(const History& history, const WarmStart& warm);
-  void add_impulses(SolveState& state, const WarmStart& warm, double) const;
   void remember(History& history, double) const;
 
  private:
-  // One body's part of the row: the side of its joint, and the row's gradient by its place and turn, the ratio included.
-  struct End {
-    JointSide side;
-    Vec3 linear, angular;
-  };
-  struct Row {
-    std::array<End, 4> ends;  // of the first joint, then of the second
-    std::array<std::uint8_t, 2> types;
-    std::array<double, 2> factor;      // 1 and -ratio
-    std::array<double, 2> coordinate;  // rad or m, at the start of the step; from start_from() on with whole turns
-    double constant, open;             // C; c at the start of the step
-    double lever;                      // m, what one unit of the first coordinate counts as
-    double mobility, shared_mobility;  // P, and with the bodies' shares (Jacobi)
-    std::size_t number;                // in the history
-    bool counted;
-    double lambda, y;
-  };
+  friend class RowBatch<CouplingBatch, CouplingRow>;
   static void for_each_tie(const BuildContext& context, const std::function<void(std::int32_t, std::span<const Slot>)>& f);
-  static double mobility_of(const Row& row, bool shared);
-  double open_after(const Row& row, std::span<const SolverBody> bodies, bool as_it_is) const;  // c
-  static void push(const Row& row, double impulse, std::span<Wrench> wrenches);
-
-  std::vector<Row> rows_;
-  std::vector<std::size_t> colour_end_;
-  double step_ = 0.016, stabilisation_ = -1;
+  double open_after(const CouplingRow& row, std::span<const SolverBody> bodies, bool as_it_is) const;  // c
 };
 
 }  // namespace unibody
