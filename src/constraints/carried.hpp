@@ -1,6 +1,8 @@
 // What lies on a turning body is carried along a circle, while rows are linear in the step: a row that asks for no sliding along
 // the tangent would let it creep outwards, by exp(h w^2 t / 2). So the velocity at which a contact's tangents aim has a part
-// more: by how much the mean velocity over the step of what is carried differs from its velocity along the tangent.
+// more: by how much the mean velocity over the step of what is carried differs from its velocity along the tangent. The normal
+// row of what is carried at a wall has that part too: a wall that turns comes inwards by h^2 w^2 r / 2 in a step against what
+// goes along the tangent, which would sink into it where that is more than what is recovered of a penetration.
 #pragma once
 
 #include <algorithm>
@@ -47,6 +49,26 @@ inline CommonTurn common_turn(const World& world, Slot slot_a, Slot slot_b) {
   if (!(of_a.dot(of_b) > 0)) return {};
   const bool a_carries = of_a.squaredNorm() < of_b.squaredNorm();
   return {a_carries ? of_a : of_b, a_carries};
+}
+
+// m/s: how fast a body has to part from its carrier along the contact's normal n for the carrier's surface, which turns, not to
+// have caught it at the end of the step. The arguments are those of drift_along_circle(); spin: the body's, rad/s. A surface that
+// moves along its normal, as a blade's, comes to another place and turns its normal: n . (h w x s + h w x (w x from) / 2), s how
+// the body slides. A surface that moves along itself, as a drum's wall or a roller, is where it was, but for what goes round with
+// it: that part is less the more a body slides. (Only `driven` carriers are blades: of bodies that are free nobody knows which
+// has the face of the contact.) A body that turns against the carrier may touch it with a face of its own: of such a body less is
+// known the faster it turns. Of round bodies, which roll, the turn does not matter. What recedes is left alone: it is met a step
+// later.
+inline double closing_along_normal(const Vec3& turn, const Vec3& from, const Vec3& velocity, const Vec3& spin, bool is_round,
+                                   bool driven, const Vec3& n, double step) {
+  const Vec3 along = turn.cross(from);
+  const double speed = along.norm();
+  if (!(speed > 0)) return 0;
+  const Vec3 sliding = velocity - along, round = drift_along_circle(turn, from, along, step);
+  const double known = is_round ? 1 : std::max(0.0, 1 - (spin - turn).norm() / turn.norm());
+  const double sticks = std::max(0.0, 1 - sliding.norm() / speed), across = n.dot(along) / speed;
+  const double blade = driven ? across * across : 0;
+  return std::max(0.0, known * n.dot((blade + (1 - blade) * sticks) * round + blade * step * turn.cross(sliding)));
 }
 
 // How a body that sticks moves against the one whose surface moves, from contact points with the normal n, whose middle is at the

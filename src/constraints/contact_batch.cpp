@@ -38,6 +38,7 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       ratios(memory),
       places_(memory),
       rows_(memory),
+      closing_(memory),
       bouncing_(memory),
       counted_(memory),
       kept_impulses_(memory),
@@ -58,7 +59,7 @@ void ContactBatch::build(const BuildContext& context) {
   friction_ = in_directions(context.settings.friction, !context.world.friction_axes.empty());
   scaling_ = context.settings.scaling, step_ = context.state.step, least_creep_ = context.least_creep;
   is_gauss_seidel_ = counts.empty(), bias_is_gap_ = true, kept_ = Kept::nothing;
-  bouncing_.clear(), leak_shares_.clear(), uneven_shares_.clear();
+  closing_.clear(), bouncing_.clear(), leak_shares_.clear(), uneven_shares_.clear();
   constrained_.clear(), hidden_.clear(), selected_ = Islands::all, any_selected_ = true;
   counted_.resize(contacts_->manifolds.size());
   for (std::size_t m = 0; m < counted_.size(); ++m) counted_[m] = counts_here(*world_, contacts_->manifolds[m]);
@@ -176,6 +177,27 @@ OwnMotion ContactBatch::drift_of(const Manifold& m) const {
   return all;
 }
 
+double ContactBatch::closing_of(const Manifold& m) const {
+  const CommonTurn common = common_turn(*world_, m.slot_a, m.slot_b);
+  if (!(step_ * common.turn.norm() >= least_turn)) return 0;
+  const Slot carrier = common.a_carries ? m.slot_a : m.slot_b;
+  const bool driven = world_->is_static(carrier);
+  const auto may_hold = [&](Slot slot) {
+    const ShapeKind kind = world_->properties[static_cast<std::size_t>(slot)].shape.kind;
+    return kind == ShapeKind::compound || kind == ShapeKind::mesh;
+  };
+  if (!driven && !may_hold(m.slot_a) && !may_hold(m.slot_b)) return 0;  // convex bodies part where they turn
+  const Vec3 from = place_of(*world_, m, m.slot_a) - place_of(*world_, m, m.slot_b);
+  const Vec3 velocity = world_->velocity[m.slot_a] - world_->velocity[m.slot_b];
+  const auto carried = static_cast<std::size_t>(common.a_carries ? m.slot_b : m.slot_a);
+  const Shape& shape = world_->properties[carried].shape;
+  const bool rolls = is_round(shape) || shape.kind == ShapeKind::particle;
+  const Vec3& spin = world_->angular_velocity_of(carried);
+  const Vec3 out = common.a_carries ? Vec3(-m.normal) : m.normal;  // from the carrier
+  const double sign = common.a_carries ? -1 : 1;
+  return closing_along_normal(common.turn, sign * from, sign * velocity, spin, rolls, driven, out, step_);
+}
+
 void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t number) {
   const World& world = *world_;
   const Manifold& m = contacts_->manifolds[number];
@@ -209,6 +231,8 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
     point.bias[lane] = contact.gap;
     point.inverse_scale[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }
+  if (const double speed = closing_of(m); speed != 0)
+    closing_.push_back({{static_cast<std::uint32_t>(&block - blocks.data()), static_cast<std::uint32_t>(lane)}, speed});
 }
 
 void ContactBatch::start_stage(const Stage& stage) {
@@ -219,6 +243,10 @@ void ContactBatch::start_stage(const Stage& stage) {
       points[p].bias[l] = contacts_->points[contact].gap;
     });
   for (Point& p : points) p.bias = stage.bias(p.bias);
+  if (stage.kind == Stage::Kind::position)
+    for (const Closing& c : closing_)
+      for (std::uint32_t k = 0; k < blocks[c.at.block].count; ++k)
+        points[blocks[c.at.block].first_point + k].bias[c.at.lane] -= c.speed;
   if (!contacts_->bounce.empty()) start_bounces();
   bias_is_gap_ = false;
 }

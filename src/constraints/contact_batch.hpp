@@ -269,6 +269,10 @@ class ContactBatch : public BatchDefaults {
   struct Lane {
     std::uint32_t block, lane;
   };
+  struct Closing {  // how fast the bodies of a manifold have to part for their surfaces, which turn, to stay in touch (m/s)
+    Lane at;
+    double speed;
+  };
   template <class F>
   void for_each_point(const Lane& at, F&& f) const;
   using HiddenRow = std::array<double, 7>;  // in one lane: scales and their inverses, normal and tangential; multipliers
@@ -287,6 +291,7 @@ class ContactBatch : public BatchDefaults {
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
   bool is_carried(const Manifold& m) const;  // or the surface of one of the two moves
   OwnMotion drift_of(const Manifold& m) const;
+  double closing_of(const Manifold& m) const;
   void fill_lane(Block& block, std::size_t lane, std::uint32_t number);
   void scale_jacobi(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts);
   void scale_gauss_seidel(Block& block, std::span<const SolverBody> bodies);
@@ -294,6 +299,7 @@ class ContactBatch : public BatchDefaults {
   std::vector<std::uint32_t> group_end_;     // in blocks
   std::pmr::vector<std::uint32_t> places_;   // of each manifold: its block times the lanes, and its lane
   std::pmr::vector<Rows> rows_;              // of each of `blocks`, once more: what is looked up in key order stays in the cache
+  std::pmr::vector<Closing> closing_;        // of what is carried along a circle
   std::pmr::vector<Lane> bouncing_;          // whose manifolds have points that bounce
   std::pmr::vector<std::uint8_t> counted_;   // of each manifold: this rank counts it in sums over all manifolds
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers

@@ -43,13 +43,13 @@ void SurfaceBatch::build(const BuildContext& context) {
   for (Block& block : blocks_) scale(block, context.state.bodies, counts);
 }
 
-// How far the first side moves relative to the second, as the body carries it that is the first.
-Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
+// How the first side, the body that carries, moves relative to the second: along the surface, and along the normal (m/s).
+SurfaceBatch::Drift SurfaceBatch::drift_of(const SurfaceContact& contact) const {
   const auto carrier = static_cast<std::size_t>(contact.slots[0]);
   const Vec3 turn = world_->angular_velocity_of(carrier);
   Vec3 own = Vec3::Zero();
   if (!world_->surface_motions.empty()) own = -own_surface_velocity(*world_, contact.slots[0], contact.arm, contact.normal);
-  if (!(step_ * turn.norm() >= least_turn)) return own;
+  if (!(step_ * turn.norm() >= least_turn)) return {own, 0};
   Vec3 from = -world_->position[carrier], velocity = -world_->velocity[carrier];
   for (std::size_t k = 1; k < 4; ++k) {
     if (contact.slots[k] < 0) continue;
@@ -57,7 +57,10 @@ Vec3 SurfaceBatch::drift_of(const SurfaceContact& contact) const {
     from -= contact.weights[k] * world_->position[i], velocity -= contact.weights[k] * world_->velocity[i];
   }
   const bool rolls = !world_->is_static(contact.slots[0]) && is_round(world_->properties[carrier].shape);
-  return rolls ? own : Vec3(own - drift_along_circle(turn, from, velocity, step_));
+  if (rolls) return {own, 0};
+  const bool driven = world_->is_static(contact.slots[0]);
+  const double closing = closing_along_normal(turn, from, velocity, turn, true, driven, -contact.normal, step_);
+  return {own - drift_along_circle(turn, from, velocity, step_), closing};
 }
 
 void SurfaceBatch::fill_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context) {
@@ -76,7 +79,9 @@ void SurfaceBatch::fill_lane(std::size_t i, const SurfaceContact& contact, const
   const FrictionFrame frame = context.contacts->frame_of(contact);
   set_lane(block.s, l, frame.s);
   block.ratio[l] = frame.across;
-  set_lane(block.drift, l, drift_of(contact));
+  const Drift drift = drift_of(contact);
+  set_lane(block.drift, l, drift.along);
+  block.closing[l] = drift.closing;
   block.friction[l] = acts_in_solve(friction_) ? contact.friction : 0;
   block.gap[l] = contact.gap, block.beyond[l] = contact.beyond, block.bounce[l] = contact.bounce;
   const auto first = static_cast<std::size_t>(contact.slots[0]);
@@ -126,7 +131,7 @@ void SurfaceBatch::scale(Block& block, std::span<const SolverBody> bodies, std::
 Vec4d SurfaceBatch::bias_without_bounce(const Block& block) const {
   const Vec4d bias = stage_.bias(block.gap);
   if (stage_.kind != Stage::Kind::position) return bias;
-  return select(block.beyond > broadcast(0), min(bias, -block.beyond / broadcast(stage_.step)), bias);
+  return select(block.beyond > broadcast(0), min(bias, -block.beyond / broadcast(stage_.step)), bias - block.closing);
 }
 
 void SurfaceBatch::start_stage(const Stage& stage) {

@@ -76,6 +76,7 @@ class SurfaceBatch : public BatchDefaults {
     Vec3x4 arm, n, s;
     Vec3x4 drift;                               // m/s: at which the sides' tangential velocity aims (carried.hpp)
     Vec4d friction, gap, beyond, bounce, bias;  // 1, m, m, m/s, m/s
+    Vec4d closing;                              // m/s: at which the normal velocity aims, of what is carried at a wall
     Vec4d ratio = broadcast(1);                 // of the coefficients of friction along t = n x s and along s
     Vec4d inertia[6];                           // of end 0: 1/(kg m^2), inverse, world frame: xx, yy, zz, yz, xz, xy
     Scale normal, tangential;
@@ -86,7 +87,11 @@ class SurfaceBatch : public BatchDefaults {
     Vec4d n, s, t;
   };
 
-  Vec3 drift_of(const SurfaceContact& contact) const;
+  struct Drift {
+    Vec3 along;
+    double closing;
+  };
+  Drift drift_of(const SurfaceContact& contact) const;
   void fill_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context);
   void scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const;
   Vec4d bias_without_bounce(const Block& block) const;
