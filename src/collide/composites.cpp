@@ -17,6 +17,7 @@ using Found = std::function<void(const PairManifold&)>;
 
 Proxy part_of(const Proxy& whole, const Compound::Part& part) {
   Proxy p = whole;
+  p.of_part = whole.of_part + whole.rotation * part.place;
   p.position = whole.position + whole.rotation * part.place;
   p.rotation = whole.rotation * part.turn.toRotationMatrix();
   p.kind = part.shape.kind, p.data = part.shape.data;
@@ -93,7 +94,7 @@ class OnMesh {
   }
 
   bool collide(const MeshSurface::Triangle& t, PairManifold& m) {
-    const double travel = settings_.step * velocity_.norm();
+    const double travel = settings_.step * relative_speed(a_, b_);
     double time = 0;
     if (travel > a_.half_size && velocity_.dot(t.normal) < 0) time = first_touch(t);
     if (time == 0 && travel > least_approach * a_.half_size) {

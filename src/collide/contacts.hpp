@@ -42,10 +42,23 @@ inline Vec3 place_of(const World& world, const Manifold& m, Slot slot) {
   return slot == m.slot_b && m.image != Image{} ? Vec3(place + world.period.shift(m.image)) : place;
 }
 
-// The arm (m) from a body's centre to the point, both where they are at the manifold's time.
-inline Vec3 arm_of(const World& world, const Manifold& m, const ContactPoint& point, Slot slot) {
+// The same at the manifold's time.
+inline Vec3 place_then(const World& world, const Manifold& m, Slot slot) {
   const Vec3 place = place_of(world, m, slot);
-  return point.position - (m.time > 0 ? Vec3(place + m.time * world.velocity[static_cast<std::size_t>(slot)]) : place);
+  return m.time > 0 ? Vec3(place + m.time * world.velocity[static_cast<std::size_t>(slot)]) : place;
+}
+
+inline bool is_particle(const World& world, Slot slot) {
+  return world.properties[static_cast<std::size_t>(slot)].shape.kind == ShapeKind::particle;
+}
+
+// The arm (m) from a body's centre to where the contact's forces act on it: the point, both where they are at the manifold's
+// time. A particle has no turn of its own: forces on it act at its centre, on the other body too. So angular momentum is kept,
+// and what lies on a turning body goes round with it, where the body's surface itself is faster or slower by the particle's
+// radius.
+inline Vec3 arm_of(const World& world, const Manifold& m, const ContactPoint& point, Slot slot) {
+  const Slot other = slot == m.slot_a ? m.slot_b : m.slot_a;
+  return (is_particle(world, other) ? place_then(world, m, other) : point.position) - place_then(world, m, slot);
 }
 
 // A contact of a surface: of a body or a node with a face, or of two edges. Each side is one point, a body's own or the mean of

@@ -163,6 +163,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.position = world.position[slot];
   if (settings.planar) p.position.y() = 0;
   p.velocity = world.velocity[slot];
+  p.turn = body.is_dynamic() ? Vec3(Vec3::Zero()) : world.angular_velocity_of(slot);
   p.rotation = world.orientation_of(slot).toRotationMatrix();
   p.kind = body.shape.kind;
   const bool turns = !is_round(body.shape) && p.kind != ShapeKind::plane;  // so that it shows
@@ -182,6 +183,17 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.material = body.material, p.group = body.group;
   p.id = world.id[slot];
   return p;
+}
+
+double relative_speed(const Proxy& a, const Proxy& b) {
+  const Vec3 apart = a.velocity - b.velocity;
+  const auto beside = [](const Proxy& body, const Proxy& carrier) {
+    return (body.velocity - carrier.velocity - carrier.turn.cross(body.centre() - carrier.centre())).norm();
+  };
+  double least = apart.norm();
+  if (!b.turn.isZero(0)) least = std::min(least, beside(a, b));
+  if (!a.turn.isZero(0)) least = std::min(least, beside(b, a));
+  return least;
 }
 
 double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const CollideSettings& settings) {
@@ -209,7 +221,7 @@ void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& setting
 
   const Cell cell = cell_of(a.kind, b.kind);
   const Proxy &first = cell.swapped ? b : a, &second = cell.swapped ? a : b;
-  const double travel = settings.step * (a.velocity - b.velocity).norm();
+  const double travel = settings.step * relative_speed(a, b);
   const double half_size = std::min(a.half_size, b.half_size);
   if (cell.sweep && travel > half_size)
     collide_fast(cell, first, second, margin, settings, m);

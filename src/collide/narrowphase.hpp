@@ -16,6 +16,7 @@ namespace unibody {
 // What collision needs to know of one body, gathered once a step.
 struct Proxy {
   Vec3 position, velocity;  // m, m/s
+  Vec3 turn;                // rad/s, of a body whose motion is given; 0 of others
   Vec3 spin;                // rad/s, 0 of bodies whose turning does not show, and with that of the surface
   Mat3 rotation;
   Vec3 half;          // m, the shape's size; of round bodies the radius, three times
@@ -30,13 +31,20 @@ struct Proxy {
   std::int32_t material, group;
   Slot slot;
   Id id;
-  Image image{};       // of a periodic scene's cell, where the body is; its position here is in the cell itself
-  std::uint32_t data;  // of the shape
+  Vec3 of_part = Vec3::Zero();  // m, from the whole body's centre
+  Image image{};                // of a periodic scene's cell, where the body is; its position here is in the cell itself
+  std::uint32_t data;           // of the shape
 
   Shape shape() const { return {kind, half, data}; }
+  Vec3 centre() const { return position - of_part; }  // m, of the whole body
 };
 
 Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& settings);
+
+// m/s: how fast two bodies move against each other, by which it is decided whether they are followed along the step: in the frame
+// in which that is least, the world's or that of one whose motion is given and that turns. What goes round with a drum does not
+// move against its wall.
+double relative_speed(const Proxy& a, const Proxy& b);
 
 // Points of one pair under construction; positions relative to the first body's centre at that time.
 struct PairManifold {

@@ -54,7 +54,7 @@ SurfaceCollider::Approach SurfaceCollider::approach(const Proxy& solid, const Su
   Pair& pair = result.pair;
   pair.slots = {solid.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
   pair.radii = radius(face.nodes[0]), pair.spin = solid.spin_reach;
-  if (travel(std::span(pair.slots).first(1), face.nodes) > solid.half_size) {
+  if (travel(solid, face) > solid.half_size) {
     const double touch = (this->*first)(solid, face, pair.radii);
     pair.watched = touch > 1;
     result.time = pair.watched ? 0 : touch;

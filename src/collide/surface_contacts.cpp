@@ -56,6 +56,20 @@ double SurfaceCollider::travel(std::span<const Slot> first, std::span<const Slot
   return settings_.step * std::sqrt(fastest);
 }
 
+// The same of a solid and a face's nodes, each in the frame in which it is least (narrowphase.hpp).
+double SurfaceCollider::travel(const Proxy& solid, const SurfaceFace& face) const {
+  double fastest = 0;
+  for (const Slot s : face.nodes) {
+    double speed = (solid.velocity - velocity(s)).norm();
+    if (!solid.turn.isZero(0)) {
+      const Vec3 carried = solid.velocity + solid.turn.cross(place(s) - solid.centre());
+      speed = std::min(speed, (velocity(s) - carried).norm());
+    }
+    fastest = std::max(fastest, speed);
+  }
+  return settings_.step * fastest;
+}
+
 // Whether this face makes the contact, if that is at an edge. Both faces of the edge find the same contact; the one whose third
 // node has the lower id makes it.
 bool SurfaceCollider::owns(const SurfaceFace& face, const Vec3& weights) const {

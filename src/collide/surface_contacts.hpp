@@ -79,6 +79,7 @@ class SurfaceCollider {
   }
   Vec3 velocity_on(const SurfaceFace& face, const Vec3& weights) const;
   double travel(std::span<const Slot> first, std::span<const Slot> second) const;
+  double travel(const Proxy& solid, const SurfaceFace& face) const;
 
   // These ask about the neighbours of the feature of a face (itself, an edge or a node) that the weights tell.
   bool owns(const SurfaceFace& face, const Vec3& weights) const;

@@ -48,7 +48,7 @@ double SurfaceCollider::first_touch_of_solid(const Proxy& solid, const SurfaceFa
 
 double SurfaceCollider::passes_solid(const Proxy& solid, const SurfaceFace& face, const Approach& approach) const {
   const Pair& pair = approach.pair;
-  const double travelled = travel(std::span(pair.slots).first(1), face.nodes), far = approach.reach + travelled;
+  const double travelled = travel(solid, face), far = approach.reach + travelled;
   if (!(travelled > least_approach * solid.half_size)) return 0;
   const ConvexBody body = at_origin(solid);
   const auto separation_at = [&](double seconds, Separation& separation) {

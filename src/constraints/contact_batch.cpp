@@ -223,11 +223,12 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   // The bodies reach the place of the contact from where they will come out: angular momentum is kept.
   if (!displaced_.empty())
     centre_a += displaced_[static_cast<std::size_t>(m.slot_a)], centre_b += displaced_[static_cast<std::size_t>(m.slot_b)];
+  const bool node_a = is_particle(world, m.slot_a), node_b = is_particle(world, m.slot_b);
   for (std::uint32_t p = 0; p < m.count; ++p) {
     const ContactPoint& contact = contacts_->points[m.first + p];
     Point& point = points[block.first_point + p];
-    set_lane(point.arm_a, lane, contact.position - centre_a);
-    set_lane(point.arm_b, lane, contact.position - centre_b);
+    set_lane(point.arm_a, lane, (node_b ? centre_b : contact.position) - centre_a);  // as arm_of()
+    set_lane(point.arm_b, lane, (node_a ? centre_a : contact.position) - centre_b);
     point.bias[lane] = contact.gap;
     point.inverse_scale[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }

@@ -55,8 +55,9 @@ void ContactBatch::reevaluate(std::span<const SolverBody> bodies) {
           if (distance > 0) {
             const Vec3 n = apart / distance;
             set_lane(block.n, l, n), set_lane(block.s, l, contacts_->frame_at(m, n).s);
-            set_lane(point.arm_a, l, -(shape_a.size.x() + 0.5 * gap) * n);
-            set_lane(point.arm_b, l, (shape_b.size.x() + 0.5 * gap) * n);
+            const bool node_a = shape_a.kind == ShapeKind::particle, node_b = shape_b.kind == ShapeKind::particle;
+            set_lane(point.arm_a, l, -(node_b ? distance : shape_a.size.x() + 0.5 * gap) * n);
+            set_lane(point.arm_b, l, (node_a ? distance : shape_b.size.x() + 0.5 * gap) * n);
           }
         } else {
           const Vec3 half = 0.5 * contact.gap * m.normal;

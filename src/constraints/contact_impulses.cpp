@@ -92,12 +92,9 @@ std::vector<ContactBatch::Impulse> ContactBatch::total_impulses() const {
 
 // Particles touch at a point each, their centre, so that there is no torque to be told.
 void ContactBatch::add_applied(const SolveState&, std::span<Vec4d> impulses) const {
-  const auto is_particle = [&](Slot s) {
-    return world_->properties[static_cast<std::size_t>(s)].shape.kind == ShapeKind::particle;
-  };
   for_each_row([&](std::size_t i, std::size_t l, std::size_t p, std::size_t t, std::size_t contact) {
     const Manifold& m = contacts_->manifolds[i];
-    if (!is_particle(m.slot_a) && !is_particle(m.slot_b)) return;
+    if (!is_particle(*world_, m.slot_a) && !is_particle(*world_, m.slot_b)) return;
     const bool moves = !normal_momenta.empty();
     const Impulse before = kept_ == Kept::apart ? kept_impulses_[contact] : Impulse{0, 0, 0};
     Impulse now = moves ? Impulse{normal_momenta[p].y[l], 0, 0} : row(l, p, t);

@@ -139,7 +139,7 @@ bool ContactBatch::hold_centre(const Manifold& m, bool is_a, bool stop, std::spa
   const Vec3 out = is_a ? m.normal : Vec3(-m.normal);
   const ContactPoint& point = contacts_->points[m.first];
   const double closed = m.time * std::max(0.0, -out.dot(world.velocity[own] - world.velocity[other]));
-  const Vec3 to_centre = -arm_of(world, m, point, own_slot);
+  const Vec3 to_centre = place_then(world, m, own_slot) - point.position;
   const double height = out.dot(to_centre) + 0.5 * (point.gap - m.displaced - closed) + closed + m.displaced;
 
   Eigen::Map<Vec3> velocity(bodies[own].v);
