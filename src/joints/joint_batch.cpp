@@ -201,8 +201,12 @@ std::array<double, T::rows> JointBatch::residual_of(const Part& part, const Rows
   const Vec3 along = velocity_of(a) - velocity_of(b), spin_a = spin_of(a), spin_b = spin_of(b);
   std::array<double, T::rows> r;
   for (std::size_t k = 0; k < T::rows; ++k) {
-    const double rate = at.linear[k].dot(along) + at.angular[k].dot(spin_a) + at.angular_b[k].dot(spin_b);
-    const double compliance = k + T::angles < T::rows ? part.compliance : part.turning;
+    // Of a length that is kept in a frame that turns the rate of change is 0, but not that along the axis at the step's start.
+    const bool is_length = k + T::angles < T::rows;
+    const double rate = is_length && stabilisation_ < 0
+                            ? (at.value[k] - at.before[k]) / step_
+                            : at.linear[k].dot(along) + at.angular[k].dot(spin_a) + at.angular_b[k].dot(spin_b);
+    const double compliance = is_length ? part.compliance : part.turning;
     double open = at.value[k] - rest_of<T>(part);
     if (T::rows == 1 && T::angles == 1) open = std::remainder(open, 2 * M_PI);
     if (part.law == Law::equal)
