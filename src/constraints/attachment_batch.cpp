@@ -23,6 +23,14 @@ void push(std::span<Wrench> wrenches, Slot body, Slot node, const Vec3& arm, con
   add(wrenches[static_cast<std::size_t>(node)].force, -impulse);
 }
 
+// m/s: by how much the mean velocity over the step of a point that turns with its body differs from that at the start, with the
+// spin that is predicted.
+Vec3 chord_less_tangent(const SolverBody& body, const Vec3& arm, double step) {
+  const Vec3 w(body.w[0], body.w[1], body.w[2]), half = 0.5 * step * w;
+  const Mat3 turn = Quat(1, half.x(), half.y(), half.z()).normalized().toRotationMatrix();  // as finish_motion() turns it
+  return (turn * arm - arm) / step - w.cross(arm);
+}
+
 }  // namespace
 
 void AttachmentBatch::build(const BuildContext& context) {
@@ -47,8 +55,8 @@ void AttachmentBatch::build(const BuildContext& context) {
     const Mat3 block = linear * Mat3::Identity() + of_body * (arm * W * arm.transpose());
     const auto all = context.elements.attachments;
     const auto number = static_cast<std::size_t>(std::lower_bound(all.begin(), all.end(), a.ids) - all.begin());
-    rows_.push_back(
-        {number, a.body, a.node, body < state.homes, a.arm, a.gap / step_, block.inverse(), Vec3::Zero(), Vec3::Zero()});
+    const Vec3 bias = a.gap / step_ + chord_less_tangent(state.bodies[body], a.arm, step_);
+    rows_.push_back({number, a.body, a.node, body < state.homes, a.arm, bias, block.inverse(), Vec3::Zero(), Vec3::Zero()});
   }
 }
 

@@ -1,12 +1,13 @@
 // Nodes tied to points of dynamic bodies: three rows each, along the world's axes, without a cone to lie in.
 //
-// r = gap / h + u, u the velocity at which the body's point leaves the node; linear in the step, so that at the end of a solve
-// the gap that is left is of second order in the body's turn. A row's scale is the whole block of its attachment, masses split by
-// the bodies' counts: a bound from above, as the other constraints have it. Both ends are pushed at the node's place, so that
-// momentum and angular momentum are kept. All rows of a step move at once, for every solver. They start from the same share of
-// their old multipliers as the links and elements that they balance. If attachments started from a smaller share, the old tension
-// of a thread would pull the attached node away from its body at the start of each step, and the thread would throw a heavy body
-// up.
+// r = gap / h + u, u the mean velocity over the step at which the body's point leaves the node: that at its start, and what the
+// point's circle adds with the spin that is predicted. The rows are linear in the velocities. At the end of a solve the gap that
+// is left is of second order in what the step changes of the body's turn. A row's scale is the whole block of its attachment,
+// masses split by the bodies' counts: a bound from above, as the other constraints have it. Both ends are pushed at the node's
+// place, so that momentum and angular momentum are kept. All rows of a step move at once, for every solver. They start from the
+// same share of their old multipliers as the links and elements that they balance. If attachments started from a smaller share,
+// the old tension of a thread would pull the attached node away from its body at the start of each step, and the thread would
+// throw a heavy body up.
 #pragma once
 
 #include <array>
