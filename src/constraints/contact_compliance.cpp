@@ -35,7 +35,7 @@ void ContactBatch::soften(const BuildContext& context) {
       const Side a = gather(block.slot_a, bodies), b = gather(block.slot_b, bodies);
       const Vec4d mobilities = mobility<false>(block, block.s, point, a, b, inertia).nn;
       const SoftRow row = soft_row(law, contacts_->points[contact].gap, mobilities[l], step_);
-      soft.softness = row.softness, soft.bias = row.bias;
+      soft.softness = row.softness, soft.bias = row.bias - closing_of(m);  // the gap is that at the end of the step
     }
     const double scale = 1 / point.inverse_scale[l] + soft.softness;
     point.inverse_scale[l] = 1 / scale;

@@ -145,6 +145,24 @@ TEST_P(Carried, AThreadAtAWall) {
   }
 }
 
+// A box at a wall that gives way, k = 1e4 N/m at each of its corners, is pressed into it by d with 4 k d = m w^2 (r + d).
+TEST(CarriedByWhatGivesWay, ABoxAtAWall) {
+  const double turn = 8, place = 0.4, right = turn * turn * place / (4e4 - turn * turn);
+  for (const char* solver : {"accelerated_jacobi", "gauss_seidel"})
+    for (const int substeps : {4, 16}) {
+      Experiment run(scene_from_text(
+          "gravity: [0, 0, 0]\ntime: {substeps: " + std::to_string(substeps) + "}\nsolver: {name: " + std::string(solver) +
+          "}\nmaterials: {m: {friction: 1, stiffness: 1.0e+4, damping_ratio: 0.1}}\nbodies:\n"
+          "  - {shape: {compound: {parts: [{shape: {box: {size: [0.1, 1, 1]}}, position: [0.55, 0, 0]}, "
+          "{shape: {box: {size: [0.1, 1, 1]}}, position: [-0.55, 0, 0]}]}}, motion: kinematic, "
+          "position: [0, 0, 0], angular_velocity: [0, 0, 8]}\n"
+          "  - {shape: {box: {size: [0.2, 0.2, 0.2]}}, mass: 1, position: [0.4, 0, 0], velocity: [0, 3.2, "
+          "0], angular_velocity: [0, 0, 8]}\n"));
+      run.seconds(3.2);
+      EXPECT_NEAR(run.position(1).norm() - place, right, 0.04 * right / (substeps / 4)) << solver << ' ' << substeps;
+    }
+}
+
 // At the wall of a turning drum friction bears what mu w^2 r > g: a rider stays where it is, here by a tenth.
 TEST_P(Carried, AtTheWallOfADrum) {
   const auto [solver, substeps] = GetParam();
