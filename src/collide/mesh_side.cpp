@@ -79,8 +79,8 @@ TrianglePoint closest(const MeshSurface& mesh, std::int32_t t, const Vec3& x) {
   return closest_on_triangle(x, node(0), node(1), node(2));
 }
 
-// Whether two triangles that go on into each other over an edge of this one stand between it and the point, whose nearest point
-// is on that edge: by their angles about it.
+// Of a point whose nearest point is on an edge that several triangles share: whether two others, which are joined there, lie
+// between this triangle and the point, by their angles about the edge.
 bool is_hidden(const MeshSurface& mesh, std::int32_t triangle, const TrianglePoint& nearest, const Vec3& x) {
   const auto node = [&](std::int32_t n) -> const Vec3& { return mesh.nodes[static_cast<std::size_t>(n)]; };
   const auto& nodes = mesh.triangles[static_cast<std::size_t>(triangle)].nodes;

@@ -96,8 +96,9 @@ double least_gap(const PairManifold& m) {
   return least;
 }
 
-// Where the rows of two that are apart would act on what only passes by, puts those in their place that lie where the two are
-// nearest to each other, as bodies at the start of the step see them (approach.hpp).
+// Two solids that are apart may pass by each other in the step, and the plane of their contact, which is that of the step's
+// start, would still hold them (approach.hpp). Puts the contact in its place that they have at the time when they are nearest to
+// each other, its gaps and arms as seen from where the two are at the start.
 void leave_way(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
                PairManifold& m) {
   const Vec3 velocity = approach_velocity(first, second, settings), apart = first.position - second.position;

@@ -85,7 +85,8 @@ class Surfaces {
 // led from: who has passed it is to be found still.
 Bounds swept_bounds(const World& world, std::span<const Slot> nodes, const CollideSettings& settings);
 
-// m, how far a solve may take an edge or face off its way for the halo to know of what it meets: half of its extent.
+// m: the halo brings what an edge or face meets on its straight way through the step, and on ways that a solve takes it off that
+// one by up to this much, half of its extent.
 double surface_slack(const World& world, std::span<const Slot> nodes);
 
 // Whether an edge stands out from its surface by more than a tenth of the radius: only then can it meet another edge before the

@@ -10,7 +10,9 @@ using namespace contact_rows;
 
 namespace {
 
-constexpr std::size_t ahead = 4;  // blocks: bodies come from all over the memory, and this long
+// How many blocks ahead the bodies of a block are asked for: they lie anywhere in the memory, which takes about as long to answer
+// as this many blocks take to compute.
+constexpr std::size_t ahead = 4;
 
 // Asks for what belongs to the bodies of the block that comes some blocks after block i.
 template <class Record>

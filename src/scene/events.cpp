@@ -143,7 +143,7 @@ void read_groups(const KeyedMap& entry, Scene& scene, Event& event) {
   for_each_name(entry.need("bodies"), [&](const Value& name) { event.groups.push_back(read_group(name, scene, event.action)); });
 }
 
-// Of bodies that are held, of joints, or of both.
+// Reads what an event releases: bodies that are held, joints, or both.
 void read_released(const KeyedMap& entry, Scene& scene, Event& event) {
   if (!entry.has("joints") || entry.has("bodies")) read_groups(entry, scene, event);
   if (entry.has("joints")) read_joint_names(entry, scene, event, [](const Value&, const Joint&) {});

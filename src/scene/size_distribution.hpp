@@ -31,7 +31,8 @@ class SizeDistribution {
  private:
   enum class Kind : std::uint8_t { one, logarithmic, tabulated, stepped };
 
-  // From the density of shares at a factor.
+  // Fills the table of a law from its density: density(factor) is the share of bodies, or of mass, per unit of the factor of
+  // size.
   template <class Density>
   void tabulate(bool by_mass, Density&& density);
   void read_range(const Value& value);

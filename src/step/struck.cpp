@@ -144,7 +144,7 @@ class RunOver {
     return inside;
   }
 
-  // Whether two bodies have a contact in this step, or may have none.
+  // Whether nothing has to be found for two bodies: they have a contact in this step already, or are not to touch.
   bool is_known(Id one, Id two) const {
     const std::pair<Id, Id> key = std::minmax(one, two);
     const auto& manifolds = state_.contacts.manifolds;

@@ -10,7 +10,7 @@ namespace unibody {
 
 namespace {
 
-// Of what of a part lies in parts before it: moments of its volume about the part's centre.
+// The volume of a part that lies in earlier parts too, which counts once: its moments about the part's centre.
 struct Overlapped {
   double volume = 0;
   Vec3 first = Vec3::Zero();
