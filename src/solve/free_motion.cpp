@@ -95,6 +95,11 @@ Quat turned_by(const Quat& orientation, const Vec3& spin, double step) {
   return (Quat(1, half.x(), half.y(), half.z()) * orientation).normalized();
 }
 
+Quat driven_turn(const Vec3& spin, double step) {
+  const double rate = spin.norm();
+  return rate > 0 ? Quat(Eigen::AngleAxisd(step * rate, spin / rate)) : Quat::Identity();
+}
+
 namespace {
 
 // Into how many parts a turn is divided.
@@ -115,12 +120,6 @@ Quat turned_freely(Quat orientation, const Vec3& momentum, const Vec3& inertia, 
 
 }  // namespace
 
-Vec3 spin_of_turn(const Vec3& spin, double step, bool free) {
-  const double angle = step * spin.norm();
-  if (angle == 0 || angle > most_turn || (free && parts_of(angle) > 1)) return spin;
-  return spin * (2 * std::tan(0.5 * angle) / angle);
-}
-
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
                         const Vec3& gyroscopic, double step, bool planar, bool free) {
   BodyState next = state;
@@ -129,8 +128,10 @@ BodyState finish_motion(const BodyProperties& body, const BodyState& state, cons
   next.position += step * Eigen::Map<const Vec3>(moving.v);
   if (body.shape.kind == ShapeKind::particle) return next;  // it does not turn
   const Vec3 spin = Eigen::Map<const Vec3>(moving.w);
-  const int parts = free ? parts_of(step * spin.norm()) : 1;
+  const double angle = step * spin.norm();
+  const int parts = free ? parts_of(angle) : 1;
   next.orientation = turned_by(state.orientation, spin, step);
+  if (angle > 0 && !body.is_dynamic()) next.orientation = (driven_turn(spin, step) * state.orientation).normalized();
   if (parts > 1) next.orientation = Quat(Eigen::AngleAxisd(step * spin.norm(), spin.normalized())) * state.orientation;
   if (!body.is_dynamic() || planar || has_isotropic_inertia(body, planar)) return next;
   // The spin follows from the momentum in the new attitude.

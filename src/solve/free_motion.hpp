@@ -30,6 +30,9 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
 // An orientation after a step of rotation at `spin` (rad/s, world axes).
 Quat turned_by(const Quat& orientation, const Vec3& spin, double step);
 
+// The turn of a body whose motion is given, which is exact; turned_by() turns by a little less, 2 atan(h w / 2).
+Quat driven_turn(const Vec3& spin, double step);
+
 // The state after the step, from the velocities that the solver left. `moving`: those that it moves with, where they differ.
 // free: no row was solved for the attitude that a single map leads to.
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
@@ -38,9 +41,5 @@ inline BodyState finish_motion(const BodyProperties& body, const BodyState& stat
                                const Vec3& gyroscopic, double step, bool planar) {
   return finish_motion(body, state, solved, solved, gyroscopic, step, planar);
 }
-
-// The spin (rad/s) at which finish_motion() turns a body that is not dynamic, in a step, as a constant `spin` does: a single map
-// turns by a little less, 2 atan(h w / 2). Left as it is where the turn is taken in parts, or is more than 1 rad.
-Vec3 spin_of_turn(const Vec3& spin, double step, bool free);
 
 }  // namespace unibody

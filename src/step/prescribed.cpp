@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "solve/free_motion.hpp"
-
 namespace unibody {
 
 void set_prescribed_velocities(RankState& state) {
@@ -17,7 +15,7 @@ void set_prescribed_velocities(RankState& state) {
       const auto slot = static_cast<std::size_t>(found);
       world.velocity[slot] = velocity;
       if (!world.has_rotations) continue;
-      world.angular_velocity[slot] = spin_of_turn(spin, state.step(), !state.is_tied(group->first + k));
+      world.angular_velocity[slot] = spin;
     }
   }
 }

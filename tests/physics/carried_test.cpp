@@ -140,9 +140,23 @@ TEST_P(Carried, AThreadAtAWall) {
     const Vec3 along(std::cos(angle), std::sin(angle), 0), across(-std::sin(angle), std::cos(angle), 0);
     for (Id id = 1; id <= (is_thread ? 9 : 1); ++id) {
       EXPECT_NEAR(run.position(id).dot(along), 0.495, substeps == 1 ? 2e-3 : 5e-5) << is_thread << ' ' << id;
-      EXPECT_NEAR(run.position(id).dot(across), 0, substeps == 1 ? 1e-3 : 2e-5) << is_thread << ' ' << id;
+      EXPECT_NEAR(run.position(id).dot(across), 0, substeps == 1 ? 1e-3 : 5e-5) << is_thread << ' ' << id;
     }
   }
+}
+
+// A body whose motion is given turns by w t, in steps of any length, whether its spin is constant or a function of time.
+TEST(DrivenTurn, IsExact) {
+  for (const double w : {0.5, 8.0, 40.0})
+    for (const std::string& spin : {std::string("angular_velocity: [0, 0, ") + number(w) + "]",
+                                    "angular_velocity: {table: [[0, 0, 0, " + number(w) + "], [9, 0, 0, " + number(w) + "]]}"}) {
+      Experiment run(scene_from_text("gravity: [0, 0, 0]\nbodies:\n  - {shape: {box: {size: [1, 1, 1]}}, motion: kinematic, " +
+                                     spin + "}\n  - {shape: {sphere: {radius: 0.1}}, mass: 1, position: [9, 0, 0]}\n"));
+      run.steps(300);
+      const Quat turned = run.state(0).orientation;
+      EXPECT_NEAR(std::remainder(2 * std::atan2(turned.z(), turned.w()) - w * 4.8, 2 * M_PI), 0, 1e-11) << spin;
+      EXPECT_NEAR(run.state(0).angular_velocity.z(), w, 1e-12) << spin;
+    }
 }
 
 // A box at a wall that gives way, k = 1e4 N/m at each of its corners, is pressed into it by d with 4 k d = m w^2 (r + d).
