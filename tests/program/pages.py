@@ -193,7 +193,8 @@ class CapeTutorial(ProgramTest):
         self.assertAlmostEqual(places[1][2:, 2].min(), 0.36, delta=0.01)  # it hangs down
 
     def test_more_iterations_stretch_it_less(self):
-        peaks = [max(self.columns_of(name, "-set", f"solver.iterations={n}")["stretch_max[wool] (1)"])
+        # What four frames of the turn exceed: the largest of all is that of one link in one frame, by chance.
+        peaks = [sorted(self.columns_of(name, "-set", f"solver.iterations={n}")["stretch_max[wool] (1)"])[-5]
                  for name, n in (("few", 50), ("more", 200))]
         self.assertLess(peaks[1], 0.6 * peaks[0])
 
