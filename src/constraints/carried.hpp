@@ -51,14 +51,19 @@ inline CommonTurn common_turn(const World& world, Slot slot_a, Slot slot_b) {
   return {a_carries ? of_a : of_b, a_carries};
 }
 
-// m/s: how fast a body has to part from its carrier along the contact's normal n for the carrier's surface, which turns, not to
-// have caught it at the end of the step. The arguments are those of drift_along_circle(); spin: the body's, rad/s. A surface that
-// moves along its normal, as a blade's, comes to another place and turns its normal: n . (h w x s + h w x (w x from) / 2), s how
-// the body slides. A surface that moves along itself, as a drum's wall or a roller, is where it was, but for what goes round with
-// it: that part is less the more a body slides. (Only `driven` carriers are blades: of bodies that are free nobody knows which
-// has the face of the contact.) A body that turns against the carrier may touch it with a face of its own: of such a body less is
-// known the faster it turns. Of round bodies, which roll, the turn does not matter. What recedes is left alone: it is met a step
-// later.
+// Returns the speed (m/s) at which a body has to part from its carrier along the contact's normal n, so that the carrier's
+// surface, which turns, has not caught it at the end of the step. The arguments are those of drift_along_circle(); spin is the
+// body's, rad/s.
+//
+// - A surface that moves along its normal, as a blade's does, comes to another place and turns its normal. The speed then is
+//   n . (h w x s + h w x (w x from) / 2), where s is the velocity at which the body slides on it. Only driven carriers,
+//   whose motion is given, are taken for blades: of two free bodies nobody knows which of them has the face of the contact.
+// - A surface that moves along itself, as a drum's wall or a roller does, stays where it was. Only a body that goes round with it
+//   would leave its circle along the tangent; the more a body slides, the less it does.
+// - A body that turns against its carrier may touch it with a face of its own. The faster it turns, the less is asked of
+//   it. Round bodies roll, and their turn does not matter.
+//
+// Where the surface recedes, the speed is 0: the body meets it a step later.
 inline double closing_along_normal(const Vec3& turn, const Vec3& from, const Vec3& velocity, const Vec3& spin, bool is_round,
                                    bool driven, const Vec3& n, double step) {
   const Vec3 along = turn.cross(from);

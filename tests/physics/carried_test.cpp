@@ -73,7 +73,8 @@ TEST_P(Carried, NotWhatSlides) {
 }
 
 // What lies in the corner of a room that turns, held by its walls alone, goes round with it: its centre stays where it is in the
-// room, to a hundredth of its size with 0.13 rad a step, and to a thousandth with a quarter of that. Of a room that is free, too.
+// room, to a hundredth of its size with 0.13 rad a step, and to a thousandth with a quarter of that. The same holds in a room
+// that turns freely.
 TEST_P(Carried, InTheCornerOfARoom) {
   const auto [solver, substeps] = GetParam();
   const double place = 0.4, turn = 8, size = 0.2;
