@@ -299,7 +299,7 @@ TEST(Attachment, KeepsAngularMomentumByItself) {
 }
 
 // A thread on a heavy wheel that turns freely at 0.13 rad a step: its node is on the wheel's point to a ten-thousandth of the
-// thread's radius. A point's circle is off its tangent by a whole radius there.
+// thread's radius. In such a step the wheel's point ends a whole radius of the thread beside the tangent on which it started.
 TEST(Attachment, OnAFastWheel) {
   for (const char* solver : {"accelerated_jacobi", "gauss_seidel"}) {
     Experiment run(scene_from_text("gravity: [0, 0, 0]\nsolver: {name: " + std::string(solver) + R"(}
