@@ -227,6 +227,37 @@ TEST(BoxBox, CrossedEdgesMeetInTheMiddle) {
   EXPECT_TRUE(middle);
 }
 
+// Upright boxes turned about their common axis, some edges of which pass each other: contacts close at most what the boxes are
+// apart, and leave of it no more than edges leave that are rounded by 0.05 of the smallest half edge (0.3 of that radius). Where
+// edges overlap, the way out between two faces is up to sqrt 2 as long as that through one of them.
+TEST(BoxBox, EdgesAlongEachOtherAreApartByWhatTheBoxesAre) {
+  Random random(41);
+  const double margin = 0.01;
+  int edges = 0;
+  for (int k = 0; k < 40000; ++k) {
+    const Quat frame = random.turn();
+    const auto turned = [&] { return frame * Quat(Eigen::AngleAxisd(random.vector(-3, 3).x(), Vec3::UnitZ())); };
+    const Two t{box(0, random.vector(0.05, 0.3), Vec3::Zero(), turned()),
+                box(1, random.vector(0.05, 0.3), frame * random.vector(-0.6, 0.6).cwiseProduct(Vec3(1, 1, 0.05)), turned())};
+    const double axis = separation(t.a, t.b);
+    if (axis > margin) continue;
+    const double apart = axis > 0 ? distance(t.a, t.b) : axis;
+    if (std::abs(apart) > margin) continue;
+    const Pair p = collide_two(t.a, t.b, still(margin));
+    const double least = 0.05 * 0.3 * smallest(t) + 1e-3 * smallest(t);
+    double gap = margin;
+    for (const auto& point : p.points) gap = std::min(gap, point.gap);
+    EXPECT_LE(gap, std::max(apart, axis) + 1e-9) << k;
+    EXPECT_GE(gap, (apart < 0 ? std::sqrt(2.0) * apart : apart) - least) << k;
+    bool on_face = false;
+    for (int i = 0; i < 3; ++i)
+      on_face =
+          on_face || std::abs(axes(t.a).col(i).dot(p.normal)) > 1 - 1e-9 || std::abs(axes(t.b).col(i).dot(p.normal)) > 1 - 1e-9;
+    edges += !p.points.empty() && !on_face;
+  }
+  EXPECT_GT(edges, 15);
+}
+
 TEST(BoxBox, DegeneratePairsAreFinite) {
   const Quat turn(Eigen::AngleAxisd(1e-9, Vec3(1, 1, 1).normalized()));
   const Vec3 size(0.1, 0.1, 0.1);

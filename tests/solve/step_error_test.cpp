@@ -164,10 +164,11 @@ TEST(StepError, OfAChainIsTheDistanceToItsConvergedStep) {
   }
 }
 
-// Of the velocity level: the distance to its own converged step, which is another one.
+// Of the velocity level: the distance to its own converged step, which is another one. The cubes are taken at a time at which
+// friction leaves one converged step only.
 TEST(StepError, IsOfTheLevelThatTheStepHas) {
   Experiment start(scene_from_text(with_solver(cubes, "iterations: 30, velocity_share: 0.5, leak: 0")));
-  start.steps(15);
+  start.steps(16);
   const std::string exactly = "name: accelerated_jacobi, tolerance: 0, iterations: 400000, ";
   Experiment converged = from(start, with_solver(cubes, exactly + "level: velocity"));
   Experiment of_positions = from(start, with_solver(cubes, exactly + "stages: together"));
