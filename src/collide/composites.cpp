@@ -76,7 +76,7 @@ class OnMesh {
 
  private:
   MeshTriangle in_place(const MeshSurface::Triangle& t, const Vec3& centre) const {
-    MeshTriangle result{{}, {}, &t, t.normal};
+    MeshTriangle result{{}, {}, &t, t.normal, &mesh_, centre};
     for (std::size_t k = 0; k < 3; ++k) {
       result.nodes[k] = mesh_.nodes[static_cast<std::size_t>(t.nodes[k])] - centre;
       if (t.across[k] >= 0) result.across[k] = mesh_.nodes[static_cast<std::size_t>(t.across[k])] - centre;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "collide/convex_distance.hpp"
 #include "collide/mesh_triangles.hpp"
@@ -185,11 +186,14 @@ bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_spe
     inwards -= along * (along.dot(inwards) / along.squaredNorm());
     return found.normal.dot(inwards) > lean * inwards.norm();
   };
-  // from a node the surface goes on along the edges: a direction across one of them may rise where they do not
-  const auto rises_from = [&](std::size_t node, std::size_t edge) {
-    if (t.of->across[edge] < 0) return false;
-    const Vec3 along = t.across[edge] - t.nodes[node];
-    return found.normal.dot(along) > lean * along.norm();
+  // From a node the surface goes on along all of its edges, not those of this triangle and its neighbours alone.
+  const auto rises_from = [&](std::size_t k) {
+    const auto node = static_cast<std::size_t>(t.of->nodes[k]);
+    const std::span ring(t.mesh->ring.data() + t.mesh->ring_begin[node], t.mesh->ring_begin[node + 1] - t.mesh->ring_begin[node]);
+    return std::ranges::any_of(ring, [&](const MeshSurface::RingNode& other) {
+      const Vec3 along = t.mesh->nodes[static_cast<std::size_t>(other.node)] - t.origin - t.nodes[k];
+      return other.patch == t.of->patch && found.normal.dot(along) > lean * along.norm();
+    });
   };
   const auto normal_over = [&](std::size_t edge) -> Vec3 {
     if (t.of->across[edge] < 0) return Vec3::Zero();
@@ -200,7 +204,7 @@ bool stands_out(const MeshTriangle& t, const ConvexDistance& found, bool any_spe
     const auto w = [&](std::size_t i) { return at.weights[static_cast<Eigen::Index>(i % 3)]; };
     const std::size_t before = (k + 2) % 3;
     if (w(k) > 1 - on)
-      return (any_speaks || t.of->speaks_for_node[k]) && !rises_from(k, k) && !rises_from(k, before) &&
+      return (any_speaks || t.of->speaks_for_node[k]) && !rises_from(k) &&
              (behind || found.normal.dot(t.normal + normal_over(k) + normal_over(before)) > 0);
     if (w(before) <= on && w(k) > on && w(k + 1) > on)
       return (any_speaks || t.of->speaks_for_edge[k]) && !rises(k) && (behind || found.normal.dot(t.normal + normal_over(k)) > 0);

@@ -40,7 +40,7 @@ class Supports {
     if (std::any_of(chosen_.begin(), chosen_.end(), is_low)) return;
     std::size_t best = points_.size();
     for (std::size_t k = 0; k < points_.size(); ++k)
-      if (is_low(k) && (best == points_.size() || distance2(k) > distance2(best))) best = k;
+      if (is_low(k) && (best == points_.size() || distance2(k) > (1 + alike_distances) * distance2(best))) best = k;
     chosen_.push_back(best);
   }
 

@@ -13,6 +13,8 @@ struct MeshTriangle {
   std::array<Vec3, 3> across;  // the corner behind each edge
   const MeshSurface::Triangle* of;
   Vec3 normal;
+  const MeshSurface* mesh;
+  Vec3 origin;  // m, in the mesh's frame: from which the nodes are
 };
 
 // Normal and points of contact, none further apart than `margin` (m), at most PairManifold::capacity. A triangle pushes outwards

@@ -150,7 +150,8 @@ void tidy(PairManifold& m, double margin) {
     for (int i = 0; i < m.count; ++i)
       for (int j = i + 1; j < m.count; ++j) {
         const double d = (p[i].position - p[j].position).squaredNorm();
-        if (d < nearest) nearest = d, remove = p[j].gap >= p[i].gap ? j : i;
+        if (d < (1 - alike_distances) * nearest)
+          nearest = d, remove = p[j].gap >= p[i].gap - alike_distances * std::sqrt(d) ? j : i;
       }
     std::move(p + remove + 1, p + m.count, p + remove);
     --m.count;

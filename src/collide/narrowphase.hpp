@@ -73,6 +73,10 @@ struct PairSettings {
 // + |g.n| h^2. Not the relative speed alone: of two bodies falling together the lower may be stopped within the step.
 double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const CollideSettings& settings);
 
+// Distances that differ by less than this share of them are alike. Which points of a regular face stay must not be a matter of
+// rounding: they would change with every step, and what they bore in the last one be lost.
+inline constexpr double alike_distances = 1e-6;
+
 // Drops points beyond the margin, keeps at most PairManifold::kept of them, and puts them in the order of their features.
 void tidy(PairManifold& manifold, double margin);
 

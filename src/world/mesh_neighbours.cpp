@@ -117,6 +117,20 @@ void find_patches(MeshSurface& mesh, std::vector<Pair>& pairs) {
     if (turned[t]) mesh.triangles[t].turn_over();
 }
 
+void find_rings(MeshSurface& mesh) {
+  std::vector<std::vector<MeshSurface::RingNode>> rings(mesh.nodes.size());
+  for (const MeshSurface::Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (const std::size_t other : {(k + 1) % 3, (k + 2) % 3})
+        rings[static_cast<std::size_t>(t.nodes[k])].push_back({t.patch, t.nodes[other]});
+  mesh.ring.clear(), mesh.ring_begin.assign(1, 0);
+  for (auto& ring : rings) {
+    std::ranges::sort(ring);
+    mesh.ring.insert(mesh.ring.end(), ring.begin(), std::unique(ring.begin(), ring.end()));
+    mesh.ring_begin.push_back(mesh.ring.size());
+  }
+}
+
 }  // namespace
 
 void MeshSurface::Triangle::turn_over() {
@@ -147,6 +161,7 @@ void join_neighbours(MeshSurface& mesh) {
     for (std::size_t k = 0; k < 3; ++k)
       t.speaks_for_node[k] =
           taken.insert(static_cast<std::size_t>(t.patch) * mesh.nodes.size() + static_cast<std::size_t>(t.nodes[k])).second;
+  find_rings(mesh);
 }
 
 }  // namespace unibody

@@ -30,6 +30,13 @@ struct MeshSurface {
   };
   std::vector<Vec3> nodes;  // m
   std::vector<Triangle> triangles;
+  // The nodes to which edges lead from node i, each with the patch of the edge: ring[ring_begin[i]] up to ring_begin[i + 1].
+  struct RingNode {
+    std::int32_t patch, node;
+    auto operator<=>(const RingNode&) const = default;
+  };
+  std::vector<RingNode> ring;
+  std::vector<std::size_t> ring_begin;
   std::vector<Branching> branchings;  // ascending (triangle, place); such a triangle does not speak for that edge
   Vec3 size = Vec3::Zero();           // m, the largest of each coordinate
   double radius = 0;                  // m, of the sphere about the origin that holds it

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <sstream>
 
 #include "small_worlds.hpp"
 
@@ -11,15 +12,17 @@ namespace {
 
 constexpr double g = 9.81, mu = 0.3, radius = 0.1, side = 0.2, half_thickness = 0.005;
 
+// To the last digit: the corners of a regular face have distances that are the same but for rounding.
 std::string prism(int corners) {
-  std::string points;
+  std::ostringstream points;
+  points.precision(17);
   for (const double z : {-half_thickness, half_thickness})
     for (int k = 0; k < corners; ++k) {
       const double angle = 2 * M_PI * k / corners;
-      points += (points.empty() ? "[" : ", [") + std::to_string(radius * std::cos(angle)) + ", " +
-                std::to_string(radius * std::sin(angle)) + ", " + std::to_string(z) + "]";
+      points << (points.str().empty() ? "[" : ", [") << radius * std::cos(angle) << ", " << radius * std::sin(angle) << ", " << z
+             << "]";
     }
-  return "{hull: {points: [" + points + "]}}";
+  return "{hull: {points: [" + points.str() + "]}}";
 }
 
 std::string flat_terrain() {
