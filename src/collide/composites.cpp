@@ -7,6 +7,7 @@
 #include "collide/mesh_side.hpp"
 #include "collide/mesh_triangles.hpp"
 #include "collide/narrowphase.hpp"
+#include "collide/triangle_distance.hpp"
 #include "world/shape_library.hpp"
 
 namespace unibody {
@@ -105,11 +106,26 @@ class OnMesh {
         return pass(t, velocity, passed, nearest, m);
     }
     const MeshTriangle triangle = in_place(t, place_ + time * velocity_);
-    if (!triangle_manifold(body_, triangle, margin_, m)) return false;
+    if (!triangle_manifold(body_, triangle, margin_, m)) return comes_to(t, m);
     const double closed = time * std::max(0.0, -m.normal.dot(velocity_));
     m.time = time;
     for (int i = 0; i < m.count; ++i) m.points[i].gap += closed;
     tidy(m, time > 0 ? margin_ : std::min(margin_, margin_along(b_.rotation * m.normal, a_, b_, settings_)));
+    return m.count > 0;
+  }
+
+  // Whether a round body that is over a neighbour now comes to lie on this triangle within the step, where the surface rises.
+  bool comes_to(const MeshSurface::Triangle& t, PairManifold& m) const {
+    if (!is_round(a_.shape())) return false;
+    const MeshTriangle triangle = in_place(t, place_);
+    const double height = -t.normal.dot(triangle.nodes[0]), gap = height - a_.radius, closing = -t.normal.dot(velocity_);
+    if (!(gap > 0 && gap < settings_.step * closing)) return false;
+    const Vec3 then = gap / closing * velocity_;
+    const TrianglePoint nearest = closest_on_triangle(then, triangle.nodes[0], triangle.nodes[1], triangle.nodes[2]);
+    if (nearest.distance > (1 + 1e-9) * a_.radius) return false;
+    m.normal = t.normal, m.count = 0;
+    m.add(-(a_.radius + 0.5 * gap) * t.normal, gap, 0);
+    tidy(m, std::min(margin_, margin_along(b_.rotation * m.normal, a_, b_, settings_)));
     return m.count > 0;
   }
 

@@ -10,6 +10,7 @@
 #include "solve/free_motion.hpp"
 #include "step/adhesion.hpp"
 #include "step/attach.hpp"
+#include "step/edge_crossing.hpp"
 #include "step/impacts.hpp"
 #include "step/islands.hpp"
 #include "step/prescribed.hpp"
@@ -187,6 +188,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
     by_wrenches = by_wrenches || (B::pushes_wrenches && batch.colours() > 0);
   });
   if (state.solver.sweeps_by_colour && by_wrenches) system.wrenches.assign(state.world.size() + 1, Wrench{});
+  correct_crossings(state, system);
 }
 
 StepFacts facts_of(const RankState& state, System& system) {
@@ -199,7 +201,8 @@ StepFacts facts_of(const RankState& state, System& system) {
                                          std::ranges::any_of(contacts.surface, bounces));
   const bool any_contact = !contacts.manifolds.empty() || (state.has_surfaces() && !contacts.surface.empty());
   const bool counts = !state.scene.solver.iterations;  // else no plan asks for the work
-  std::array<std::int64_t, 7> facts{any_contact, any_bounce, tight, 0, !contacts.surface.empty()};
+  std::array<std::int64_t, 8> facts{
+      any_contact, any_bounce, tight, 0, !contacts.surface.empty(), 0, 0, !state.rows.crossings.empty()};
   if (counts) facts[5] = facts[6] = counted_work_of(state.world, contacts);
   if (asks_for_islands(state.scene.solver, state.traits)) {
     const std::vector<std::int32_t> marks = constrained_islands(state, system);
@@ -208,6 +211,7 @@ StepFacts facts_of(const RankState& state, System& system) {
     if (counts) facts[6] = counted_work_of(state.world, contacts, marks);
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, facts.data(), static_cast<int>(facts.size()), MPI_INT64_T, MPI_SUM, state.comm()));
+  if (facts[7] != 0) state.exchange.refresh(system.bodies);
   if (facts[3] == 0) system.contacts().forget_islands();
   StepFacts found{facts[0] != 0, facts[1] != 0, facts[2] != 0};
   found.error_ratio = state.history.error_ratio.ratio;

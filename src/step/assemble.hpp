@@ -15,7 +15,8 @@ BuildContext build_context(RankState& state, const System& system);
 void predict(const RankState& state, System& system);
 
 // Lays out this step's constraints: by colour for Gauss-Seidel, in key order for the Jacobi solvers, whose sums per body follow
-// it. geometric_stiffness: see steadying.hpp; empty: no joints. Collective.
+// it. geometric_stiffness: see steadying.hpp; empty: no joints. What it corrects of the prediction of homes (edge_crossing.hpp)
+// facts_of() tells the guests. Collective.
 void assemble(RankState& state, System& system, std::span<double> geometric_stiffness);
 
 // What the plan needs to know of the step. After the warm start's multipliers of the constraints have been set. Collective.

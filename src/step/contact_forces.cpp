@@ -1,5 +1,8 @@
 #include "step/contact_forces.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include "collide/collide.hpp"
 #include "solve/batches.hpp"
 #include "step/rank_state.hpp"
@@ -10,17 +13,25 @@ namespace {
 
 bool moves_freely(const World& world, Slot slot) { return world.properties[static_cast<std::size_t>(slot)].is_dynamic(); }
 
+Vec3 crossing_impulse_of(const RankState& state, const Manifold& m) {
+  const auto number = static_cast<std::size_t>(&m - state.contacts.manifolds.data());
+  const auto& crossings = state.rows.crossings;
+  const auto found = std::ranges::lower_bound(crossings, number, {}, &CrossingImpulse::manifold);
+  return found != crossings.end() && found->manifold == number ? found->on_a : Vec3(Vec3::Zero());
+}
+
 void add_bodies(const RankState& state, const ContactBatch& batch, std::vector<ContactImpulse>& out) {
   const World& world = state.world;
   const auto total = batch.total_impulses();
   const std::vector<double>& adhesive = state.rows.adhesive;
   for (const Manifold& m : state.contacts.manifolds) {
     if (!counts_here(world, m)) continue;
+    Vec3 crossing = crossing_impulse_of(state, m);
     const Vec3 s = state.contacts.frame_of(m).s, t = m.normal.cross(s);
     for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
       const auto& [along_n, along_s, along_t] = total[p];
       const double net = adhesive.empty() ? along_n : along_n - adhesive[p];
-      const Vec3 impulse = net * m.normal + along_s * s + along_t * t;
+      const Vec3 impulse = net * m.normal + along_s * s + along_t * t + std::exchange(crossing, Vec3::Zero());
       const Slot from = moves_freely(world, m.slot_a) ? m.slot_a : m.slot_b;  // as impacts are told (impacts.cpp)
       const Vec3 point = place_of(world, m, from) + arm_of(world, m, state.contacts.points[p], from);
       add_impulse(world, m, m.time > 0 ? point : state.contacts.points[p].position, m.normal, impulse, out);

@@ -83,6 +83,12 @@ struct StepImpacts {
   std::vector<double> gaps_found;        // m, of contact points, before impacts were taken into them; empty: they were not
 };
 
+// What a manifold gave to one of its bodies beside its rows (edge_crossing.hpp).
+struct CrossingImpulse {
+  std::size_t manifold;
+  Vec3 on_a;  // N s, on the manifold's first body
+};
+
 // What the rows of the step's constraints are laid out and steadied by.
 struct StepRows {
   Form form = Form::incremental;             // in which this step solves constraints between centres
@@ -90,6 +96,7 @@ struct StepRows {
   std::vector<std::int32_t> lasting_counts;  // for the Jacobi solvers, of each slot: constraints of the batches that last
   std::vector<double> geometric_stiffness;   // h^2 K of each slot (kg m^2) that the step is steadied for; empty: no joints
   std::vector<double> adhesive;              // N s, by contact point, as they were found (adhesion.hpp); empty: nothing adheres
+  std::vector<CrossingImpulse> crossings;    // ascending manifolds, of home bodies
 };
 
 struct RankState {

@@ -1,6 +1,7 @@
 // Rolling and spinning friction across ranks: a heap of balls and boxes has the bits of one rank.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "checkpoint/checkpoint.hpp"
@@ -48,6 +49,35 @@ TEST(RanksRolling, AHeapHasTheBitsOfOneRank) {
         ASSERT_EQ(here.angular_velocity, there.angular_velocity) << solver << ' ' << k << ' ' << w.id[i];
       }
     }
+  }
+}
+
+// Balls that swing in a trough of nine planks pass from one to the next; those that another rank moves, too.
+TEST(RanksRolling, ATroughHasTheBitsOfOneRank) {
+  std::string planks = "materials: {m: {friction: 0.3}}\nbodies:\n";
+  for (int k = -4; k <= 4; ++k) {
+    const double a = 0.15 * k, s = std::sin(a), c = std::cos(a);
+    planks += "  - {shape: {box: {size: [0.16, 4, 0.1]}}, motion: fixed, position: [" + std::to_string(1.05 * s) + ", 0, " +
+              std::to_string(-1.05 * c) + "], orientation: [" + std::to_string(std::cos(a / 2)) + ", 0, " +
+              std::to_string(-std::sin(a / 2)) + ", 0]}\n";
+  }
+  planks += "  - {shape: {sphere: {radius: 0.1}}, mass: 1, points: [";
+  for (int k = 0; k < 16; ++k)
+    planks +=
+        (k > 0 ? ", [" : "[") + std::to_string(0.35 * std::sin(1.3 * k)) + ", " + std::to_string(-1.6 + 0.202 * k) + ", -0.75]";
+  for (const char* solver : {"accelerated_jacobi", "jacobi", "gauss_seidel"}) {
+    const std::string text = planks + "]}\nsolver: {iterations: 16, name: " + solver + "}\n";
+    Experiment alone(scene_from_text(text)), run(scene_from_text(text), MPI_COMM_WORLD);
+    run.simulation->move_homes(mixed_homes(run.world(), 0));
+    bool crossed = false;
+    for (int k = 0; k < 90; ++k) {
+      alone.step(), run.step();
+      crossed = crossed || !alone.simulation->rows.crossings.empty();
+      const World& w = run.world();
+      for (std::size_t i = 0; i < w.homes; ++i)
+        ASSERT_EQ(w.state(i).position, alone.state(w.id[i]).position) << solver << ' ' << k << ' ' << w.id[i];
+    }
+    EXPECT_TRUE(crossed) << solver;
   }
 }
 

@@ -1,0 +1,19 @@
+// What bears a body until it reaches, within the step, another face of what does not move: of a bowl, a half pipe, a hollow.
+//
+// The rows of a step act as if their contacts lasted for all of it. So a face to which a body comes would bear its weight from
+// the start of the step, on a slope that the body has not reached: at an edge of angle a it would brake the body by up to 3/2 g h
+// sin a, and a ball in a smooth bowl by half of that a radian, however fine the faces are. The velocities of a step are those of
+// its middle. A face that is reached after the share f of it therefore bears no weight for f + 1/2 steps, and the faces that the
+// body lies on do so in its place. Here the predicted velocity gets the difference of the two.
+#pragma once
+
+#include "step/rank_state.hpp"
+
+namespace unibody {
+
+// Of round home bodies that move freely, touch nothing else that moves, and go on along the face that they reach. What is added
+// is told as StepRows::crossings, so that the forces of contacts remain those that change the bodies' momenta: of the manifold
+// that bore the body. Where there are some on any rank, guests have to be renewed. After impacts.
+void correct_crossings(RankState& state, System& system);
+
+}  // namespace unibody
