@@ -27,9 +27,8 @@ inline JointSide joint_side(const BuildContext& context, const Joint& joint, std
 // at its start.
 inline JointEnd end_of(const JointSide& side, const SolverBody& body, double step) {
   const Vec3 spin = spin_of(body), half = 0.5 * step * spin;
-  const double angle = step * spin.norm();
-  const bool is_driven = side.inverse_mass == 0 && angle > 0;
-  const Quat turn = is_driven ? Quat(Eigen::AngleAxisd(angle, spin.normalized())) : Quat(1, half.x(), half.y(), half.z());
+  Quat turn(1, half.x(), half.y(), half.z());
+  if (side.inverse_mass == 0 && step > 0 && !spin.isZero(0)) turn = Eigen::AngleAxisd(step * spin.norm(), spin.normalized());
   const Mat3 axes = (turn * side.axes).normalized().toRotationMatrix();
   const Vec3 centre = side.centre + step * velocity_of(body);
   return {centre, axes, centre + axes * side.arm};

@@ -10,8 +10,9 @@ namespace unibody {
 
 namespace {
 
-constexpr double falls = 0.1;  // of g h^2 and g h: as far, and as fast, as what bears a body may be from it
-constexpr double lies = 5e-3;  // of g h^2: a gap up to which a face has been reached
+constexpr double falls = 0.1;   // of g h^2, and of g h: how far a body may be from what bears it, and how fast it may leave it
+constexpr double opens = 1e-3;  // of g h: the speed from which on a body leaves a face for good
+constexpr double lies = 5e-3;   // of g h^2: a gap up to which a face has been reached
 
 // A manifold with something that does not move by forces, as its body sees it.
 struct Face {
@@ -38,6 +39,7 @@ Vec3 support(const Vec3& weight, std::span<const Face> faces, Bears&& bears) {
   return sum;
 }
 
+// The faces of the round bodies of this rank, and what a step would do wrong at them.
 class Crossings {
  public:
   Crossings(const RankState& state)
@@ -74,13 +76,14 @@ class Crossings {
   // What the predicted velocity of a body lacks, of which these are the faces (m/s).
   Vec3 correction(std::span<const Face> faces) const {
     const Face& next = *std::ranges::min_element(faces, {}, &Face::share);
-    const double near = falls * fall_, slow = falls * weight_.norm(), opens = 1e-2 * slow;
+    const double near = falls * fall_, slow = falls * weight_.norm(), leaves = opens * weight_.norm();
     const auto bore = [&](const Face& f) { return f.gap <= near && !(f.share < 1) && f.normal.dot(f.velocity) <= slow; };
     const Vec3 after = next.velocity - next.normal.dot(next.velocity) * next.normal;
-    const auto bears = [&](const Face& f) { return &f == &next || (bore(f) && f.normal.dot(after) <= opens); };
+    const auto bears = [&](const Face& f) { return &f == &next || (bore(f) && f.normal.dot(after) <= leaves); };
     if (std::ranges::none_of(faces, bore)) return Vec3::Zero();
     const Vec3 shift = support(weight_, faces, bore) - support(weight_, faces, bears);
     const Vec3 correction = (next.share + 0.5) * (shift - next.normal.dot(shift) * next.normal);  // the rest is the rows'
+    // What hardly moves is pulled back by its weight, into the edge.
     return after.norm() > 2 * correction.norm() ? correction : Vec3(Vec3::Zero());
   }
 

@@ -1,10 +1,12 @@
 // What bears a body until it reaches, within the step, another face of what does not move: of a bowl, a half pipe, a hollow.
 //
 // The rows of a step act as if their contacts lasted for all of it. So a face to which a body comes would bear its weight from
-// the start of the step, on a slope that the body has not reached: at an edge of angle a it would brake the body by up to 3/2 g h
-// sin a, and a ball in a smooth bowl by half of that a radian, however fine the faces are. The velocities of a step are those of
-// its middle. A face that is reached after the share f of it therefore bears no weight for f + 1/2 steps, and the faces that the
-// body lies on do so in its place. Here the predicted velocity gets the difference of the two.
+// the start of the step, on a slope that the body has not reached. At an edge of angle a it would brake the body by 1/2 to 3/2 g
+// h sin a, and a ball in a smooth bowl by g h a radian, however fine the faces are.
+//
+// The velocity that a step ends with is that of its middle. A face that a body reaches after the share f of a step therefore
+// bears no weight for the time of f + 1/2 steps, in which the faces on which the body lies bear it. The predicted velocity gets
+// the difference of the two: what those faces give to the weight, less what the new one will give, along the new one.
 #pragma once
 
 #include "step/rank_state.hpp"
