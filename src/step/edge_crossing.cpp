@@ -42,7 +42,7 @@ Vec3 support(const Vec3& weight, std::span<const Face> faces, Bears&& bears) {
 // The faces of the round bodies of this rank, and what a step would do wrong at them.
 class Crossings {
  public:
-  Crossings(const RankState& state)
+  explicit Crossings(const RankState& state)
       : state_(state),
         world_(state.world),
         weight_(state.step() * state.drives.gravity),

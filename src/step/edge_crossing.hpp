@@ -1,8 +1,8 @@
 // What bears a body until it reaches, within the step, another face of what does not move: of a bowl, a half pipe, a hollow.
 //
 // The rows of a step act as if their contacts lasted for all of it. So a face to which a body comes would bear its weight from
-// the start of the step, on a slope that the body has not reached. At an edge of angle a it would brake the body by 1/2 to 3/2 g
-// h sin a, and a ball in a smooth bowl by g h a radian, however fine the faces are.
+// the start of the step, on a slope that the body has not reached. At an edge of angle a it would brake the body by g h sin a on
+// average, and a ball in a smooth bowl by g h a radian, however fine the faces are.
 //
 // The velocity that a step ends with is that of its middle. A face that a body reaches after the share f of a step therefore
 // bears no weight for the time of f + 1/2 steps, in which the faces on which the body lies bear it. The predicted velocity gets
