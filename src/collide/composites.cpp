@@ -64,15 +64,21 @@ class OnMesh {
     }
     std::vector<std::int32_t> triangles;
     mesh_.find(place_ - extent_, place_ + extent_, triangles);
-    const auto touch = [&](const MeshSurface::Triangle& t) {
+    std::vector<MeshSurface::Triangle> turned;
+    std::vector<const MeshSurface::Triangle*> near;
+    if (mesh_.two_sided || !mesh_.branchings.empty()) {
+      turned = facing(mesh_, triangles, place_);
+      for (const MeshSurface::Triangle& t : turned) near.push_back(&t);
+    } else {
+      for (const std::int32_t t : triangles) near.push_back(&mesh_.triangles[static_cast<std::size_t>(t)]);
+    }
+    // Seen from a mesh that turns, the way is no line between two triangles.
+    if (is_round(a_.shape()) && b_.turn.isZero(0)) find_way(near);
+    for (const MeshSurface::Triangle* t : near) {
       PairManifold m;
-      m.triangle = &t;
-      if (collide(t, m)) say(m);
-    };
-    if (mesh_.two_sided || !mesh_.branchings.empty())
-      for (const MeshSurface::Triangle& t : facing(mesh_, triangles, place_)) touch(t);
-    else
-      for (const std::int32_t t : triangles) touch(mesh_.triangles[static_cast<std::size_t>(t)]);
+      m.triangle = t;
+      if (collide(*t, m)) say(m);
+    }
   }
 
  private:
@@ -96,6 +102,7 @@ class OnMesh {
 
   bool collide(const MeshSurface::Triangle& t, PairManifold& m) {
     const double travel = settings_.step * relative_speed(a_, b_);
+    if (way_.size() > 1 && std::ranges::find(way_, &t) != way_.end()) return comes_to(t, m);
     double time = 0;
     if (travel > a_.half_size && velocity_.dot(t.normal) < 0) time = first_touch(t);
     if (time == 0 && travel > least_approach * a_.half_size) {
@@ -114,18 +121,37 @@ class OnMesh {
     return m.count > 0;
   }
 
-  // Whether a round body that is over a neighbour now comes to lie on this triangle within the step, where the surface rises.
+  // The triangles to which a round body comes in the step, each turning it aside to the next: in a pipe it may pass several.
+  void find_way(const std::vector<const MeshSurface::Triangle*>& near) {
+    constexpr int most = 24;
+    Vec3 place = place_, velocity = velocity_;
+    double left = settings_.step;
+    for (int k = 0; k < most; ++k) {
+      const MeshSurface::Triangle* next = nullptr;
+      double time = left;
+      for (const MeshSurface::Triangle* t : near) {
+        const MeshTriangle triangle = in_place(*t, place);
+        const double gap = -t->normal.dot(triangle.nodes[0]) - a_.radius, closing = -t->normal.dot(velocity);
+        if (!(gap > -0.5 * a_.radius && closing > 0 && gap < time * closing)) continue;
+        const double at = std::max(0.0, gap) / closing;
+        const TrianglePoint nearest = closest_on_triangle(at * velocity, triangle.nodes[0], triangle.nodes[1], triangle.nodes[2]);
+        if (nearest.distance > (1 + 1e-9) * a_.radius || std::ranges::find(way_, t) != way_.end()) continue;
+        time = at, next = t;
+      }
+      if (next == nullptr) return;
+      way_.push_back(next);
+      place += time * velocity, left -= time;
+      velocity -= next->normal.dot(velocity) * next->normal;
+    }
+  }
+
+  // Whether a round body that is over another triangle now comes to lie on this one within the step.
   bool comes_to(const MeshSurface::Triangle& t, PairManifold& m) const {
-    if (!is_round(a_.shape())) return false;
-    const MeshTriangle triangle = in_place(t, place_);
-    const double height = -t.normal.dot(triangle.nodes[0]), gap = height - a_.radius, closing = -t.normal.dot(velocity_);
-    if (!(gap > 0 && gap < settings_.step * closing)) return false;
-    const Vec3 then = gap / closing * velocity_;
-    const TrianglePoint nearest = closest_on_triangle(then, triangle.nodes[0], triangle.nodes[1], triangle.nodes[2]);
-    if (nearest.distance > (1 + 1e-9) * a_.radius) return false;
+    if (std::ranges::find(way_, &t) == way_.end()) return false;
+    const double gap = -t.normal.dot(in_place(t, place_).nodes[0]) - a_.radius;
     m.normal = t.normal, m.count = 0;
     m.add(-(a_.radius + 0.5 * gap) * t.normal, gap, 0);
-    tidy(m, std::min(margin_, margin_along(b_.rotation * m.normal, a_, b_, settings_)));
+    tidy(m, margin_);
     return m.count > 0;
   }
 
@@ -185,6 +211,7 @@ class OnMesh {
   double margin_;
   Vec3 place_, velocity_, extent_;
   ConvexBody body_;
+  std::vector<const MeshSurface::Triangle*> way_;  // of a round body
 };
 
 bool may_touch(const Proxy& a, const Proxy& b, const CollideSettings& settings) {

@@ -55,6 +55,37 @@ TEST_P(Bowl, NoNodeAheadBrakesABall) {
     }
 }
 
+// A ball that goes round in a pipe of 64 sides comes to several of them in a step, and stays in it. Each edge takes the part of
+// the velocity that points into the next side: after n of them v cos^n a is left, as steps that pass less than an edge find.
+TEST_P(Bowl, ABallThatCirclesInAPipeStaysInIt) {
+  const auto [solver, substeps] = GetParam();
+  for (const double speed : {0.5, 2.0, 5.0, 20.0})
+    for (const double ball : {0.01, 0.05}) {
+      const double angle = 2 * M_PI / 64, apothem = 0.5 * std::cos(angle / 2), away = apothem - ball;
+      std::ostringstream text;
+      text.precision(17);
+      text << "gravity: [0, 0, 0]\ntime: {substeps: " << substeps << "}\nsolver: {name: " << solver
+           << "}\nmaterials: {m: {friction: 0}}\nbodies:\n"
+           << "  - {shape: {mesh: {revolve: {profile: [[0.5, -1], [0.5, 1]], sides: 64}, sides: both}}}\n  - {shape: {sphere: "
+              "{radius: "
+           << ball << "}}, mass: 1, position: [" << away * std::cos(angle / 2) << ", " << away * std::sin(angle / 2)
+           << ", 0], velocity: [" << -speed * std::sin(angle / 2) << ", " << speed * std::cos(angle / 2) << ", 0]}\n";
+      Experiment run(scene_from_text(text.str()));
+      double turned = 0;
+      for (int k = 0; k < 100 * substeps; ++k) {
+        const Vec3 before = run.position(1);
+        run.step();
+        const Vec3 now = run.position(1);
+        turned += std::atan2(before.x() * now.y() - before.y() * now.x(), before.head<2>().dot(now.head<2>()));
+        ASSERT_LT(now.head<2>().norm(), 0.5 - 0.5 * ball) << speed << " m/s, ball of " << ball << " m, step " << k;
+      }
+      if (speed * run.h() > 0.021) continue;  // half an edge
+      const double edges = turned / angle;
+      EXPECT_NEAR(run.velocity(1).norm() / speed, std::pow(std::cos(angle), edges), 0.5 * angle * angle + 1e-3)
+          << speed << " m/s, ball of " << ball << " m, " << edges << " edges";
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(, Bowl, testing::Combine(testing::Values("accelerated_jacobi", "gauss_seidel"), testing::Values(1, 4)));
 
 }  // namespace unibody::small_worlds::bowl_test
