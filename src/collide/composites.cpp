@@ -121,7 +121,8 @@ class OnMesh {
     return m.count > 0;
   }
 
-  // The triangles to which a round body comes in the step, each turning it aside to the next: in a pipe it may pass several.
+  // Finds the triangles to which a round body comes in the step. Each of them turns the body aside, so that it comes to the next:
+  // in a pipe it may pass several.
   void find_way(const std::vector<const MeshSurface::Triangle*>& near) {
     constexpr int most = 24;
     Vec3 place = place_, velocity = velocity_;

@@ -1,4 +1,5 @@
-// What bears a body until it reaches, within the step, another face of what does not move: of a bowl, a half pipe, a hollow.
+// A body that lies on one face of a fixed or moving ground comes to another face within a step: in a bowl, or a half pipe. This
+// corrects its predicted velocity for the time in which it still lies on the first.
 //
 // The rows of a step act as if their contacts lasted for all of it. So a face to which a body comes would bear its weight from
 // the start of the step, on a slope that the body has not reached. At an edge of angle a it would brake the body by g h sin a on

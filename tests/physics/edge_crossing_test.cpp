@@ -1,4 +1,4 @@
-// A ball that comes to a rising face loses what its impact takes, and nothing because steps have a length.
+// A ball that comes to a rising face loses the energy that the impact takes, and no more, however long the steps are.
 #include <gtest/gtest.h>
 
 #include <cmath>
