@@ -205,7 +205,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
   report.converged = true;
   StepReport last;
   SurfaceGuard::Held held;
-  std::int64_t impacts = 0;
+  std::int64_t impacts = 0, held_bodies = 0;
   running_.start_frame(frame);
   probes_.start_frame(simulation_.world);
   for (int s = 0; s < scene_.time.substeps; ++s) {
@@ -218,7 +218,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     probes_.add_step(step.impulses);
     if (writes) contact_impulses_ = std::move(step.impulses);
     step.impulses.clear(), last = step;
-    held.pairs += step.guard.pairs, impacts += step.impacts;
+    held.pairs += step.guard.pairs, impacts += step.impacts, held_bodies += step.held_bodies;
     if (options_.strict) stop_if_wrong(scene_, summary_.convergence, step, frame);
     report.iterations += step.iterations, report.sliding_contacts = step.sliding;
     if (step.residual > report.natural_residual) report.worst = step.worst;
@@ -238,7 +238,7 @@ FrameReport Run::do_frame(std::int64_t frame) {
     report.measures.elastic_energy = elastic_energy(comm_, simulation_.world, simulation_.ties.constraints);
   if (simulation_.traits.complies)
     report.measures.elastic_energy += contact_energy(comm_, simulation_.world, simulation_.contacts, scene_.pairs);
-  last.guard = held, last.impacts = impacts;
+  last.guard = held, last.impacts = impacts, last.held_bodies = held_bodies;
   summary_.plans = last.plans;
   report.constraint_columns = further_columns(last, report);
   if (options_.strict) stop_if_sides_are_lost(report);

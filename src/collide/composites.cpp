@@ -6,8 +6,8 @@
 #include "collide/convex_pairs.hpp"
 #include "collide/mesh_side.hpp"
 #include "collide/mesh_triangles.hpp"
+#include "collide/mesh_way.hpp"
 #include "collide/narrowphase.hpp"
-#include "collide/triangle_distance.hpp"
 #include "world/shape_library.hpp"
 
 namespace unibody {
@@ -41,7 +41,7 @@ class OnMesh {
     const Mat3 back = b.rotation.transpose();
     margin_ = pair_margin(a, b, settings);
     place_ = back * (a.position - b.position);
-    velocity_ = back * (a.velocity - b.velocity);
+    velocity_ = back * (a.velocity - b.velocity), turn_ = back * b.turn;
     const Mat3 turn = back * a.rotation;
     extent_ = bounding_half_extents(a.shape(), turn).array() + margin_;
     body_ = convex_body(a.shape(), turn, Vec3::Zero());
@@ -72,8 +72,9 @@ class OnMesh {
     } else {
       for (const std::int32_t t : triangles) near.push_back(&mesh_.triangles[static_cast<std::size_t>(t)]);
     }
-    // Seen from a mesh that turns, the way is no line between two triangles.
-    if (is_round(a_.shape()) && b_.turn.isZero(0)) find_way(near);
+    if (follows_way())
+      way_ = triangles_on_way(
+          {body_, a_.half_size, place_, velocity_seen(place_, velocity_, turn_, settings_.step), settings_.step}, mesh_, near);
     for (const MeshSurface::Triangle* t : near) {
       PairManifold m;
       m.triangle = t;
@@ -82,6 +83,14 @@ class OnMesh {
   }
 
  private:
+  // Whether the body may pass several triangles in the step. Of balls, which touch with a single point, that is always asked
+  // where the mesh does not turn.
+  bool follows_way() const {
+    constexpr double least = 0.25;  // of half the body's size
+    if (is_round(a_.shape()) && turn_.isZero(0)) return true;
+    return settings_.step * relative_speed(a_, b_) > least * a_.half_size;
+  }
+
   MeshTriangle in_place(const MeshSurface::Triangle& t, const Vec3& centre) const {
     MeshTriangle result{{}, {}, &t, t.normal, &mesh_, centre};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -121,37 +130,18 @@ class OnMesh {
     return m.count > 0;
   }
 
-  // Finds the triangles to which a round body comes in the step. Each of them turns the body aside, so that it comes to the next:
-  // in a pipe it may pass several.
-  void find_way(const std::vector<const MeshSurface::Triangle*>& near) {
-    constexpr int most = 24;
-    Vec3 place = place_, velocity = velocity_;
-    double left = settings_.step;
-    for (int k = 0; k < most; ++k) {
-      const MeshSurface::Triangle* next = nullptr;
-      double time = left;
-      for (const MeshSurface::Triangle* t : near) {
-        const MeshTriangle triangle = in_place(*t, place);
-        const double gap = -t->normal.dot(triangle.nodes[0]) - a_.radius, closing = -t->normal.dot(velocity);
-        if (!(gap > -0.5 * a_.radius && closing > 0 && gap < time * closing)) continue;
-        const double at = std::max(0.0, gap) / closing;
-        const TrianglePoint nearest = closest_on_triangle(at * velocity, triangle.nodes[0], triangle.nodes[1], triangle.nodes[2]);
-        if (nearest.distance > (1 + 1e-9) * a_.radius || std::ranges::find(way_, t) != way_.end()) continue;
-        time = at, next = t;
-      }
-      if (next == nullptr) return;
-      way_.push_back(next);
-      place += time * velocity, left -= time;
-      velocity -= next->normal.dot(velocity) * next->normal;
-    }
-  }
-
-  // Whether a round body that is over another triangle now comes to lie on this one within the step.
+  // Whether the body, which may be over another triangle now, comes to lie on this one within the step. The rows that hold it are
+  // linear in the step and have one normal: that of the triangle when the step ends.
   bool comes_to(const MeshSurface::Triangle& t, PairManifold& m) const {
     if (std::ranges::find(way_, &t) == way_.end()) return false;
-    const double gap = -t.normal.dot(in_place(t, place_).nodes[0]) - a_.radius;
-    m.normal = t.normal, m.count = 0;
-    m.add(-(a_.radius + 0.5 * gap) * t.normal, gap, 0);
+    const double rate = turn_.norm();
+    const Mat3 turned = rate > 0 ? Eigen::AngleAxisd(settings_.step * rate, turn_ / rate).toRotationMatrix() : Mat3::Identity();
+    const Vec3 normal = rate > 0 ? Vec3(turned * t.normal) : t.normal;
+    const Vec3& node = mesh_.nodes[static_cast<std::size_t>(t.nodes[0])];
+    m.count = 0;
+    half_space_manifold(body_, (rate > 0 ? Vec3(turned * node) : node) - place_, normal, HUGE_VAL, m);
+    for (int i = 0; rate > 0 && i < m.count; ++i)
+      m.points[i].gap += settings_.step * normal.dot(turn_.cross(place_ + m.points[i].position));
     tidy(m, margin_);
     return m.count > 0;
   }
@@ -210,9 +200,9 @@ class OnMesh {
   const CollideSettings& settings_;
   const MeshSurface& mesh_;
   double margin_;
-  Vec3 place_, velocity_, extent_;
+  Vec3 place_, velocity_, turn_, extent_;
   ConvexBody body_;
-  std::vector<const MeshSurface::Triangle*> way_;  // of a round body
+  std::vector<const MeshSurface::Triangle*> way_;
 };
 
 bool may_touch(const Proxy& a, const Proxy& b, const CollideSettings& settings) {

@@ -16,6 +16,9 @@ SideFault kind_of(const std::string& column) {
             "their law does not turn them back, solids[].least_volume does"};
   if (column.starts_with("crossings "))
     return {"edges of cloths or threads through faces", "more iterations or time.substeps may keep them apart"};
+  if (column.starts_with("held_bodies "))
+    return {"bodies held before a mesh that they would have passed through",
+            "more iterations, a shorter time.frame or more time.substeps tell better where they go"};
   return {};
 }
 

@@ -1,6 +1,6 @@
-// Where flexible bodies have lost a side: tetrahedra that are inside out, and edges that go through faces. A solve can converge
-// in such a state, which is then not the scene's: a run says so in its last lines and in summary.json, whatever its residuals
-// are.
+// Where bodies have lost a side: tetrahedra that are inside out, edges that go through faces, and bodies that would have gone
+// through a mesh. A solve can converge in such a state, which is then not the scene's: a run says so in its last lines and in
+// summary.json, whatever its residuals are.
 #pragma once
 
 #include <cstdint>

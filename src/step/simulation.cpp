@@ -11,6 +11,7 @@
 #include "step/breaking.hpp"
 #include "step/build.hpp"
 #include "step/division.hpp"
+#include "step/mesh_guard.hpp"
 #include "step/move_history.hpp"
 #include "step/newton_step.hpp"
 #include "step/prescribed.hpp"
@@ -108,7 +109,11 @@ StepReport Simulation::take_part(const StepRequest& request) {
     StepRequest asked = request;
     asked.may_be_outrun = tries < most_searches;
     report = take_in_form(asked);
-    if (!report.outrun) finalise(*this, system_), done_.loads_compared = false;
+    if (!report.outrun) {
+      const MeshGuard guard(*this);
+      finalise(*this, system_), done_.loads_compared = false;
+      report.held_bodies = guard.hold(*this);
+    }
     system_.clear(&scratch);
     done_.contacts_found = false;
     if (!report.outrun) break;

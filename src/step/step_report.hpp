@@ -44,6 +44,7 @@ struct StepReport {
   bool converged = false;      // the residual is within the tolerance, and so is the turning
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
   SurfaceGuard::Held guard;     // pairs that would have passed through each other, had they not been held
+  std::int64_t held_bodies = 0;  // that would have passed through a mesh, had they not been held (mesh_guard.hpp)
   bool outrun = false;          // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
   bool form_left = false;       // taken in the incremental form, not the total one that the scene asks for
   CoarseCounts coarse;          // of the scene's cloths, threads and solids
@@ -62,6 +63,7 @@ struct StepReport {
     }
     iterations += part.iterations, guard.pairs += part.guard.pairs, impacts += part.impacts;
     if (guard.not_held[0] < 0) guard.not_held = part.guard.not_held;
+    held_bodies += part.held_bodies;
     estimated_error += part.estimated_error;
     turning = std::max(turning, part.turning);
     residual = std::max(residual, part.residual), converged = converged && part.converged;
