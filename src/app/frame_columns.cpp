@@ -34,7 +34,7 @@ std::vector<NamedValue> further_columns(const ColumnSources& from, const StepRep
   const auto add = [&](std::vector<NamedValue> more) { std::move(more.begin(), more.end(), std::back_inserter(columns)); };
   add(strain_columns(comm, scene, world, simulation.ties.constraints));
   columns.push_back({"impacts (1)", static_cast<double>(step.impacts)});
-  if (simulation.traits.has_meshes) columns.push_back({"held_bodies (1)", static_cast<double>(step.held_bodies)});
+  columns.push_back({"held_bodies (1)", static_cast<double>(step.held_bodies)});
   if (!scene.constraint_groups.empty() || simulation.traits.complies)
     columns.push_back({"elastic_energy (J)", report.measures.elastic_energy});
   if (simulation.coarse.exists()) {

@@ -124,13 +124,14 @@ void ContactBatch::give_back_gains(SolveState& state) {
       force += impulse, torque_a += arm_a.cross(impulse), torque_b += arm_b.cross(impulse);
     });
     if (!(work.all > 0)) continue;
+    // Whether a block has inertias depends on who else is in it: a body whose inertia is isotropic has the same bits either way.
     const auto turned = [&](Slot slot, const Vec4d(Inertia::*side)[6], const Vec3& torque) -> double {
-      if (block.inertia < 0) return bodies[slot].inverse_inertia * torque.squaredNorm();
+      if (block.inertia < 0) return torque.dot(bodies[slot].inverse_inertia * torque);
       const Vec4d* w = inertias[block.inertia].*side;
       const auto entry = [&](std::size_t k) { return w[k][at.lane]; };
       const double x = torque.x(), y = torque.y(), z = torque.z();
-      return entry(0) * x * x + entry(1) * y * y + entry(2) * z * z +
-             2 * (entry(3) * y * z + entry(4) * x * z + entry(5) * x * y);
+      return torque.dot(Vec3(entry(0) * x + entry(5) * y + entry(4) * z, entry(5) * x + entry(1) * y + entry(3) * z,
+                             entry(4) * x + entry(3) * y + entry(2) * z));
     };
     const double q = (bodies[slot_a].inverse_mass + bodies[slot_b].inverse_mass) * force.squaredNorm() +
                      turned(slot_a, &Inertia::a, torque_a) + turned(slot_b, &Inertia::b, torque_b);

@@ -17,7 +17,7 @@ SideFault kind_of(const std::string& column) {
   if (column.starts_with("crossings "))
     return {"edges of cloths or threads through faces", "more iterations or time.substeps may keep them apart"};
   if (column.starts_with("held_bodies "))
-    return {"bodies held before a mesh that they would have passed through",
+    return {"bodies held back that would have passed through what is fixed or driven",
             "more iterations, a shorter time.frame or more time.substeps tell better where they go"};
   return {};
 }

@@ -1,6 +1,6 @@
 // Where bodies have lost a side: tetrahedra that are inside out, edges that go through faces, and bodies that would have gone
-// through a mesh. A solve can converge in such a state, which is then not the scene's: a run says so in its last lines and in
-// summary.json, whatever its residuals are.
+// through what is fixed or driven. A solve can converge in such a state, which is then not the scene's: a run says so in its last
+// lines and in summary.json, whatever its residuals are.
 #pragma once
 
 #include <cstdint>

@@ -24,7 +24,6 @@ struct SceneTraits {
   bool adheres = false;           // some pair of materials
   bool complies = false;          // contacts of some pair of materials
   bool is_wet = false;            // some pair of materials has bridges of liquid
-  bool has_meshes = false;        // among the fixed and driven bodies
   double adhesion_range = 0;      // m, the largest that a pair of materials says
   std::int64_t lasting_work = 0;  // ns an iteration (partition/work.hpp), of joints and constraints between centres
 

@@ -56,9 +56,6 @@ SceneTraits traits_of(const Scene& scene) {
   if (traits.adheres) traits.adhesion_range = std::ranges::max(scene.pairs[PairValue::adhesion_range]);
   traits.complies = scene.pairs.any(PairValue::stiffness) || scene.pairs.any(PairValue::elastic_modulus);
   traits.is_wet = scene.pairs.any(PairValue::liquid_volume);
-  traits.has_meshes = std::ranges::any_of(scene.groups, [](const BodyGroup& group) {
-    return group.is_static && group.count > 0 && group.make(0).properties.shape.kind == ShapeKind::mesh;
-  });
   if (traits.is_wet) {
     const double volume = std::ranges::max(scene.pairs[PairValue::liquid_volume]),
                  angle = std::ranges::max(scene.pairs[PairValue::contact_angle]) * M_PI / 180;

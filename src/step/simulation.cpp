@@ -11,11 +11,11 @@
 #include "step/breaking.hpp"
 #include "step/build.hpp"
 #include "step/division.hpp"
-#include "step/mesh_guard.hpp"
 #include "step/move_history.hpp"
 #include "step/newton_step.hpp"
 #include "step/prescribed.hpp"
 #include "step/pressed_areas.hpp"
+#include "step/side_guard.hpp"
 #include "step/stages.hpp"
 #include "step/steadying.hpp"
 #include "step/struck.hpp"
@@ -110,7 +110,7 @@ StepReport Simulation::take_part(const StepRequest& request) {
     asked.may_be_outrun = tries < most_searches;
     report = take_in_form(asked);
     if (!report.outrun) {
-      const MeshGuard guard(*this);
+      const SideGuard guard(*this);
       finalise(*this, system_), done_.loads_compared = false;
       report.held_bodies = guard.hold(*this);
     }

@@ -44,7 +44,7 @@ struct StepReport {
   bool converged = false;      // the residual is within the tolerance, and so is the turning
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
   SurfaceGuard::Held guard;     // pairs that would have passed through each other, had they not been held
-  std::int64_t held_bodies = 0;  // that would have passed through a mesh, had they not been held (mesh_guard.hpp)
+  std::int64_t held_bodies = 0;  // that would have passed through what does not move by forces (side_guard.hpp)
   bool outrun = false;          // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
   bool form_left = false;       // taken in the incremental form, not the total one that the scene asks for
   CoarseCounts coarse;          // of the scene's cloths, threads and solids
