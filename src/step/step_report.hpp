@@ -43,14 +43,14 @@ struct StepReport {
   double turning = 0;          // m, what constraints between centres miss because they turn (turning.hpp); max over ranks
   bool converged = false;      // the residual is within the tolerance, and so is the turning
   std::array<double, BatchTypes::size> batch_residuals{};  // m, of each batch by itself, of the last stage
-  SurfaceGuard::Held guard;     // pairs that would have passed through each other, had they not been held
+  SurfaceGuard::Held guard;      // pairs that would have passed through each other, had they not been held
   std::int64_t held_bodies = 0;  // that would have passed through what does not move by forces (side_guard.hpp)
-  bool outrun = false;          // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
-  bool form_left = false;       // taken in the incremental form, not the total one that the scene asks for
-  CoarseCounts coarse;          // of the scene's cloths, threads and solids
-  std::int64_t impacts = 0;     // that were resolved by themselves (impacts.hpp), over all ranks
-  std::int64_t sliding = 0;     // contact points at the limit of friction, over all ranks
-  std::vector<StepPlan> plans;  // by which it was taken: one, or one of each kind of islands
+  bool outrun = false;           // some body was set moving faster than its contacts were sought for (struck.hpp): not to be kept
+  bool form_left = false;        // taken in the incremental form, not the total one that the scene asks for
+  CoarseCounts coarse;           // of the scene's cloths, threads and solids
+  std::int64_t impacts = 0;      // that were resolved by themselves (impacts.hpp), over all ranks
+  std::int64_t sliding = 0;      // contact points at the limit of friction, over all ranks
+  std::vector<StepPlan> plans;   // by which it was taken: one, or one of each kind of islands
   std::vector<ContactImpulse> impulses;  // of contacts that this rank counts, where they were asked for
   std::optional<StepError> error;        // where it was asked for
   std::optional<WorstConstraint> worst;  // the one with the residual, where it was asked for
