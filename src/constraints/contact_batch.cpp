@@ -208,7 +208,8 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
   set_lane(block.s, lane, frame.s);
   if (block.ratio >= 0) ratios[block.ratio][lane] = frame.across;
   block.friction[lane] = m.friction;
-  if (block.drift >= 0) {
+  // Without friction there is none, also beside others in the block: who they are depends on the rank.
+  if (block.drift >= 0 && m.friction > 0) {
     OwnMotion drift = is_carried(m) ? drift_of(m) : OwnMotion{};
     if (!creeps_.empty()) {
       const Creep creep = beyond(creeps_[number], least_creep_, smaller_radius(m));
