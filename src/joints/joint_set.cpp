@@ -53,14 +53,19 @@ std::vector<JointSlots> joint_slots(std::span<const Joint> joints, const JointLi
   return slots;
 }
 
-void leave_out_jointed(const JointInput& input, Contacts& contacts) {
+std::vector<std::pair<Id, Id>> jointed_pairs(const JointInput& input) {
   std::vector<std::pair<Id, Id>> pairs;
   for (const std::int64_t number : *input.list) {
     const Joint& joint = at(input.joints, number);
     if (!input.is_broken(number) && !joint.collide && joint.ids[1] >= 0) pairs.push_back(std::minmax(joint.ids[0], joint.ids[1]));
   }
-  if (pairs.empty()) return;
   std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+void leave_out_jointed(const JointInput& input, Contacts& contacts) {
+  const std::vector<std::pair<Id, Id>> pairs = jointed_pairs(input);
+  if (pairs.empty()) return;
   leave_out(contacts,
             [&](const Manifold& m) { return std::binary_search(pairs.begin(), pairs.end(), std::pair(m.id_a, m.id_b)); });
 }

@@ -20,7 +20,10 @@ std::vector<Id> partners(std::span<const Joint> joints, const JointList& list, c
 // is static.
 std::vector<JointSlots> joint_slots(std::span<const Joint> joints, const JointList& list, const World& world, Slot nobody);
 
-// Takes away the contacts between bodies that a joint ties, unless it lets them collide or has broken.
+// The bodies that joints tie and do not let collide, as pairs in ascending order; without those of joints that have broken.
+std::vector<std::pair<Id, Id>> jointed_pairs(const JointInput& input);
+
+// Takes away the contacts between these.
 void leave_out_jointed(const JointInput& input, Contacts& contacts);
 
 // Gives each joint the smallest colour that none before it has at its moving bodies. is_static(id): no solver moves the body.

@@ -11,7 +11,8 @@ bool is_home(const World& world, Id id) {
   return std::binary_search(world.id.begin(), end, id);
 }
 
-// The body that holds each slot's node; -1: none. Empty where nobody here is held.
+}  // namespace
+
 std::vector<Id> holders(const Scene& scene, const World& world, double time) {
   std::vector<Id> holder;
   const auto note = [&](Id node, Id body, double release) {
@@ -24,8 +25,6 @@ std::vector<Id> holders(const Scene& scene, const World& world, double time) {
   for (const Attachment& a : scene.attachments) note(a.node, a.body, a.release);
   return holder;
 }
-
-}  // namespace
 
 std::vector<AttachedNode> attached_nodes(const Scene& scene, const World& world, double time) {
   std::vector<AttachedNode> found;

@@ -21,6 +21,9 @@ std::vector<std::array<Id, 2>> attachments_here(const World& world, const std::v
 // The bodies of other ranks to which attachments tie this rank's, ascending. Mutual between ranks. `world` needs no guests.
 std::vector<Id> partners(const World& world, const std::vector<Attachment>& attachments);
 
+// The body that holds each slot's node at this time (s), static or dynamic; -1: none. Empty where nobody here is held.
+std::vector<Id> holders(const Scene& scene, const World& world, double time);
+
 // Takes away the contacts between nodes and the bodies that hold them at this time (s), static or dynamic: a node's own, and
 // those of faces, edges and segments in which such a node has a part.
 void leave_out_attached(const Scene& scene, const World& world, double time, Contacts& contacts);

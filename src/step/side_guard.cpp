@@ -7,6 +7,8 @@
 #include "collide/passage.hpp"
 #include "collide/periodic_pairs.hpp"
 #include "core/checked.hpp"
+#include "joints/joint_set.hpp"
+#include "step/attach.hpp"
 #include "world/shape_library.hpp"
 
 namespace unibody {
@@ -19,7 +21,11 @@ constexpr double least_before_mesh = 0.01, least_before_solid = 0.5, kept = 0.1;
 
 bool is_compound(const Shape& shape) { return shape.kind == ShapeKind::compound; }
 
-bool is_obstacle(const Shape& shape) { return shape.kind == ShapeKind::mesh || is_compound(shape) || type_of(shape.kind).convex; }
+// Particles are nodes, which the guard of surfaces knows.
+bool is_obstacle(const Shape& shape) {
+  if (shape.kind == ShapeKind::particle) return false;
+  return shape.kind == ShapeKind::mesh || is_compound(shape) || type_of(shape.kind).convex;
+}
 
 // m, of the smallest part.
 double half_size_of(const Shape& shape) {
@@ -30,12 +36,28 @@ double half_size_of(const Shape& shape) {
   return smallest;
 }
 
-bool may_touch(const RankState& state, std::size_t body, std::size_t other) {
-  const World& world = state.world;
-  const std::int32_t group = world.properties[body].group;
-  if (group >= 0 && group == world.properties[other].group) return false;
-  return state.search.settings.may_touch(world.id[body], world.id[other]);
-}
+// Which bodies have no contacts with each other wherever they are.
+class Strangers {
+ public:
+  explicit Strangers(const RankState& state)
+      : state_(state),
+        holder_(holders(state.scene, state.world, state.time())),
+        jointed_(state.traits.has_joints ? jointed_pairs(state.ties.joint_input) : std::vector<std::pair<Id, Id>>()) {}
+
+  bool are(std::size_t body, std::size_t other) const {
+    const World& world = state_.world;
+    const std::int32_t group = world.properties[body].group;
+    if (group >= 0 && group == world.properties[other].group) return true;
+    const Id a = world.id[body], b = world.id[other];
+    if (!holder_.empty() && holder_[body] == b) return true;
+    return !state_.search.settings.may_touch(a, b) || std::ranges::binary_search(jointed_, std::pair<Id, Id>(std::minmax(a, b)));
+  }
+
+ private:
+  const RankState& state_;
+  std::vector<Id> holder_;
+  std::vector<std::pair<Id, Id>> jointed_;
+};
 
 // Where a point ends (m, in the obstacle's frame).
 Vec3 held_place(const Shape& obstacle, const Vec3& from, const Vec3& to, double half_size) {
@@ -94,8 +116,9 @@ double SideGuard::motion_of(const Obstacle& obstacle, const RankState& state) {
 std::vector<SideGuard::Pair> SideGuard::pairs(const RankState& state) const {
   const World& world = state.world;
   std::vector<Pair> found;
+  const Strangers strangers(state);
   const auto add = [&](std::size_t body, std::size_t obstacle) {
-    if (may_touch(state, body, obstacles_[obstacle].slot)) found.push_back({body, obstacle});
+    if (!strangers.are(body, obstacles_[obstacle].slot)) found.push_back({body, obstacle});
   };
   const auto is_mesh = [&](const Obstacle& o) { return world.properties[o.slot].shape.kind == ShapeKind::mesh; };
   double driven = 0;  // m

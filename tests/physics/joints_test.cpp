@@ -51,6 +51,26 @@ TEST(Joint, PendulumHasItsPeriod) {
   }
 }
 
+// A rod that hangs on a fixed box swings through it as it does where there is no box: what a joint ties does not touch.
+TEST(Joint, ARodSwingsThroughTheBoxThatHoldsIt) {
+  for (const char* solver : solver_list) {
+    std::string held = rod(80);
+    held.replace(held.find("joints:"), 7,
+                 "  - {name: box, shape: {box: {size: [0.3, 0.3, 0.3]}}, motion: fixed, position: [0, 0, -0.5]}\njoints:");
+    held.replace(held.find("[rod, world]"), 12, "[rod, box]");
+    held.replace(held.find("[0, 0, 0]]"), 10, "[0, 0, 0.5]]");
+    Experiment alone(scene_from_text(rod(80) + settings(solver, 30, 0.016))),
+        through(scene_from_text(held + settings(solver, 30, 0.016)));
+    double largest = 0;
+    for (int k = 0; k < 120; ++k) {
+      alone.step(), through.step();
+      EXPECT_EQ(through.last.held_bodies, 0) << solver << ", step " << k;
+      largest = std::max(largest, (alone.position(0) - through.position(0)).norm());
+    }
+    EXPECT_LT(largest, 1e-6) << solver;
+  }
+}
+
 // In a plane a hinge says what a ball joint does, whatever the solver, of boxes and of discs. (Its rows that would tilt a body
 // out of the plane are nought but for round-off, by which nothing may be divided.) From the horizontal all of m g d becomes
 // motion.
