@@ -20,11 +20,17 @@ namespace {
 constexpr double least_before_mesh = 0.01, least_before_solid = 0.5, kept = 0.1;
 
 bool is_compound(const Shape& shape) { return shape.kind == ShapeKind::compound; }
+bool is_mesh(const Shape& shape) { return shape.kind == ShapeKind::mesh; }
+
+// A node of a soft solid that nothing can touch.
+bool is_inside_a_solid(const RankState& state, std::size_t body) {
+  return state.has_surfaces() && state.search.surfaces.is_interior(static_cast<Slot>(body));
+}
 
 // Particles are nodes, which the guard of surfaces knows.
 bool is_obstacle(const Shape& shape) {
   if (shape.kind == ShapeKind::particle) return false;
-  return shape.kind == ShapeKind::mesh || is_compound(shape) || type_of(shape.kind).convex;
+  return is_mesh(shape) || is_compound(shape) || type_of(shape.kind).convex;
 }
 
 // m, of the smallest part.
@@ -59,10 +65,10 @@ class Strangers {
   std::vector<std::pair<Id, Id>> jointed_;
 };
 
-// Where a point ends (m, in the obstacle's frame).
+// Where a point that would go from `from` to `to` ends in front of an obstacle; m, in the obstacle's frame.
 Vec3 held_place(const Shape& obstacle, const Vec3& from, const Vec3& to, double half_size) {
   const double moved = (to - from).norm();
-  if (obstacle.kind == ShapeKind::mesh) {
+  if (is_mesh(obstacle)) {
     if (!(moved > least_before_mesh * half_size)) return to;
     const MeshSurface& mesh = shape_library().meshes[obstacle.data];
     return held_back(from, to, kept * half_size, [&](const Vec3& a, const Vec3& b) { return passage_through(mesh, a, b); });
@@ -112,49 +118,66 @@ double SideGuard::motion_of(const Obstacle& obstacle, const RankState& state) {
          std::min(turned, 2.0) * bounding_radius(world.properties[obstacle.slot].shape);
 }
 
-// Those of bodies and obstacles that come near each other, the smaller slot first.
+// Slots of the bodies that may have got into a solid, which moves by `driven` (m) at most: most bodies move too little for that.
+std::vector<std::size_t> SideGuard::fast_bodies(const RankState& state, double driven) const {
+  const World& world = state.world;
+  std::vector<std::size_t> fast;
+  for (std::size_t i = 0; i < world.homes; ++i) {
+    const Shape& shape = world.properties[i].shape;
+    const double turned = is_compound(shape) ? bounding_radius(shape) * turn_of(world, i) : 0;
+    const double moved = (world.position[i] - places_[i]).norm() + turned + driven;
+    if (moved > least_before_solid * half_size_of(shape) && !is_inside_a_solid(state, i)) fast.push_back(i);
+  }
+  return fast;
+}
+
+// The ways of these bodies and those of solids that come near each other, by their places in the two lists.
+std::vector<SideGuard::Pair> SideGuard::near_solids(const World& world, const std::vector<std::size_t>& bodies) const {
+  std::vector<Bounds> bounds;
+  std::vector<Role> roles;
+  const auto add = [&](const Vec3& from, const Vec3& to, double reach, Role role) {
+    bounds.push_back({from.cwiseMin(to).array() - reach, from.cwiseMax(to).array() + reach}), roles.push_back(role);
+  };
+  for (const std::size_t i : bodies) {
+    const Shape& shape = world.properties[i].shape;
+    add(places_[i], world.position[i], is_compound(shape) ? bounding_radius(shape) : 0, Role::home);
+  }
+  for (const Obstacle& o : obstacles_) {
+    const Shape& shape = world.properties[o.slot].shape;
+    add(o.place, world.position[o.slot], bounding_radius(shape), is_mesh(shape) ? Role::absent : Role::other);
+  }
+  BroadPhase broad_phase;
+  Pairs found;
+  world.period.any() ? find_periodic(broad_phase, world.period, bounds, roles, found) : broad_phase.find(bounds, roles, found);
+  std::vector<Pair> near;
+  for (const IndexPair& pair : found) {
+    const auto first = static_cast<std::size_t>(pair.first), second = static_cast<std::size_t>(pair.second);
+    if (first < bodies.size() && second >= bodies.size()) near.push_back({bodies[first], second - bodies.size()});
+  }
+  return near;
+}
+
+// All bodies with all meshes, whose triangles are found sooner than they could be left out, and the fast ones with the solids
+// near them; ascending.
 std::vector<SideGuard::Pair> SideGuard::pairs(const RankState& state) const {
   const World& world = state.world;
   std::vector<Pair> found;
-  const Strangers strangers(state);
-  const auto add = [&](std::size_t body, std::size_t obstacle) {
-    if (!strangers.are(body, obstacles_[obstacle].slot)) found.push_back({body, obstacle});
-  };
-  const auto is_mesh = [&](const Obstacle& o) { return world.properties[o.slot].shape.kind == ShapeKind::mesh; };
   double driven = 0;  // m
-  std::vector<std::size_t> meshes;
-  for (std::size_t k = 0; k < obstacles_.size(); ++k)
-    is_mesh(obstacles_[k]) ? meshes.push_back(k) : void(driven = std::max(driven, motion_of(obstacles_[k], state)));
-
-  std::vector<Bounds> bounds;
-  std::vector<std::size_t> fast;
-  for (std::size_t i = 0; i < world.homes; ++i) {
-    if (state.has_surfaces() && state.search.surfaces.is_interior(static_cast<Slot>(i))) continue;
-    for (const std::size_t mesh : meshes) add(i, mesh);
-    if (meshes.size() == obstacles_.size()) continue;
-    const Shape& shape = world.properties[i].shape;
-    const double reach = is_compound(shape) ? bounding_radius(shape) : 0, turned = reach > 0 ? reach * turn_of(world, i) : 0;
-    if (!((world.position[i] - places_[i]).norm() + turned + driven > least_before_solid * half_size_of(shape))) continue;
-    fast.push_back(i);
-    bounds.push_back(
-        {world.position[i].cwiseMin(places_[i]).array() - reach, world.position[i].cwiseMax(places_[i]).array() + reach});
-  }
-  if (!fast.empty()) {
-    std::vector<Role> roles(fast.size(), Role::home);
-    for (const Obstacle& obstacle : obstacles_) {
-      const Vec3 &from = obstacle.place, &to = world.position[obstacle.slot];
-      const double radius = bounding_radius(world.properties[obstacle.slot].shape);
-      bounds.push_back({from.cwiseMin(to).array() - radius, from.cwiseMax(to).array() + radius});
-      roles.push_back(is_mesh(obstacle) ? Role::absent : Role::other);
+  std::size_t solids = 0;
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    if (!is_mesh(world.properties[obstacles_[k].slot].shape)) {
+      driven = std::max(driven, motion_of(obstacles_[k], state)), ++solids;
+      continue;
     }
-    BroadPhase broad_phase;
-    Pairs near;
-    world.period.any() ? find_periodic(broad_phase, world.period, bounds, roles, near) : broad_phase.find(bounds, roles, near);
-    const auto bodies = static_cast<std::int32_t>(fast.size());
-    for (const IndexPair& pair : near)
-      if (pair.first < bodies && pair.second >= bodies)
-        add(fast[static_cast<std::size_t>(pair.first)], static_cast<std::size_t>(pair.second - bodies));
+    for (std::size_t i = 0; i < world.homes; ++i)
+      if (!is_inside_a_solid(state, i)) found.push_back({i, k});
   }
+  if (const std::vector<std::size_t> fast = solids > 0 ? fast_bodies(state, driven) : std::vector<std::size_t>(); !fast.empty()) {
+    const std::vector<Pair> near = near_solids(world, fast);
+    found.insert(found.end(), near.begin(), near.end());
+  }
+  const Strangers strangers(state);
+  std::erase_if(found, [&](const Pair& pair) { return strangers.are(pair.body, obstacles_[pair.obstacle].slot); });
   std::ranges::sort(found);
   return found;
 }

@@ -41,6 +41,8 @@ class SideGuard {
   };
   double turn_of(const World& world, std::size_t body) const;
   static double motion_of(const Obstacle& obstacle, const RankState& state);
+  std::vector<std::size_t> fast_bodies(const RankState& state, double driven) const;
+  std::vector<Pair> near_solids(const World& world, const std::vector<std::size_t>& bodies) const;
   std::vector<Pair> pairs(const RankState& state) const;
   std::vector<Centre> centres_of(const World& world, std::size_t body) const;
   Vec3 change_before(const Obstacle& obstacle, const World& world, std::size_t body, const std::vector<Centre>& centres) const;
