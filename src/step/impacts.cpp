@@ -17,7 +17,6 @@ namespace unibody {
 namespace {
 
 constexpr int most_rounds = 400;
-
 Eigen::Map<Vec3> velocity_of(SolverBody& body) { return Eigen::Map<Vec3>(body.v); }
 Eigen::Map<Vec3> spin_of(SolverBody& body) { return Eigen::Map<Vec3>(body.w); }
 
@@ -41,8 +40,10 @@ class Impacts {
     leave_chains_to_the_solve();
     const std::size_t n = world_.size() + 1;
     start_velocity_.resize(n), clock_.assign(n, 0), state_.impacts.displaced.assign(n, Vec3::Zero());
-    state_.impacts.turned.assign(n, Vec3::Zero());
+    state_.impacts.turned.assign(n, Vec3::Zero()), spin_gained_.assign(n, Vec3::Zero());
     for (std::size_t i = 0; i < world_.size(); ++i) start_velocity_[i] = velocity_of(system_.bodies[i]);
+    for (std::size_t i = 0; i < world_.first_static(); ++i)
+      if (!system_.isotropic[i]) spin_gained_[i] = spin_of(system_.bodies[i]) - world_.angular_velocity_of(i);
     index_bodies();
     for (Pair& pair : pairs_) pair.time = time_of(pair);
     std::int64_t count = 0;
@@ -59,8 +60,7 @@ class Impacts {
  private:
   bool is_free(Slot slot) const {
     const auto i = static_cast<std::size_t>(slot);
-    if (world_.is_static(slot)) return true;
-    return world_.properties[i].is_dynamic() && !state_.is_tied(world_.id[i]);
+    return world_.is_static(slot) || (world_.properties[i].is_dynamic() && !state_.is_tied(world_.id[i]));
   }
 
   // As the solve's contacts see them: every one with a home body is here.
@@ -125,7 +125,7 @@ class Impacts {
     return world_.is_static(s) ? Vec3(Vec3::Zero()) : Vec3((start_velocity_[i] - world_.velocity[i]) / step_);
   }
   Vec3 velocity(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].v); }
-  Vec3 spin(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].w); }
+  Vec3 spin(Slot s) const { return spin_of(system_.bodies[s]) - spin_gained_[s]; }
   // The place of a body at a time of the step (m).
   Vec3 place(Slot s, double t) const {
     const auto i = static_cast<std::size_t>(s);
@@ -360,11 +360,10 @@ class Impacts {
     }
     for (const Pair& pair : pairs_) {
       const Manifold& m = contacts_.manifolds[pair.manifold];
-      const Vec3 u = velocity(pair.a) - velocity(pair.b);
+      const double closing = -m.normal.dot(velocity(pair.a) - velocity(pair.b));
       for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
         const bool slow = contacts_.bounce.empty() || !(contacts_.bounce[p] > 0);
         if (!contacts_.bounce.empty()) contacts_.bounce[p] = 0;
-        const double closing = -m.normal.dot(u);
         const bool overlaps = both_round(pair) && state_.impacts.gaps_found[p] < -1e-6 * (radius(pair.a) + radius(pair.b));
         const bool is_settled = pair.time == never && !overlaps;
         if (is_settled && both_round(pair) && (pair.fast || !slow || closing > 2 * step_ * state_.traits.gravity))
@@ -381,8 +380,9 @@ class Impacts {
   std::vector<Pair> pairs_;
   std::vector<std::size_t> first_pair_;  // of each body, into pairs_of_
   std::vector<std::uint32_t> pairs_of_;
-  std::vector<Vec3> start_velocity_;              // m/s, predicted
-  std::vector<double> clock_;                     // s, of each body's last impact
+  std::vector<Vec3> start_velocity_;  // m/s, predicted
+  std::vector<Vec3> spin_gained_;  // rad/s, of the step's mean spin, less that at its start, to which momentum and energy belong
+  std::vector<double> clock_;      // s, of each body's last impact
   std::vector<double> first_time_, first_other_;  // s; id
   std::vector<Slot> changed_;                     // in the last round
 };
