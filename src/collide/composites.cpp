@@ -130,8 +130,8 @@ class OnMesh {
     return m.count > 0;
   }
 
-  // Whether the body, which may be over another triangle now, comes to lie on this one within the step. The rows that hold it are
-  // linear in the step and have one normal: that of the triangle when the step ends.
+  // Whether the body, which may be over another triangle now, comes to lie on this one within the step. The contact has the
+  // normal that the triangle has when the step ends, since a row of the solver keeps one normal for the whole step.
   bool comes_to(const MeshSurface::Triangle& t, PairManifold& m) const {
     if (std::ranges::find(way_, &t) == way_.end()) return false;
     const double rate = turn_.norm();

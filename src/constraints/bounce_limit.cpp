@@ -124,7 +124,8 @@ void ContactBatch::give_back_gains(SolveState& state) {
       force += impulse, torque_a += arm_a.cross(impulse), torque_b += arm_b.cross(impulse);
     });
     if (!(work.all > 0)) continue;
-    // Whether a block has inertias depends on who else is in it: a body whose inertia is isotropic has the same bits either way.
+    // A block has matrices of inertia if any of its bodies needs one, which depends on the rank. So a body whose inertia is
+    // isotropic must get the same bits with a matrix and without.
     const auto turned = [&](Slot slot, const Vec4d(Inertia::*side)[6], const Vec3& torque) -> double {
       if (block.inertia < 0) return torque.dot(bodies[slot].inverse_inertia * torque);
       const Vec4d* w = inertias[block.inertia].*side;

@@ -24,7 +24,7 @@ class SideGuard {
   std::int64_t hold(RankState& state) const;
 
  private:
-  // A fixed or driven body before the step; it and all below by its slot.
+  // A fixed or driven body, as it was before the step.
   struct Obstacle {
     std::size_t slot;
     Vec3 place;  // m

@@ -100,7 +100,7 @@ TEST(Passage, ThroughAMeshIsWhereTheClosedFormSays) {
     const Vec3 from = random.point(1), to = random.point(1);
     int axis = 0;
     const bool starts_within = (from.cwiseAbs().array() < 0.5).all();
-    // What comes out of the cube goes into it backwards.
+    // The way of a point that leaves the cube, seen from its end, enters the cube.
     const double share = starts_within ? 1 - share_by_slabs(half, to, from, axis) : share_by_slabs(half, from, to, axis);
     const bool passes = starts_within ? (to.cwiseAbs().array() > 0.5).any() : share <= 1;
     const Passage one = passage_through(outside, from, to), two = passage_through(both, from, to);

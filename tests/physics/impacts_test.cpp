@@ -77,8 +77,8 @@ TEST_P(Impacts, GlancingOnesKeepAngularMomentum) {
       }
 }
 
-// A ball meets a box that spins by some 35 rad/s, half a radian a step: its gyroscopic torque turns the spin within the step.
-// Neither gains, and what is lost for the place at which the impact is taken is small.
+// A ball without friction meets a free box that spins at some 35 rad/s, half a radian a step, so that the gyroscopic torque changes
+// the box's spin within the step. The elastic impact gives no energy, and takes little.
 TEST_P(Impacts, ASpinningBoxKeepsItsEnergy) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
