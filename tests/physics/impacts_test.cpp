@@ -77,8 +77,8 @@ TEST_P(Impacts, GlancingOnesKeepAngularMomentum) {
       }
 }
 
-// A ball without friction meets a free box that spins at some 35 rad/s, half a radian a step, so that the gyroscopic torque changes
-// the box's spin within the step. The elastic impact gives no energy, and takes little.
+// A ball without friction meets a free box that spins at some 35 rad/s, half a radian a step, so that the gyroscopic torque
+// changes the box's spin within the step. The elastic impact gives no energy, and takes little.
 TEST_P(Impacts, ASpinningBoxKeepsItsEnergy) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
