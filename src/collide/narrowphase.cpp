@@ -62,8 +62,8 @@ void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, doubl
   for (int i = 0; i < m.count; ++i) m.points[i].position += first.position;
 }
 
-// The manifold where the bodies will first touch, its gaps opened by what they close until then along its normal. Where they will
-// not touch, only what is near them now.
+// The manifold where the bodies will first touch, or are at the end of the step if they touch later, its gaps opened by what they
+// close until then along its normal. Where they will not touch, only what is near them now.
 void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
                   PairManifold& m) {
   const Vec3 velocity = first.velocity - second.velocity;
@@ -76,16 +76,18 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
   }
 
   Proxy a = first, b = second;
-  a.position += impact.time * a.velocity;
-  b.position += impact.time * b.velocity;
-  if (impact.axis >= 0 && !settings.planar) {
+  const bool in_step = impact.time <= settings.step;
+  const double time = in_step ? impact.time : settings.step;
+  a.position += time * a.velocity;
+  b.position += time * b.velocity;
+  if (in_step && impact.axis >= 0 && !settings.planar) {
     const BoxRelation relation = relate_boxes(a, b);
     box_manifold(a, b, relation, {impact.axis, separation_along(relation, a.half, b.half, impact.axis)}, margin, m);
   } else {
     cell.function(a, b, {margin, settings.planar}, m);
   }
-  const double closed = impact.time * std::max(0.0, -m.normal.dot(velocity));
-  m.time = impact.time;
+  const double closed = time * std::max(0.0, -m.normal.dot(velocity));
+  m.time = time;
   for (int i = 0; i < m.count; ++i) m.points[i].gap += closed, m.points[i].position += a.position;
   tidy(m, margin);
 }
