@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "collide/contacts.hpp"
+#include "collide/restitution.hpp"
 #include "constraints/pair_history.hpp"
 #include "constraints/solve_state.hpp"
 #include "constraints/solver_settings.hpp"
@@ -63,6 +64,7 @@ struct BuildContext {
   std::pmr::memory_resource* memory = std::pmr::get_default_resource();
   std::function<void(std::span<std::int32_t>)> exchange{};  // values of guests from their homes, one a slot
   std::span<const Vec3> displaced{};                        // m, by slot: where bodies seem to start the step; empty: nowhere
+  std::span<const BounceStart> bounce_starts{};             // by slot: from where they bounce; empty: nothing does
   const Multipliers* contact_history = nullptr;             // of the last step
   double least_creep = 0;                                   // m, what is less is not taken back (creep.hpp)
   std::function<bool(bool)> any_over_ranks{};               // collective

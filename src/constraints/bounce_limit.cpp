@@ -18,13 +18,14 @@ namespace unibody {
 namespace {
 
 struct Velocities {
-  Vec3 before, after;  // m/s, at the step's start and as the solver has them
+  Vec3 before, after;  // m/s, before bounces and as the solver has them, with the spin to which energy belongs
 };
 
-Velocities velocities_at(const World& world, std::span<const SolverBody> bodies, Slot s, const Vec3& arm) {
+Velocities velocities_at(std::span<const BounceStart> starts, std::span<const SolverBody> bodies, Slot s, const Vec3& arm) {
   const auto slot = static_cast<std::size_t>(s);
-  return {world.velocity[slot] + world.angular_velocity_of(slot).cross(arm),
-          Eigen::Map<const Vec3>(bodies[slot].v) + Eigen::Map<const Vec3>(bodies[slot].w).cross(arm)};
+  const BounceStart& start = starts[slot];
+  return {start.velocity + start.spin.cross(arm),
+          Eigen::Map<const Vec3>(bodies[slot].v) + (Eigen::Map<const Vec3>(bodies[slot].w) + start.left_out).cross(arm)};
 }
 
 // Between surfaces that move along themselves work counts from how these move. m/s, of b's against a's
@@ -50,6 +51,14 @@ struct Work {
 
 }  // namespace
 
+double ContactBatch::bias_of_bounce(const Manifold& m, std::size_t point, double speed) const {
+  const ContactPoint& p = contacts_->points[point];
+  const auto unseen = [&](Slot s) {
+    return m.normal.dot(bounce_starts_[static_cast<std::size_t>(s)].left_out.cross(arm_of(*world_, m, p, s)));
+  };
+  return std::min(stage_.bias(p.gap), unseen(m.slot_a) - unseen(m.slot_b) - speed);
+}
+
 void ContactBatch::start_bounces() {
   bouncing_.clear();
   for (std::uint32_t i = 0; i < blocks.size(); ++i)
@@ -60,7 +69,7 @@ void ContactBatch::start_bounces() {
       for (std::uint32_t p = 0; p < m.count; ++p) {
         const double speed = contacts_->bounce[m.first + p];
         if (!(speed > 0)) continue;
-        points[blocks[i].first_point + p].bias[l] = -speed;
+        points[blocks[i].first_point + p].bias[l] = bias_of_bounce(m, m.first + p, speed);
         bounces = true;
       }
       if (bounces) bouncing_.push_back({i, l});
@@ -92,15 +101,16 @@ void ContactBatch::limit_bounces(std::span<const SolverBody> bodies) {
     const Vec3 n = lane_of(block.n, at.lane);
     Work work;
     for_each_point(at, [&](std::size_t, std::size_t contact, const Vec3& arm_a, const Vec3& arm_b, const Vec3& impulse) {
-      const Velocities a = velocities_at(world, bodies, block.slot_a[at.lane], arm_a);
-      const Velocities b = velocities_at(world, bodies, block.slot_b[at.lane], arm_b);
+      const Velocities a = velocities_at(bounce_starts_, bodies, block.slot_a[at.lane], arm_a);
+      const Velocities b = velocities_at(bounce_starts_, bodies, block.slot_b[at.lane], arm_b);
       const Vec3 own = own_velocity(world, block, at.lane, arm_a, arm_b, n);
       work.add(impulse, n, n.dot(impulse), {a.before - b.before - own, a.after - b.after - own}, contacts_->bounce[contact]);
     });
     const double share = work.share();
-    for_each_point(at, [&](std::size_t normal, std::size_t contact, const Vec3&, const Vec3&, const Vec3&) {
-      if (const double speed = contacts_->bounce[contact]; speed > 0) points[normal].bias[at.lane] = -share * speed;
-    });
+    const Manifold& m = manifold(block, at.lane);
+    for (std::uint32_t p = 0; p < m.count; ++p)
+      if (const double speed = contacts_->bounce[m.first + p]; speed > 0)
+        points[block.first_point + p].bias[at.lane] = bias_of_bounce(m, m.first + p, share * speed);
   }
 }
 
@@ -118,7 +128,8 @@ void ContactBatch::give_back_gains(SolveState& state) {
     Work work;
     Vec3 force = Vec3::Zero(), torque_a = force, torque_b = force;
     for_each_point(at, [&](std::size_t, std::size_t, const Vec3& arm_a, const Vec3& arm_b, const Vec3& impulse) {
-      const Velocities a = velocities_at(world, bodies, slot_a, arm_a), b = velocities_at(world, bodies, slot_b, arm_b);
+      const Velocities a = velocities_at(bounce_starts_, bodies, slot_a, arm_a),
+                       b = velocities_at(bounce_starts_, bodies, slot_b, arm_b);
       const Vec3 own = own_velocity(world, block, at.lane, arm_a, arm_b, lane_of(block.n, at.lane));
       work.add(impulse, Vec3::Zero(), 0, {a.before - b.before - own, a.after - b.after - own}, 0);
       force += impulse, torque_a += arm_a.cross(impulse), torque_b += arm_b.cross(impulse);
@@ -149,6 +160,11 @@ void ContactBatch::give_back_gains(SolveState& state) {
   start_momenta();
 }
 
+double SurfaceBatch::bias_of_bounce(const Block& block, std::size_t lane, double speed) const {
+  const Vec3& left_out = bounce_starts_[static_cast<std::size_t>(block.slot[0][lane])].left_out;
+  return block.weight[0][lane] * lane_of(block.n, lane).dot(left_out.cross(lane_of(block.arm, lane))) - speed;
+}
+
 void SurfaceBatch::renew(const SolveState& state) {
   if (!any_bounce_) return;
   const World& world = *world_;
@@ -161,7 +177,7 @@ void SurfaceBatch::renew(const SolveState& state) {
       Velocities parting{Vec3::Zero(), Vec3::Zero()};
       for (std::size_t k = 0; k < 4; ++k) {
         if (block.weight[k][l] == 0) continue;
-        const Velocities end = velocities_at(world, bodies, block.slot[k][l], k == 0 ? arm : Vec3(Vec3::Zero()));
+        const Velocities end = velocities_at(bounce_starts_, bodies, block.slot[k][l], k == 0 ? arm : Vec3(Vec3::Zero()));
         parting.before += block.weight[k][l] * end.before, parting.after += block.weight[k][l] * end.after;
       }
       if (!world.surface_motions.empty()) {
@@ -173,7 +189,7 @@ void SurfaceBatch::renew(const SolveState& state) {
       Work work;
       work.add(along_n * n + (block.lambda.s + block.kept.s)[l] * s + (block.lambda.t + block.kept.t)[l] * n.cross(s), n, along_n,
                parting, block.bounce[l]);
-      block.bias[l] = std::min(without[l], -work.share() * block.bounce[l]);
+      block.bias[l] = std::min(without[l], bias_of_bounce(block, l, work.share() * block.bounce[l]));
     }
   }
 }

@@ -54,7 +54,7 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
 void ContactBatch::build(const BuildContext& context) {
   const auto& [bodies, inertia, isotropic, counts] =
       std::tie(context.state.bodies, context.state.inertia, context.state.isotropic, context.state.counts);
-  displaced_ = context.displaced;
+  displaced_ = context.displaced, bounce_starts_ = context.bounce_starts;
   contacts_ = context.contacts, world_ = &context.world,
   friction_ = in_directions(context.settings.friction, !context.world.friction_axes.empty());
   scaling_ = context.settings.scaling, step_ = context.state.step, least_creep_ = context.least_creep;

@@ -123,6 +123,9 @@ class ContactBatch : public BatchDefaults {
   // How fast bodies must part where they bounce: at most Contacts::bounce, so that what the multipliers do gives no energy
   // (bounce_limit.cpp).
   void limit_bounces(std::span<const SolverBody> bodies);
+  // m/s: of a point (its number in Contacts::points) that has to part at `speed`, as the solver's spins, which leave out some of
+  // what bounces speak of, have to show it.
+  double bias_of_bounce(const Manifold& m, std::size_t point, double speed) const;
 
   // The few iterations of a Jacobi solver may leave more than that: weakens a bouncing manifold's multipliers until they alone
   // give none, and adds what that takes from the bodies to the wrenches. Not where lambda leaves out the velocity stage's.
@@ -314,7 +317,8 @@ class ContactBatch : public BatchDefaults {
   double free_leak_ = 0;
   const Contacts* contacts_ = nullptr;
   const World* world_ = nullptr;
-  std::span<const Vec3> displaced_;  // only while it is built
+  std::span<const BounceStart> bounce_starts_;  // of each slot; empty: nothing bounces
+  std::span<const Vec3> displaced_;             // only while it is built
   FrictionModel friction_ = FrictionModel::disc;
   double scaling_ = 1, step_ = 0.016, least_creep_ = 0;
   Stage stage_;

@@ -26,7 +26,7 @@ Vec3x4 gathered(const Slot (&slot)[lanes], Where&& where) {
 void SurfaceBatch::build(const BuildContext& context) {
   friction_ = in_directions(context.settings.friction, !context.world.friction_axes.empty()), scaling_ = context.settings.scaling,
   step_ = context.state.step;
-  world_ = &context.world;
+  world_ = &context.world, bounce_starts_ = context.bounce_starts;
   const auto& contacts = context.contacts->surface;
   any_ = context.has_surfaces && context.any_over_ranks(!contacts.empty());
   any_bounce_ = std::ranges::any_of(contacts, [](const SurfaceContact& c) { return c.bounce > 0; });
@@ -139,7 +139,9 @@ void SurfaceBatch::start_stage(const Stage& stage) {
   if (stage.surface_recovery_time >= 0) stage_.recovery_time = stage.surface_recovery_time;
   for (Block& block : blocks_) {
     block.bias = bias_without_bounce(block);
-    block.bias = select(block.bounce > broadcast(0), min(block.bias, -block.bounce), block.bias);
+    if (!any_bounce_) continue;
+    for (std::size_t l = 0; l < lanes; ++l)
+      if (block.bounce[l] > 0) block.bias[l] = std::min(block.bias[l], bias_of_bounce(block, l, block.bounce[l]));
   }
 }
 

@@ -95,6 +95,7 @@ class SurfaceBatch : public BatchDefaults {
   void fill_lane(std::size_t i, const SurfaceContact& contact, const BuildContext& context);
   void scale(Block& block, std::span<const SolverBody> bodies, std::span<const std::int32_t> counts) const;
   Vec4d bias_without_bounce(const Block& block) const;
+  double bias_of_bounce(const Block& block, std::size_t lane, double speed) const;  // as ContactBatch's (m/s)
   static Velocity parting(const Block& block, const Vec3x4& t, std::span<const SolverBody> bodies);
   template <FrictionModel model>
   static Impulse stepped(const Block& block, const Velocity& u, const Impulse& from, Vec4d inverse_n, Vec4d inverse_t);
@@ -109,6 +110,7 @@ class SurfaceBatch : public BatchDefaults {
   bool any_ = false;         // on any rank
   bool any_bounce_ = false;  // on this rank
   const World* world_ = nullptr;
+  std::span<const BounceStart> bounce_starts_;  // of each slot; empty: nothing bounces
   Stage stage_;
 };
 

@@ -10,8 +10,8 @@
 #include "solve/free_motion.hpp"
 #include "step/adhesion.hpp"
 #include "step/attach.hpp"
+#include "step/bounces.hpp"
 #include "step/edge_crossing.hpp"
-#include "step/impacts.hpp"
 #include "step/islands.hpp"
 #include "step/prescribed.hpp"
 #include "step/steadying.hpp"
@@ -172,7 +172,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
   });
   state.exchange.finish_step();
   if (state.is_pushed() || state.traits.adheres) state.exchange.refresh(system.bodies);
-  state.impacts.count = resolve_impacts(state, system);
+  start_bounces(state, system);
   steady_by_stiffness(state, system, geometric_stiffness);
 
   std::pmr::vector<std::uint32_t> order(state.contacts.manifolds.size(), &state.scratch);
@@ -180,7 +180,7 @@ void assemble(RankState& state, System& system, std::span<double> geometric_stif
   if (!state.solver.sweeps_by_colour) count_constraints(state, context, system);
   order_contacts(state, order, groups);
   fill_places(state, system);
-  context.displaced = state.impacts.displaced;
+  context.displaced = state.impacts.displaced, context.bounce_starts = state.impacts.starts;
   context.contact_order = order, context.contact_groups = groups;
   bool by_wrenches = false;
   for_each_batch(system.batches, [&]<class B>(auto, B& batch) {

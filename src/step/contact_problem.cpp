@@ -53,7 +53,8 @@ ContactProblem contact_problem_of(const RankState& state, const System& system, 
       }
       moved -= system.contacts().aim_of(static_cast<std::size_t>(&m - contacts.manifolds.data()), p - m.first);
       const double bounce = contacts.bounce.empty() ? 0 : contacts.bounce[p];
-      c.offset = {m.normal.dot(moved) + (bounce > 0 ? -bounce : stage.bias(point.gap)), s.dot(moved), t.dot(moved)};
+      const double bias = bounce > 0 ? system.contacts().bias_of_bounce(m, p, bounce) : stage.bias(point.gap);
+      c.offset = {m.normal.dot(moved) + bias, s.dot(moved), t.dot(moved)};
       c.impulse = {solved.impulses[p].n, solved.impulses[p].s, solved.impulses[p].t};
       problem.contacts.push_back(c);
     }

@@ -358,8 +358,10 @@ class Impacts {
         point.gap += m.displaced + m.normal.dot(of_a - of_b);
       }
     }
+    state_.impacts.settled.assign(contacts_.manifolds.size(), 0);
     for (const Pair& pair : pairs_) {
       const Manifold& m = contacts_.manifolds[pair.manifold];
+      state_.impacts.settled[pair.manifold] = 1;
       const double closing = -m.normal.dot(velocity(pair.a) - velocity(pair.b));
       for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
         const bool slow = contacts_.bounce.empty() || !(contacts_.bounce[p] > 0);
@@ -389,12 +391,6 @@ class Impacts {
 
 }  // namespace
 
-std::int64_t resolve_impacts(RankState& state, System& system) {
-  for (Manifold& m : state.contacts.manifolds) m.displaced = 0;
-  if (!state.impacts.gaps_found.empty())  // the step is taken once more
-    for (std::size_t p = 0; p < state.contacts.points.size(); ++p) state.contacts.points[p].gap = state.impacts.gaps_found[p];
-  state.impacts.displaced.clear(), state.impacts.turned.clear(), state.impacts.gaps_found.clear(), state.impacts.impulses.clear();
-  return Impacts(state, system).run();
-}
+std::int64_t resolve_impacts(RankState& state, System& system) { return Impacts(state, system).run(); }
 
 }  // namespace unibody

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "collide/collide.hpp"
+#include "collide/restitution.hpp"
 #include "constraints/attachment_batch.hpp"
 #include "constraints/constraint_types.hpp"
 #include "core/phases.hpp"
@@ -79,6 +80,8 @@ struct StepImpacts {
   std::vector<Vec3> displaced;           // m, by slot: where a body that was hit seems to start the step; empty: none was hit
   std::vector<Vec3> turned;              // rad, the same of its turn
   std::int64_t count = 0;                // of the step, which this rank counts
+  std::vector<std::uint8_t> settled;     // of each manifold: impacts alone say how it bounces; empty: of none
+  std::vector<BounceStart> starts;       // by slot: from where the others bounce; empty: nothing does
   std::vector<ContactImpulse> impulses;  // of these
   std::vector<double> gaps_found;        // m, of contact points, before impacts were taken into them; empty: they were not
 };
