@@ -111,7 +111,7 @@ struct BatchDefaults {
   void join_stages() {}                       // what follows goes on from the multipliers of all stages together
   bool bounces() const { return false; }      // in this stage, on this rank
   void renew(const SolveState&) {}            // before an iteration, where rows follow the velocities
-  void give_back_gains(SolveState&) {}        // after a stage of a Jacobi solver in which something bounced
+  void give_back_gains(SolveState&) {}        // after a stage in which something bounced
   void end_stage(SolveState&) {}              // after the last iteration of a stage
   std::int64_t sliding() const { return 0; }  // counted contacts at the limit of friction
 

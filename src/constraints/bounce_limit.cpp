@@ -74,6 +74,60 @@ void ContactBatch::start_bounces() {
       }
       if (bounces) bouncing_.push_back({i, l});
     }
+  if (kept_ == Kept::nothing) left_shares_.assign(bouncing_.size(), 1);  // else the first stage's, of the same points
+}
+
+double ContactBatch::work_of_bounces(const Lane& at) const {
+  double work = 0;
+  const Vec3 n = lane_of(blocks[at.block].n, at.lane);
+  for_each_point(at, [&](std::size_t, std::size_t contact, const Vec3&, const Vec3&, const Vec3& impulse) {
+    work += n.dot(impulse) * contacts_->bounce[contact];
+  });
+  return work;
+}
+
+bool ContactBatch::add_gains(std::span<const SolverBody> bodies, std::span<Gain> gains) const {
+  bool any = false;
+  const auto add = [&](const Lane& at, double work, double bounces) {
+    const Block& block = blocks[at.block];
+    for (const Slot s : {block.slot_a[at.lane], block.slot_b[at.lane]})
+      if (bodies[static_cast<std::size_t>(s)].inverse_mass > 0)
+        gains[static_cast<std::size_t>(s)].work += work, gains[static_cast<std::size_t>(s)].bounces += bounces;
+  };
+  for (const Lane& at : bouncing_) add(at, 0, work_of_bounces(at));
+  auto bouncing = bouncing_.begin();
+  for (std::uint32_t i = 0; i < blocks.size(); ++i)
+    for (std::uint32_t l = 0; l < lanes; ++l) {
+      const Block& block = blocks[i];
+      if (bouncing != bouncing_.end() && bouncing->block == i && bouncing->lane == l) {
+        ++bouncing;
+        continue;
+      }
+      if (block.manifold[l] < 0 || !is_selected(static_cast<std::size_t>(block.manifold[l]))) continue;
+      const Vec3 n = lane_of(block.n, l);
+      double work = 0;
+      for_each_point({i, l}, [&](std::size_t, std::size_t, const Vec3& arm_a, const Vec3& arm_b, const Vec3& impulse) {
+        const Velocities a = velocities_at(bounce_starts_, bodies, block.slot_a[l], arm_a);
+        const Velocities b = velocities_at(bounce_starts_, bodies, block.slot_b[l], arm_b);
+        const double before = n.dot(a.before - b.before), after = n.dot(a.after - b.after);
+        if (before > 0) work += n.dot(impulse) * std::max(0.0, before + std::min(0.0, after));
+      });
+      if (work > 0) add({i, l}, work, 0), any = true;
+    }
+  return any;
+}
+
+void ContactBatch::charge_bounces(std::span<const Gain> gains) {
+  for (std::size_t k = 0; k < bouncing_.size(); ++k) {
+    const Lane& at = bouncing_[k];
+    const Block& block = blocks[at.block];
+    double paid = 0;
+    for (const Slot s : {block.slot_a[at.lane], block.slot_b[at.lane]}) {
+      const Gain& gain = gains[static_cast<std::size_t>(s)];
+      if (gain.work > 0) paid += gain.bounces > 0 ? gain.work / gain.bounces : 1;
+    }
+    left_shares_[k] *= std::max(0.0, 1 - paid);
+  }
 }
 
 // Calls f(row, number in Contacts::points, arm_a, arm_b, impulse) for each contact point in one lane of a block.
@@ -96,7 +150,8 @@ void ContactBatch::for_each_point(const Lane& at, F&& f) const {
 
 void ContactBatch::limit_bounces(std::span<const SolverBody> bodies) {
   const World& world = *world_;
-  for (const Lane& at : bouncing_) {
+  for (std::size_t k = 0; k < bouncing_.size(); ++k) {
+    const Lane& at = bouncing_[k];
     const Block& block = blocks[at.block];
     const Vec3 n = lane_of(block.n, at.lane);
     Work work;
@@ -106,7 +161,7 @@ void ContactBatch::limit_bounces(std::span<const SolverBody> bodies) {
       const Vec3 own = own_velocity(world, block, at.lane, arm_a, arm_b, n);
       work.add(impulse, n, n.dot(impulse), {a.before - b.before - own, a.after - b.after - own}, contacts_->bounce[contact]);
     });
-    const double share = work.share();
+    const double share = left_shares_[k] * work.share();
     const Manifold& m = manifold(block, at.lane);
     for (std::uint32_t p = 0; p < m.count; ++p)
       if (const double speed = contacts_->bounce[m.first + p]; speed > 0)
@@ -116,7 +171,6 @@ void ContactBatch::limit_bounces(std::span<const SolverBody> bodies) {
 
 // A manifold's impulses, times 1 - x, do twice the work (1 - x)(w - x q), with w that of all and q = lambda.D^T W D lambda.
 void ContactBatch::give_back_gains(SolveState& state) {
-  if (kept_ == Kept::apart) return;
   const World& world = *world_;
   const std::span<const SolverBody> bodies = state.bodies;
   const std::span<Wrench> wrenches = state.wrenches;
@@ -154,6 +208,9 @@ void ContactBatch::give_back_gains(SolveState& state) {
       TangentImpulse& sideways = tangent_impulses[block.first_tangent + p];
       sideways.lambda_s[at.lane] *= 1 - x, sideways.lambda_t[at.lane] *= 1 - x;
     }
+    const Manifold& m = manifold(block, at.lane);
+    for (std::uint32_t p = m.first; p < m.first + m.count && kept_ == Kept::apart; ++p)
+      kept_impulses_[p] = {(1 - x) * kept_impulses_[p].n, (1 - x) * kept_impulses_[p].s, (1 - x) * kept_impulses_[p].t};
     wrenches[slot_a].force -= store(x * force), wrenches[slot_a].torque -= store(x * torque_a);
     wrenches[slot_b].force += store(x * force), wrenches[slot_b].torque += store(x * torque_b);
   }

@@ -40,6 +40,7 @@ ContactBatch::ContactBatch(std::pmr::memory_resource* memory)
       rows_(memory),
       closing_(memory),
       bouncing_(memory),
+      left_shares_(memory),
       counted_(memory),
       kept_impulses_(memory),
       leak_shares_(memory),

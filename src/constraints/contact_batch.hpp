@@ -131,6 +131,15 @@ class ContactBatch : public BatchDefaults {
   // give none, and adds what that takes from the bodies to the wrenches. Not where lambda leaves out the velocity stage's.
   void give_back_gains(SolveState& state);
 
+  // What contacts gain that do not bounce, and who pays. Where a body that goes away from another one is thrown back against it
+  // within the step, the row that stops it does work, twice `work` (J), at the speed at which the two had parted; so the bounce
+  // that throws it takes as much less. By slot: the sum of its contacts, and twice the work (J) that those do which bounce.
+  struct Gain {
+    double work = 0, bounces = 0;
+  };
+  bool add_gains(std::span<const SolverBody> bodies, std::span<Gain> gains) const;  // whether there are any
+  void charge_bounces(std::span<const Gain> gains);
+
   void reevaluate(std::span<const SolverBody> bodies);
 
   // One iteration of a Jacobi solver, in key order.
@@ -289,6 +298,7 @@ class ContactBatch : public BatchDefaults {
   void soften(const BuildContext& context);
   void renew_soft_points();
   void start_bounces();
+  double work_of_bounces(const Lane& at) const;  // J, twice that of the normal impulses at the speeds of Contacts::bounce
   bool hold_centre(const Manifold& m, bool is_a, bool stop, std::span<SolverBody> bodies) const;
   void start_momenta();  // at the multipliers, at rest
   Impulse row(std::size_t lane, std::size_t point, std::size_t tangent) const;
@@ -304,6 +314,7 @@ class ContactBatch : public BatchDefaults {
   std::pmr::vector<Rows> rows_;              // of each of `blocks`, once more: what is looked up in key order stays in the cache
   std::pmr::vector<Closing> closing_;        // of what is carried along a circle
   std::pmr::vector<Lane> bouncing_;          // whose manifolds have points that bounce
+  std::pmr::vector<double> left_shares_;     // of each of them: of its speeds, what it keeps when it has paid for others
   std::pmr::vector<std::uint8_t> counted_;   // of each manifold: this rank counts it in sums over all manifolds
   std::pmr::vector<Impulse> kept_impulses_;  // of all points: the velocity stage's multipliers
   std::pmr::vector<double> leak_shares_;     // of all points, what limit_leak() leaves of the leak; empty: all of it

@@ -47,6 +47,19 @@ void warm_start(RankState& state, System& system, const StepPlan& plan) {
   state.exchange.refresh(system.bodies);
 }
 
+// Lets bounces pay for what contacts beside them have gained (ContactBatch::add_gains). Returns whether any does. Collective.
+bool charge_gains(RankState& state, System& system) {
+  const std::size_t n = state.world.size() + 1;
+  std::vector<ContactBatch::Gain> gains(n);
+  if (!state.any_over_ranks(system.contacts().add_gains(system.bodies, gains))) return false;
+  std::vector<double> work(n), bounces(n);
+  for (std::size_t i = 0; i < n; ++i) work[i] = gains[i].work, bounces[i] = gains[i].bounces;
+  state.exchange.refresh(std::span(work)), state.exchange.refresh(std::span(bounces));
+  for (std::size_t i = 0; i < n; ++i) gains[i] = {work[i], bounces[i]};
+  system.contacts().charge_bounces(gains);
+  return true;
+}
+
 SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, const StepFacts& facts, Stage::Kind kind,
                       SolveFunction solver, int iterations, const StopRule& rule) {
   const Stage stage = plan.stage(kind, state.scene.solver, state.step());
@@ -54,10 +67,19 @@ SolveReport run_stage(RankState& state, System& system, const StepPlan& plan, co
   system.keeps_places = kind == Stage::Kind::position && plan.islands != Islands::free && state.traits.has_centre_constraints;
   system.acceleration = kind == Stage::Kind::velocity ? plan.velocity_acceleration : plan.position_acceleration;
   system.renews = stage.reevaluates || facts.bounces || state.traits.complies;
-  const SolveReport report = solver(system, state.exchange, iterations, rule);
-  if (facts.bounces && !state.solver.sweeps_by_colour) {
+  const int first = facts.bounces ? iterations - iterations / 3 : iterations;
+  SolveReport report = solver(system, state.exchange, first, rule);
+  if (facts.bounces) {
+    const bool pays = charge_gains(state, system), stopped = report.iterations < first;
+    if (const int left = iterations - report.iterations; left > 0 && (pays || !stopped)) {
+      report = solver(system, state.exchange, left, rule);
+      report.iterations += iterations - left;
+    }
+    const bool borrowed = system.wrenches.empty();
+    if (borrowed) system.wrenches.assign(state.world.size() + 1, Wrench{});
     for_each_acting(system, [&](auto, auto& batch) { batch.give_back_gains(system); });
     system.apply_wrenches();
+    if (borrowed) system.wrenches.clear();
     state.exchange.refresh(system.bodies);
   }
   if (system.renews) for_each_acting(system, [&](auto, auto& batch) { batch.renew(system); });

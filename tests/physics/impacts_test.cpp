@@ -161,6 +161,41 @@ TEST_P(Impacts, AGasKeepsItsEnergy) {
   for (std::size_t i = 0; i < run.world().homes; ++i) EXPECT_LT(run.world().position[i].cwiseAbs().maxCoeff(), 1);
 }
 
+// 27 bodies of five shapes fly together in disorder and meet in the middle, many at once, without friction and e = 1. Whether
+// steps end converged or after 10 iterations, no energy is gained: where a body that parts from another is thrown back against it
+// in the step, the bounce that throws it pays for the work of the row that stops it. Steps gained up to 2.4 %.
+// (A ten-thousandth is what a body that is hit may gain by turning within the step, solve/free_motion.hpp.)
+TEST_P(Impacts, ACrowdNeverGainsEnergy) {
+  const char* shapes[] = {"box: {size: [0.2, 0.12, 0.08]}", "capsule: {radius: 0.06, length: 0.1}", "sphere: {radius: 0.08}",
+                          "cylinder: {radius: 0.08, length: 0.12}", "box: {size: [0.16, 0.16, 0.16]}"};
+  for (const int iterations : {10, 400})
+    for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+      std::mt19937 random(seed);
+      std::uniform_real_distribution<double> some(-1, 1);
+      std::string text = "gravity: [0, 0, 0]\nsolver: {iterations: " + std::to_string(iterations) + ", name: " + GetParam() +
+                         "}\nmaterials: {m: {friction: 0, restitution: 1}}\nbodies:\n";
+      for (int k = 0; k < 27; ++k)
+        text += "  - {shape: {" + std::string(shapes[random() % 5]) + "}, mass: 1, position: [" +
+                std::to_string(0.3 * (k % 3 - 1)) + ", " + std::to_string(0.3 * (k / 3 % 3 - 1)) + ", " +
+                std::to_string(0.3 * (k / 9 - 1)) + "]}\n";
+      Experiment run(scene_from_text(text));
+      for (std::size_t i = 0; i < run.world().homes; ++i) {
+        run.world().velocity[i] = -5 * run.world().position[i] + Vec3(some(random), some(random), some(random));
+        run.world().angular_velocity[i] = 5 * Vec3(some(random), some(random), some(random));
+      }
+      const double start = run.kinetic_energy();
+      double before = start;
+      for (int k = 0; k < 40; ++k) {
+        run.step();
+        const double now = run.kinetic_energy();
+        EXPECT_LT(now / before - 1, run.last.converged ? 5e-4 : 5e-3) << seed << ' ' << iterations << ' ' << k;
+        EXPECT_LT(now / start - 1, 1e-4) << seed << ' ' << iterations << ' ' << k;
+        before = now;
+      }
+      EXPECT_GT(before / start, 0.7) << seed << ' ' << iterations;
+    }
+}
+
 // A row of balls that touch: the last one leaves with the speed of the first.
 TEST_P(Impacts, ACradlePassesItOn) {
   std::string text = "solver: {name: " + std::string(GetParam()) +
