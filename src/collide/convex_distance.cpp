@@ -99,6 +99,7 @@ class Expansion {
 
  private:
   static constexpr std::size_t most_faces = 1000;
+  static constexpr double same_face = 1 - 1e-8;  // cosine between normals
   struct Face {
     std::array<std::uint16_t, 3> corners;
     Vec3 normal;
@@ -184,13 +185,23 @@ class Expansion {
   }
 
   void finish(const Face& face, ConvexDistance& result) const {
-    const Vertex &p = vertices_[face.corners[0]], &q = vertices_[face.corners[1]], &r = vertices_[face.corners[2]];
     const Vec3 n = face.normal;
-    const TrianglePoint near = closest_on_triangle(face.offset * n, p.w, q.w, r.w);
     result.normal = -n;  // a - b must move along -n to be clear of the origin
     result.gap = -n.dot(rounded(n).w);
-    result.on_a = near.weights[0] * p.a + near.weights[1] * q.a + near.weights[2] * r.a;
-    result.on_b = near.weights[0] * p.b + near.weights[1] * q.b + near.weights[2] * r.b;
+    // A face of the difference of two edges, or of a face and what is flat on it, has more than three corners, and is several
+    // triangles here: only in one of them lies the point of it that is nearest to the origin.
+    double least = HUGE_VAL;
+    const auto look_at = [&](const Face& f) {
+      const Vertex &p = vertices_[f.corners[0]], &q = vertices_[f.corners[1]], &r = vertices_[f.corners[2]];
+      const TrianglePoint near = closest_on_triangle(face.offset * n, p.w, q.w, r.w);
+      if (!(near.distance < least)) return;
+      least = near.distance;
+      result.on_a = near.weights[0] * p.a + near.weights[1] * q.a + near.weights[2] * r.a;
+      result.on_b = near.weights[0] * p.b + near.weights[1] * q.b + near.weights[2] * r.b;
+    };
+    look_at(face);
+    for (const Face& f : faces_)
+      if (f.normal.dot(n) > same_face) look_at(f);
   }
 
   const ConvexBody &a_, &b_;

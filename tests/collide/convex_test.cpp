@@ -164,6 +164,37 @@ TEST(Convex, DepthOfNearlyAlignedPairsIsTheLeast) {
 }
 
 // The order of the two changes signs and nothing else.
+// The two points that are nearest, or deepest, are the gap apart along the normal: also where two solids touch edge on edge, in
+// the middle of a face of their difference that the search has as several triangles: of these the wrong one could be taken, and
+// the points were up to an edge apart.
+TEST(Convex, DeepestPointsAreTheGapApart) {
+  Random random(29);
+  const auto shapes = solids();
+  for (const Shape& first : shapes)
+    for (const Shape& second : shapes)
+      for (int i = 0; i < 60; ++i) {
+        const Quat q = random.turn(), r = random.turn();
+        const Vec3 way = random.vector(-1, 1).normalized();
+        const ConvexBody a = convex_body(first, q.toRotationMatrix(), Vec3::Zero());
+        // along the way, as deep as a small share of the size
+        double apart = 2, together = 0;
+        ConvexDistance found;
+        for (int k = 0; k < 60; ++k) {
+          const double middle = 0.5 * (apart + together);
+          const ConvexBody b = convex_body(second, r.toRotationMatrix(), middle * way);
+          (convex_distance(a, b, 4, found) && found.gap <= 0 ? together : apart) = middle;
+        }
+        for (const double depth : {0.0, 1e-9, 1e-6, 1e-3, 0.03}) {
+          const ConvexBody b = convex_body(second, r.toRotationMatrix(), (together - depth) * way);
+          ASSERT_TRUE(convex_distance(a, b, 4, found));
+          // a rim is a polygon as deep as the search goes, 1e-10 of a size: its sides are some 5e-6 m
+          const bool curved = first.kind == ShapeKind::cylinder || second.kind == ShapeKind::cylinder;
+          EXPECT_LT((found.on_a - found.on_b - found.gap * found.normal).norm(), curved ? 1e-5 : 1e-8)
+              << static_cast<int>(first.kind) << ' ' << static_cast<int>(second.kind) << ' ' << i << ' ' << depth;
+        }
+      }
+}
+
 TEST(Convex, PairIsSymmetric) {
   Random random(11);
   const auto all = solids();
