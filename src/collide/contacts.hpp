@@ -55,10 +55,14 @@ inline bool is_particle(const World& world, Slot slot) {
 // The arm (m) from a body's centre to where the contact's forces act on it: the point, both where they are at the manifold's
 // time. A particle has no turn of its own: forces on it act at its centre, on the other body too. So angular momentum is kept,
 // and what lies on a turning body goes round with it, where the body's surface itself is faster or slower by the particle's
-// radius.
+// radius. Of what meets something that forces don't move it is the point of its own surface: from half way across the gap
+// friction would turn it too much.
 inline Vec3 arm_of(const World& world, const Manifold& m, const ContactPoint& point, Slot slot) {
   const Slot other = slot == m.slot_a ? m.slot_b : m.slot_a;
-  return (is_particle(world, other) ? place_then(world, m, other) : point.position) - place_then(world, m, slot);
+  const Vec3 arm = (is_particle(world, other) ? place_then(world, m, other) : point.position) - place_then(world, m, slot);
+  if (m.time > 0 || is_particle(world, other) || world.properties[static_cast<std::size_t>(other)].is_dynamic()) return arm;
+  const double half_gap = 0.5 * std::max(0.0, point.gap - m.displaced);
+  return arm + (slot == m.slot_a ? half_gap : -half_gap) * m.normal;
 }
 
 // A contact of a surface: of a body or a node with a face, or of two edges. Each side is one point, a body's own or the mean of

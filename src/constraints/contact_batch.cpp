@@ -220,17 +220,18 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
     }
     set_lane(drifts[block.drift].v, lane, drift.v), set_lane(drifts[block.drift].w, lane, drift.w);
   }
-  Vec3 centre_a = place_of(world, m, m.slot_a), centre_b = place_of(world, m, m.slot_b);
-  if (m.time > 0) centre_a += m.time * world.velocity[m.slot_a], centre_b += m.time * world.velocity[m.slot_b];
-  // The bodies reach the place of the contact from where they will come out: angular momentum is kept.
-  if (!displaced_.empty())
-    centre_a += displaced_[static_cast<std::size_t>(m.slot_a)], centre_b += displaced_[static_cast<std::size_t>(m.slot_b)];
+  // The bodies reach the place of the contact from where they will come out: angular momentum is kept. What meets something that
+  // forces don't move touches it with its own surface.
+  const auto moves = [&](Slot s) { return world.properties[static_cast<std::size_t>(s)].is_dynamic(); };
+  const bool both_move = moves(m.slot_a) && moves(m.slot_b) && !displaced_.empty();
+  const Vec3 moved_a = both_move ? displaced_[static_cast<std::size_t>(m.slot_a)] : Vec3(Vec3::Zero());
+  const Vec3 moved_b = both_move ? displaced_[static_cast<std::size_t>(m.slot_b)] : Vec3(Vec3::Zero());
   const bool node_a = is_particle(world, m.slot_a), node_b = is_particle(world, m.slot_b);
   for (std::uint32_t p = 0; p < m.count; ++p) {
     const ContactPoint& contact = contacts_->points[m.first + p];
     Point& point = points[block.first_point + p];
-    set_lane(point.arm_a, lane, (node_b ? centre_b : contact.position) - centre_a);  // as arm_of()
-    set_lane(point.arm_b, lane, (node_a ? centre_a : contact.position) - centre_b);
+    set_lane(point.arm_a, lane, arm_of(world, m, contact, m.slot_a) - moved_a + (node_b ? moved_b : Vec3(Vec3::Zero())));
+    set_lane(point.arm_b, lane, arm_of(world, m, contact, m.slot_b) - moved_b + (node_a ? moved_a : Vec3(Vec3::Zero())));
     point.bias[lane] = contact.gap;
     point.inverse_scale[lane] = 1;  // marks a row in use; the scale passes overwrite it
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "collide/carrier.hpp"
 #include "collide/collide.hpp"
 #include "constraints/friction.hpp"
 #include "step/blow.hpp"
@@ -214,7 +215,10 @@ class Impacts {
       const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
       if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster > 1e-6 * size) continue;
       // one place for both: angular momentum is kept
-      const Vec3 place = 0.5 * (at_a + points[k].arm_a + at_b + points[k].arm_b);
+      const ContactPoint& p = contacts_.points[m.first + k];
+      const Vec3 on_a = at_a + p.position - place_of(world_, m, pair.a), on_b = at_b + p.position - place_of(world_, m, pair.b);
+      const double share = share_of_first(world_, m, p);
+      const Vec3 place = share * on_a + (1 - share) * on_b + (share - 0.5) * p.gap * m.normal;
       touch.points[touch.count++] = {place - at_a, place - at_b, 0};
     }
     return touch;

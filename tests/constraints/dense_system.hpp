@@ -2,11 +2,21 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 
 #include "small_worlds.hpp"
 
 namespace unibody::small_worlds {
+
+// m, from a body's centre to where a contact acts on it: half way across the gap, but of what meets something that forces don't
+// move at its own surface.
+inline Vec3 arm_to(const Bench& bench, const Manifold& m, const ContactPoint& point, Slot slot) {
+  const bool first = slot == m.slot_a;
+  const bool other_moves = bench.world.properties[static_cast<std::size_t>(first ? m.slot_b : m.slot_a)].is_dynamic();
+  const Vec3 half_gap = (first ? 0.5 : -0.5) * std::max(0.0, point.gap) * m.normal;
+  return point.position + (other_moves ? Vec3(Vec3::Zero()) : half_gap) - bench.world.position[static_cast<std::size_t>(slot)];
+}
 
 struct Dense {
   Eigen::MatrixXd D;  // rows: 3 a point, in the order of Contacts::points; columns: 6 a body. Velocity of each row: D u
@@ -32,7 +42,7 @@ struct Dense {
           const Eigen::Index row = 3 * static_cast<Eigen::Index>(k) + d;
           double sign = 1;
           for (const Slot body : {m.slot_a, m.slot_b}) {
-            const Vec3 arm = bench.contacts.points[k].position - bench.world.position[static_cast<std::size_t>(body)];
+            const Vec3 arm = arm_to(bench, m, bench.contacts.points[k], body);
             D.block<1, 3>(row, 6 * body) = sign * axes[d].transpose();
             D.block<1, 3>(row, 6 * body + 3) = sign * arm.cross(axes[d]).transpose();
             sign = -1;

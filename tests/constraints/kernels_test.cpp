@@ -68,7 +68,7 @@ TEST(ContactRows, AreTheRatesOfMotionOfTheBodiesPoints) {
       const auto moved = [&](Slot slot, double t) {
         const auto s = static_cast<std::size_t>(slot);
         const Vec3 v = Eigen::Map<const Vec3>(bench->system.bodies[s].v), w = Eigen::Map<const Vec3>(bench->system.bodies[s].w);
-        const Vec3 arm = bench->contacts.points[k].position - bench->world.position[s];
+        const Vec3 arm = arm_to(*bench, m, bench->contacts.points[k], slot);
         const Mat3 turn =
             w.norm() > 0 ? Eigen::AngleAxisd(w.norm() * t, w.normalized()).toRotationMatrix() : Mat3(Mat3::Identity());
         return Vec3(bench->world.position[s] + t * v + turn * arm);

@@ -87,7 +87,9 @@ TEST_P(PeriodicOf, ABoxSlidesThroughManyCells) {
   EXPECT_GT(run.position(1).x(), 3);  // it goes on counting
 }
 
-// Two courses of bricks, the upper ones over the joints of the lower ones: each rests half on each of two.
+// Two courses of bricks, the upper ones over the joints of the lower ones: each rests on two, which touch it from 0.005 to 0.12 m
+// off its middle. Statics does not say how these share its weight, but that neither bears less than 0.005 / 0.125 of it: else the
+// brick would tip over the other.
 TEST_P(PeriodicOf, AWallWithoutEnds) {
   const auto [solver, substeps] = GetParam();
   const auto brick = [](double x, double z) {
@@ -106,7 +108,7 @@ TEST_P(PeriodicOf, AWallWithoutEnds) {
                     run.normal_force(std::min(next, upper), std::max(next, upper)),
                 2 * g, 1e-2)
         << k;
-    EXPECT_GT(run.normal_force(std::min(next, upper), std::max(next, upper)), 0.8 * g) << k;
+    EXPECT_GT(run.normal_force(std::min(next, upper), std::max(next, upper)), 2 * g * 0.005 / 0.125) << k;
     EXPECT_NEAR((run.position(upper) - Vec3(0.25 * k + 0.125, 0, 0.15)).norm(), 0, 1e-4) << k;
   }
   EXPECT_NEAR(on_ground, 8 * 2 * g, 1e-2);

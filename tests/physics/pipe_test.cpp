@@ -97,7 +97,7 @@ TEST_P(Pipe, NothingIsThrownOutOfABox) {
            << box;
       int bodies = 0;
       for (const auto& [name, shape] : shapes)
-        for (int k = 0; k < 24; ++k, ++bodies) {
+        for (int k = 0; k < 40; ++k, ++bodies) {
           const double azimuth = 0.37 + 2.4 * bodies, up = std::sin(1.7 * bodies), out = std::sqrt(1 - up * up);
           text << "  - {shape: {" << shape << "}, mass: 1, collide: {with: [box]}, orientation: [0.8, 0.2, 0.4, 0.4], velocity: ["
                << 20 * out * std::cos(azimuth) << ", " << 20 * out * std::sin(azimuth) << ", " << 20 * up << "]}\n";
