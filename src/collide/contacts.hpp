@@ -59,10 +59,13 @@ inline bool is_particle(const World& world, Slot slot) {
 // friction would turn it too much.
 inline Vec3 arm_of(const World& world, const Manifold& m, const ContactPoint& point, Slot slot) {
   const Slot other = slot == m.slot_a ? m.slot_b : m.slot_a;
-  const Vec3 arm = (is_particle(world, other) ? place_then(world, m, other) : point.position) - place_then(world, m, slot);
+  Vec3 arm = (is_particle(world, other) ? place_then(world, m, other) : point.position) - place_then(world, m, slot);
+  const auto& body = world.properties[static_cast<std::size_t>(slot)];
   if (m.time > 0 || is_particle(world, other) || world.properties[static_cast<std::size_t>(other)].is_dynamic()) return arm;
+  if (is_round(body.shape)) return arm;
   const double half_gap = 0.5 * std::max(0.0, point.gap - m.displaced);
-  return arm + (slot == m.slot_a ? half_gap : -half_gap) * m.normal;
+  arm += (slot == m.slot_a ? half_gap : -half_gap) * m.normal;
+  return arm;
 }
 
 // A contact of a surface: of a body or a node with a face, or of two edges. Each side is one point, a body's own or the mean of

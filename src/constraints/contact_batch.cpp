@@ -220,12 +220,14 @@ void ContactBatch::fill_lane(Block& block, std::size_t lane, std::uint32_t numbe
     }
     set_lane(drifts[block.drift].v, lane, drift.v), set_lane(drifts[block.drift].w, lane, drift.w);
   }
-  // The bodies reach the place of the contact from where they will come out: angular momentum is kept. What meets something that
-  // forces don't move touches it with its own surface.
-  const auto moves = [&](Slot s) { return world.properties[static_cast<std::size_t>(s)].is_dynamic(); };
-  const bool both_move = moves(m.slot_a) && moves(m.slot_b) && !displaced_.empty();
-  const Vec3 moved_a = both_move ? displaced_[static_cast<std::size_t>(m.slot_a)] : Vec3(Vec3::Zero());
-  const Vec3 moved_b = both_move ? displaced_[static_cast<std::size_t>(m.slot_b)] : Vec3(Vec3::Zero());
+  // The bodies reach the place of the contact from where they will come out: angular momentum is kept. A body that is not round
+  // and meets something that forces don't move touches it with its own surface (arm_of), wherever it comes from.
+  const auto properties = [&](Slot slot) -> const BodyProperties& { return world.properties[static_cast<std::size_t>(slot)]; };
+  const auto moved = [&](Slot slot, Slot other) -> Vec3 {
+    if (displaced_.empty() || !(properties(other).is_dynamic() || is_round(properties(slot).shape))) return Vec3::Zero();
+    return displaced_[static_cast<std::size_t>(slot)];
+  };
+  const Vec3 moved_a = moved(m.slot_a, m.slot_b), moved_b = moved(m.slot_b, m.slot_a);
   const bool node_a = is_particle(world, m.slot_a), node_b = is_particle(world, m.slot_b);
   for (std::uint32_t p = 0; p < m.count; ++p) {
     const ContactPoint& contact = contacts_->points[m.first + p];
