@@ -9,13 +9,15 @@
 
 namespace unibody::small_worlds {
 
-// m, from a body's centre to where a contact acts on it: half way across the gap, but of what meets something that forces don't
-// move at its own surface.
+// m, from a body's centre to where a contact acts on it: half way across the gap, but of what is not round and meets something
+// that forces don't move at its own surface.
 inline Vec3 arm_to(const Bench& bench, const Manifold& m, const ContactPoint& point, Slot slot) {
   const bool first = slot == m.slot_a;
+  const bool round = is_round(bench.world.properties[static_cast<std::size_t>(slot)].shape);
   const bool other_moves = bench.world.properties[static_cast<std::size_t>(first ? m.slot_b : m.slot_a)].is_dynamic();
   const Vec3 half_gap = (first ? 0.5 : -0.5) * std::max(0.0, point.gap) * m.normal;
-  return point.position + (other_moves ? Vec3(Vec3::Zero()) : half_gap) - bench.world.position[static_cast<std::size_t>(slot)];
+  return point.position + (other_moves || round ? Vec3(Vec3::Zero()) : half_gap) -
+         bench.world.position[static_cast<std::size_t>(slot)];
 }
 
 struct Dense {
