@@ -1,4 +1,4 @@
-// Which of two bodies in contact their point goes along with, where they slide past each other.
+// Which of two bodies in contact carries their point of contact along, where the two slide past each other.
 #pragma once
 
 #include "collide/contacts.hpp"

@@ -1,4 +1,5 @@
-// Bounces of a step: impacts, one after the other as they happen, and what the solve's rows have to know of the others.
+// The bounces of a step. Impacts of free bodies are resolved one after the other, as they happen in the step; every other bounce
+// is a row of the solve, which is told here from which velocities it starts.
 #pragma once
 
 #include "step/rank_state.hpp"
