@@ -133,9 +133,11 @@ class Report(unittest.TestCase):
             self.skipTest("python3-siconos is not installed")
         self.assertLess(float(theirs["natural map"]), 1e-9)
         self.assertEqual(theirs["within the tolerance"], str(float(theirs["natural map"]) <= 1e-10))
-        for row in rows[:5]:
+        for row in rows[:5]:  # two solutions are as far apart as both leave unsolved, and what each leaves, its natural map tells
             self.assertGreater(int(row["contacts"]), 10)
-            self.assertLess(float(row["velocities from Siconos"]), 1e-9, row)
+            left = float(row["natural map"]) + float(theirs["natural map"])
+            self.assertLess(float(row["velocities from Siconos"]), 3 * left, row)
+            self.assertLess(left, 1e-8, row)
         for row in rows[2:5]:  # 500 iterations and more solve 16 contacts to round-off; what 50 leave is what the table is made to tell
             self.assertLess(float(row["natural map"]), 1e-14, row)
 
