@@ -153,7 +153,7 @@ void add_pair(const Proxy& a, const Proxy& b, const Period& period, const Collid
   if (!settings.merge_supports || (!is_composite(a.kind) && !is_composite(b.kind))) return for_each_manifold(add);
   std::vector<PairManifold> manifolds;
   for_each_manifold([&](const PairManifold& found) { manifolds.push_back(found); });
-  merge_supports(manifolds, settings.margin);
+  merge_supports(manifolds, {settings.margin, settings.step * relative_speed(a, b), settings.step * (a.spin - b.spin)});
   for (const PairManifold& m : manifolds) add(m);
 }
 

@@ -1,6 +1,8 @@
 // What collision detection needs to know besides the bodies.
 #pragma once
 
+#include <algorithm>
+
 #include "collide/struck_bodies.hpp"
 #include "core/types.hpp"
 #include "world/touch_rules.hpp"
@@ -22,6 +24,11 @@ struct CollideSettings {
   double restitution_of(std::int32_t material_a, std::int32_t material_b) const {
     const auto a = static_cast<std::size_t>(material_a), b = static_cast<std::size_t>(material_b);
     return restitution.empty() ? 0 : restitution[a * material_count + b];
+  }
+  double largest_restitution_of(std::int32_t material) const {
+    if (restitution.empty()) return 0;
+    const auto row = restitution.begin() + static_cast<std::ptrdiff_t>(material) * static_cast<std::ptrdiff_t>(material_count);
+    return *std::max_element(row, row + static_cast<std::ptrdiff_t>(material_count));
   }
   const TouchRules* touch_rules = nullptr;  // null: all may touch all
   bool may_touch(Id a, Id b) const { return touch_rules == nullptr || touch_rules->may_touch(a, b); }

@@ -84,7 +84,7 @@ void FaceRings::for_each(const std::function<void(const PairManifold&)>& f) cons
     for (std::size_t k = i; k < found_.size(); ++k)
       if (joins(k)) points.insert(points.end(), found_[k].points, found_[k].points + found_[k].count);
     const bool alone = points.size() == static_cast<std::size_t>(found_[i].count);
-    const PairManifold rim = alone ? found_[i] : support_of(points, found_[i].normal, settings_.margin);
+    const PairManifold rim = alone ? found_[i] : support_of(points, found_[i].normal, {settings_.margin});
     if (needs_inner_ring(rim, a_, b_, settings_)) f(inner_ring(rim));
   }
 }

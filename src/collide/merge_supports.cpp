@@ -11,7 +11,8 @@ constexpr int directions = 8;
 
 class Supports {
  public:
-  Supports(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) : points_(points), margin_(margin) {
+  Supports(const std::vector<ContactPoint>& points, const Vec3& normal, const Tilts& tilts)
+      : points_(points), tilts_(tilts), turned_(normal.cross(tilts.turn)) {
     s_ = normal.unitOrthogonal(), t_ = normal.cross(s_);
     middle_ = Vec3::Zero();
     for (const ContactPoint& p : points) middle_ += p.position / static_cast<double>(points.size());
@@ -19,24 +20,28 @@ class Supports {
   }
 
   std::vector<std::size_t> find() {
-    for (const double tilt : {1.0, 0.125})
+    for (const double share : {1.0, 0.5, 0.25})
+      if (!turned_.isZero(0)) add(share * turned_);
+    const double margin = reach_ > 0 ? tilts_.margin / reach_ : 0;
+    double largest = 1;
+    while (largest * tilts_.margin < tilts_.travel + turned_.norm() * reach_) largest *= 8;
+    for (double tilt = largest; tilt > 0.1; tilt /= 8)
       for (int d = 0; d < directions; ++d) {
         const double angle = 2 * M_PI * d / directions;
-        add(tilt * (std::cos(angle) * s_ + std::sin(angle) * t_));
+        add(margin * tilt * (std::cos(angle) * s_ + std::sin(angle) * t_));
       }
     add(Vec3::Zero());
     return chosen_;
   }
 
  private:
-  // The lowest when the body is tilted so that it sinks by the margin, times |tilt|, at its reach: of several the furthest out.
-  void add(const Vec3& tilt) {
-    const Vec3 slope = reach_ > 0 ? Vec3(margin_ / reach_ * tilt) : Vec3::Zero();
+  // The lowest when the body is tilted so that its points sink by slope (rad) times their place: of several the furthest out.
+  void add(const Vec3& slope) {
     const auto height = [&](std::size_t k) { return points_[k].gap + slope.dot(points_[k].position - middle_); };
     const auto distance2 = [&](std::size_t k) { return (points_[k].position - middle_).squaredNorm(); };
     double lowest = HUGE_VAL;
     for (std::size_t k = 0; k < points_.size(); ++k) lowest = std::min(lowest, height(k));
-    const auto is_low = [&](std::size_t k) { return height(k) <= lowest + 1e-3 * margin_; };
+    const auto is_low = [&](std::size_t k) { return height(k) <= lowest + 1e-3 * tilts_.margin; };
     if (std::any_of(chosen_.begin(), chosen_.end(), is_low)) return;
     std::size_t best = points_.size();
     for (std::size_t k = 0; k < points_.size(); ++k)
@@ -45,7 +50,9 @@ class Supports {
   }
 
   const std::vector<ContactPoint>& points_;
-  double margin_, reach_ = 0;
+  const Tilts& tilts_;
+  Vec3 turned_;  // rad: the slope of what the step's turn lets the points sink by
+  double reach_ = 0;
   Vec3 s_, t_, middle_;
   std::vector<std::size_t> chosen_;
 };
@@ -57,17 +64,17 @@ bool share_normal(const PairManifold& a, const PairManifold& b) {
   return a.time == 0 && b.time == 0 && a.normal.dot(b.normal) > same_normal;
 }
 
-PairManifold support_of(const std::vector<ContactPoint>& points, const Vec3& normal, double margin) {
+PairManifold support_of(const std::vector<ContactPoint>& points, const Vec3& normal, const Tilts& tilts) {
   PairManifold result;
   result.normal = normal;
-  std::vector<std::size_t> chosen = Supports(points, normal, margin).find();
+  std::vector<std::size_t> chosen = Supports(points, normal, tilts).find();
   std::sort(chosen.begin(), chosen.end());
   for (const std::size_t k : chosen) result.add(points[k].position, points[k].gap, static_cast<std::uint32_t>(k));
   tidy(result, HUGE_VAL);
   return result;
 }
 
-void merge_supports(std::vector<PairManifold>& manifolds, double margin) {
+void merge_supports(std::vector<PairManifold>& manifolds, const Tilts& tilts) {
   std::vector<ContactPoint> points;
   for (std::size_t i = 0; i < manifolds.size(); ++i) {
     PairManifold& first = manifolds[i];
@@ -79,7 +86,7 @@ void merge_supports(std::vector<PairManifold>& manifolds, double margin) {
       if (joins(*m)) points.insert(points.end(), m->points, m->points + m->count);
     const Vec3 normal = first.normal;
     manifolds.erase(std::remove_if(rest, manifolds.end(), joins), manifolds.end());
-    manifolds[i] = support_of(points, normal, margin);
+    manifolds[i] = support_of(points, normal, tilts);
   }
 }
 

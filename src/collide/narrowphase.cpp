@@ -160,6 +160,13 @@ void tidy(PairManifold& m, double margin) {
   }
 }
 
+// m: how much further than at its own speed a body's far end may come in the step, once the near one has bounced. A thin rod
+// that lands on one end at a speed u is sent down at its other end by u (1 + e)/2, and no even body by more.
+double reach_of_bounce(const Proxy& p, const CollideSettings& settings) {
+  const double restitution = settings.largest_restitution_of(p.material);
+  return restitution > 0 ? 0.5 * (1 + restitution) * settings.step * (p.speed + p.radius * p.spin.norm()) : 0;
+}
+
 Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& settings) {
   const BodyProperties& body = world.properties[slot];
   Proxy p;
@@ -179,12 +186,13 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.speed = std::max(p.velocity.norm(), p.struck);
   p.spin = turns ? world.angular_velocity_of(slot) : Vec3(Vec3::Zero());
   p.spin_reach = settings.step * p.radius * p.spin.norm();
+  p.material = body.material, p.group = body.group;
+  if (turns && p.dynamic) p.spin_reach += reach_of_bounce(p, settings);
   if (!world.surface_motions.empty()) p.spin += own_motion(world, p.slot).w;
   p.half_size = p.kind == ShapeKind::hull ? 0.5 * smallest_size(body.shape) : p.half.minCoeff();
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
   p.home = slot < world.homes;
   p.fall = p.dynamic ? settings.gravity.norm() * settings.step * settings.step : 0;
-  p.material = body.material, p.group = body.group;
   p.id = world.id[slot];
   return p;
 }

@@ -22,7 +22,7 @@ struct Proxy {
   Vec3 half;          // m, the shape's size; of round bodies the radius, three times
   double radius;      // m, bounding radius
   double speed;       // m/s, at the start of the step, or what it may be given in it
-  double spin_reach;  // m, how far a rotation can carry a surface point in the step; 0 where it cannot change the shape
+  double spin_reach;  // m, how far its spin, and that of a bounce, can carry a surface point in the step; 0 where it has no effect
   double fall;        // m, |g| h^2 of a dynamic body: what its weight adds in the step
   double half_size;   // m, half of the smallest size
   double struck = 0;  // m/s, what others may give it in the step; 0: nothing that is known of

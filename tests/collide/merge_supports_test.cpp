@@ -44,7 +44,7 @@ TEST(MergeSupports, TheLowestAreKeptAtEveryTilt) {
       all.push_back(manifold(Vec3::UnitZ(), points));
     }
     merged = all;
-    merge_supports(merged, margin);
+    merge_supports(merged, {margin});
     ASSERT_EQ(merged.size(), 1u);
     ASSERT_LE(merged[0].count, PairManifold::kept);
     ASSERT_GE(merged[0].count, 3);
@@ -69,7 +69,7 @@ TEST(MergeSupports, OfAFlatUndersideItsCornersAreKept) {
         points.push_back({Vec3(0.1 * (i + x), 0.1 * (j + y), 0), 1e-5, static_cast<std::uint32_t>(points.size())});
       pieces.push_back(manifold(Vec3::UnitZ(), points));
     }
-  merge_supports(pieces, margin);
+  merge_supports(pieces, {margin});
   ASSERT_EQ(pieces.size(), 1u);
   ASSERT_EQ(pieces[0].count, 4);
   for (int i = 0; i < 4; ++i) {
@@ -87,7 +87,7 @@ TEST(MergeSupports, OtherNormalsAndLaterTimesStay) {
   const Vec3 up = Vec3::UnitZ(), aside = Vec3(1e-3, 0, 1).normalized();
   std::vector<PairManifold> all{manifold(aside, {a}), manifold(up, {a}), manifold(up, {b}, 0.001), manifold(aside, {b}),
                                 manifold(up, {b})};
-  merge_supports(all, margin);
+  merge_supports(all, {margin});
   ASSERT_EQ(all.size(), 3u);
   EXPECT_EQ(all[0].normal, aside);
   EXPECT_EQ(all[0].count, 2);
