@@ -58,6 +58,13 @@ InverseInertia inverse_inertia(const Quat& orientation, const Vec3& inverse_mome
   return six_of(R * inverse_moments.asDiagonal() * R.transpose());
 }
 
+FreeTurning free_turning(const Vec3& moments, const Quat& orientation, const Vec3& spin, double step) {
+  if (spin == Vec3::Zero() || step * spin.norm() > most_turn) return {spin, Vec3::Zero()};
+  const Mat3 R = orientation.toRotationMatrix();
+  const Vec3 own = R.transpose() * spin, mean = midpoint_spin(moments, own, step);
+  return {R * mean, R * moments.cwiseProduct(own - mean)};
+}
+
 FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, const Vec3& gravity, double step, bool planar) {
   FreeMotion motion{};
   motion.isotropic = true;
@@ -77,10 +84,9 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
       Mat3 W = R * inverse.asDiagonal() * R.transpose();
       if (planar) W = Vec3(0, inverse.y(), 0).asDiagonal();  // turned about y, it is the same to the last bit
       motion.inverse_inertia = six_of(W);
-      if (!planar && w != Vec3::Zero() && step * w.norm() <= most_turn) {
-        const Vec3 spin = R.transpose() * w, mean = midpoint_spin(body.inertia, spin, step);
-        motion.gyroscopic = R * body.inertia.cwiseProduct(spin - mean);
-        w = R * mean;
+      if (!planar) {
+        const FreeTurning turning = free_turning(body.inertia, state.orientation, w, step);
+        motion.gyroscopic = turning.gyroscopic, w = turning.mean;
       }
       w += step * (W * body.torque);
     }
@@ -108,7 +114,6 @@ int parts_of(double angle) {
   return static_cast<int>(std::min<double>(most_parts, std::ceil(angle / turn_of_part)));
 }
 
-// The orientation of a body that turns freely with this momentum (kg m^2/s) for a step.
 Quat turned_freely(Quat orientation, const Vec3& momentum, const Vec3& inertia, double step, int parts) {
   for (int k = 0; k < parts; ++k) {
     const Mat3 R = orientation.toRotationMatrix();
@@ -119,6 +124,11 @@ Quat turned_freely(Quat orientation, const Vec3& momentum, const Vec3& inertia, 
 }
 
 }  // namespace
+
+Quat turned_freely(const Quat& orientation, const Vec3& momentum, const Vec3& moments, double step) {
+  const Vec3 own = orientation.conjugate() * momentum;
+  return turned_freely(orientation, momentum, moments, step, parts_of(std::abs(step) * own.cwiseQuotient(moments).norm()));
+}
 
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,
                         const Vec3& gyroscopic, double step, bool planar, bool free) {

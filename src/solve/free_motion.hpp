@@ -33,6 +33,17 @@ Quat turned_by(const Quat& orientation, const Vec3& spin, double step);
 // The turn of a body whose motion is given, which is exact; turned_by() turns by a little less, 2 atan(h w / 2).
 Quat driven_turn(const Vec3& spin, double step);
 
+// A body that turns freely for a step, from its spin (rad/s) in an attitude. `moments`: of inertia, principal (kg m^2).
+struct FreeTurning {
+  Vec3 mean;        // rad/s, over the step; of one that turns by more than a radian the spin itself
+  Vec3 gyroscopic;  // kg m^2/s: I spin - I mean
+};
+FreeTurning free_turning(const Vec3& moments, const Quat& orientation, const Vec3& spin, double step);
+
+// The orientation of a body that turns freely with this angular momentum (kg m^2/s, world axes) for a step, or back, where the
+// step is negative: then it is led to where it comes from.
+Quat turned_freely(const Quat& orientation, const Vec3& momentum, const Vec3& moments, double step);
+
 // The state after the step, from the velocities that the solver left. `moving`: those that it moves with, where they differ.
 // free: no row was solved for the attitude that a single map leads to.
 BodyState finish_motion(const BodyProperties& body, const BodyState& state, const SolverBody& moving, const SolverBody& solved,

@@ -222,13 +222,14 @@ StepFacts facts_of(const RankState& state, System& system) {
 
 namespace {
 
-// A body that was hit within the step, as if it had started it where it seems to come from.
-void displace(RankState& state, std::size_t i) {
-  state.world.position[i] += state.impacts.displaced[i];
+// A body that was hit within the step starts it where it seems to come from.
+BodyState seeming_start(const RankState& state, std::size_t i) {
+  BodyState start = state.world.state(i);
+  if (state.impacts.displaced.empty() || i >= state.world.homes) return start;
+  start.position += state.impacts.displaced[i];
   const double angle = state.impacts.turned[i].norm();
-  if (!(angle > 0)) return;
-  const Quat turn(Eigen::AngleAxisd(angle, state.impacts.turned[i] / angle));
-  state.world.orientation[i] = (turn * state.world.orientation[i]).normalized();
+  if (angle > 0) start.orientation = Quat(Eigen::AngleAxisd(angle, state.impacts.turned[i] / angle)) * start.orientation;
+  return start;
 }
 
 }  // namespace
@@ -250,9 +251,8 @@ void finalise(RankState& state, const System& system) {
     const Vec3 gyroscopic = system.isotropic[i] ? Vec3(Vec3::Zero()) : system.gyroscopic[i];
     const SolverBody &solved = system.bodies[i], &moving = system.moving.empty() ? solved : system.moving[i];
     world.set_state(
-        i, finish_motion(world.properties[i], world.state(i), moving, solved, gyroscopic, state.step(), state.scene.planar,
-                         (i >= world.first_static() || !in_contact[i]) && !state.is_tied(world.id[i])));
-    if (!state.impacts.displaced.empty() && i < world.homes) displace(state, i);
+        i, finish_motion(world.properties[i], seeming_start(state, i), moving, solved, gyroscopic, state.step(),
+                         state.scene.planar, (i >= world.first_static() || !in_contact[i]) && !state.is_tied(world.id[i])));
   }
 }
 

@@ -16,7 +16,8 @@ Vec3 left_out_of_spin(const System& system, std::size_t slot) {
   return inverse_inertia_of(system.bodies, system.inertia, system.isotropic, slot) * system.gyroscopic[slot];
 }
 
-void set_starts(RankState& state, const System& system, std::span<const SolverBody> predicted) {
+void set_starts(RankState& state, const System& system, std::span<const SolverBody> predicted,
+                std::span<const Vec3> left_out) {
   const World& world = state.world;
   std::vector<BounceStart>& starts = state.impacts.starts;
   starts.assign(world.size() + 1, {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
@@ -24,7 +25,7 @@ void set_starts(RankState& state, const System& system, std::span<const SolverBo
     const SolverBody &was = predicted[i], &is = system.bodies[i];
     starts[i] = {world.velocity[i], world.angular_velocity_of(i), Vec3::Zero()};
     if (world.is_static(static_cast<Slot>(i))) continue;
-    starts[i].left_out = left_out_of_spin(system, i);
+    starts[i].left_out = left_out_of_spin(system, i), starts[i].spin += starts[i].left_out - left_out[i];
     if (std::equal(was.v, was.v + 3, is.v) && std::equal(was.w, was.w + 3, is.w)) continue;
     starts[i].velocity += Eigen::Map<const Vec3>(is.v) - Eigen::Map<const Vec3>(was.v);
     starts[i].spin += Eigen::Map<const Vec3>(is.w) - Eigen::Map<const Vec3>(was.w);
@@ -54,8 +55,10 @@ void start_bounces(RankState& state, System& system) {
     return;
   }
   const std::vector<SolverBody> predicted(system.bodies.begin(), system.bodies.end());
+  std::vector<Vec3> left_out;
+  for (std::size_t i = 0; i < state.world.size(); ++i) left_out.push_back(left_out_of_spin(system, i));
   state.impacts.count = resolve_impacts(state, system);
-  set_starts(state, system, predicted);
+  set_starts(state, system, predicted, left_out);
   if (!state.impacts.settled.empty())
     renew_bounces(state.world, settings, state.impacts.starts, state.impacts.settled, state.contacts);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "collide/carrier.hpp"
@@ -11,6 +12,7 @@
 #include "step/blow.hpp"
 #include "step/contact_forces.hpp"
 #include "step/first_touch.hpp"
+#include "step/seeming_starts.hpp"
 #include "world/surface_velocity.hpp"
 
 namespace unibody {
@@ -18,8 +20,6 @@ namespace unibody {
 namespace {
 
 constexpr int most_rounds = 400;
-Eigen::Map<Vec3> velocity_of(SolverBody& body) { return Eigen::Map<Vec3>(body.v); }
-Eigen::Map<Vec3> spin_of(SolverBody& body) { return Eigen::Map<Vec3>(body.w); }
 
 // What a contact's manifold needs for its impact.
 struct Pair {
@@ -39,12 +39,7 @@ class Impacts {
     list_pairs();
     if (!state_.any_over_ranks(!pairs_.empty())) return 0;
     leave_chains_to_the_solve();
-    const std::size_t n = world_.size() + 1;
-    start_velocity_.resize(n), clock_.assign(n, 0), state_.impacts.displaced.assign(n, Vec3::Zero());
-    state_.impacts.turned.assign(n, Vec3::Zero()), spin_gained_.assign(n, Vec3::Zero());
-    for (std::size_t i = 0; i < world_.size(); ++i) start_velocity_[i] = velocity_of(system_.bodies[i]);
-    for (std::size_t i = 0; i < world_.first_static(); ++i)
-      if (!system_.isotropic[i]) spin_gained_[i] = spin_of(system_.bodies[i]) - world_.angular_velocity_of(i);
+    starts_.emplace(state_, system_), clock_.assign(world_.size() + 1, 0);
     index_bodies();
     for (Pair& pair : pairs_) pair.time = time_of(pair);
     std::int64_t count = 0;
@@ -120,19 +115,11 @@ class Impacts {
       for (const Slot s : {pairs_[k].a, pairs_[k].b}) pairs_of_[next[static_cast<std::size_t>(s)]++] = k;
   }
 
-  bool moves(Slot s) const { return system_.bodies[static_cast<std::size_t>(s)].inverse_mass > 0; }
-  Vec3 acceleration(Slot s) const {
-    const auto i = static_cast<std::size_t>(s);
-    return world_.is_static(s) ? Vec3(Vec3::Zero()) : Vec3((start_velocity_[i] - world_.velocity[i]) / step_);
-  }
-  Vec3 velocity(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].v); }
-  Vec3 spin(Slot s) const { return spin_of(system_.bodies[s]) - spin_gained_[s]; }
-  // The place of a body at a time of the step (m).
-  Vec3 place(Slot s, double t) const {
-    const auto i = static_cast<std::size_t>(s);
-    return world_.position[i] + state_.impacts.displaced[i] + t * velocity(s) + 0.5 * t * (t - step_) * acceleration(s);
-  }
-  // The same of the pair's second body, where the first one meets it.
+  bool moves(Slot s) const { return starts_->moves(s); }
+  Vec3 acceleration(Slot s) const { return starts_->acceleration(s); }
+  Vec3 velocity(Slot s) const { return starts_->velocity(s); }
+  Vec3 place(Slot s, double t) const { return starts_->place(s, t); }
+  // The place of the pair's second body, where the first one meets it.
   Vec3 place_of_b(const Pair& p, double t) const {
     return place(p.b, t) + world_.period.shift(contacts_.manifolds[p.manifold].image);
   }
@@ -148,19 +135,21 @@ class Impacts {
   std::array<Point, PairManifold::kept> points_of(const Pair& pair) const {
     const Manifold& m = contacts_.manifolds[pair.manifold];
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
+    const Mat3 turn_a = starts_->turn(pair.a, 0), turn_b = starts_->turn(pair.b, 0);
     std::array<Point, PairManifold::kept> points;
     for (std::uint32_t k = 0; k < m.count; ++k) {
       const ContactPoint& p = contacts_.points[m.first + k];
       Point& point = points[k];
-      point.arm_a = arm_of(world_, m, p, pair.a), point.arm_b = arm_of(world_, m, p, pair.b);
-      point.gap = p.gap + m.normal.dot(state_.impacts.displaced[i] + state_.impacts.turned[i].cross(point.arm_a) -
-                                       state_.impacts.displaced[j] - state_.impacts.turned[j].cross(point.arm_b));
+      const Vec3 arm_a = arm_of(world_, m, p, pair.a), arm_b = arm_of(world_, m, p, pair.b);
+      point.arm_a = turn_a * arm_a, point.arm_b = turn_b * arm_b;
+      point.gap = p.gap + m.normal.dot(state_.impacts.displaced[i] + point.arm_a - arm_a - state_.impacts.displaced[j] -
+                                       point.arm_b + arm_b);
     }
     return points;
   }
   Vec3 velocity_at(const Pair& pair, const Point& point, double t) const {
-    return velocity(pair.a) + spin(pair.a).cross(point.arm_a) - velocity(pair.b) - spin(pair.b).cross(point.arm_b) +
-           (t - 0.5 * step_) * (acceleration(pair.a) - acceleration(pair.b));
+    return velocity(pair.a) + starts_->spin(pair.a, t).cross(point.arm_a) - velocity(pair.b) -
+           starts_->spin(pair.b, t).cross(point.arm_b) + (t - 0.5 * step_) * (acceleration(pair.a) - acceleration(pair.b));
   }
   bool counts(const Pair& pair, double closing) const {
     double g = state_.traits.gravity;  // or what else two bodies that lie on each other close by
@@ -208,6 +197,7 @@ class Impacts {
       return touch;
     }
     const auto points = points_of(pair);
+    const Mat3 turn_a = starts_->turn(pair.a, t), turn_b = starts_->turn(pair.b, t);
     const double size = std::min(smallest_size(world_.properties[static_cast<std::size_t>(pair.a)].shape),
                                  smallest_size(world_.properties[static_cast<std::size_t>(pair.b)].shape));
     const double faster = m.normal.dot(acceleration(pair.a) - acceleration(pair.b));
@@ -216,7 +206,8 @@ class Impacts {
       if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster > 1e-6 * size) continue;
       // one place for both: angular momentum is kept
       const ContactPoint& p = contacts_.points[m.first + k];
-      const Vec3 on_a = at_a + p.position - place_of(world_, m, pair.a), on_b = at_b + p.position - place_of(world_, m, pair.b);
+      const Vec3 on_a = at_a + turn_a * (p.position - place_of(world_, m, pair.a));
+      const Vec3 on_b = at_b + turn_b * (p.position - place_of(world_, m, pair.b));
       const double share = share_of_first(world_, m, p);
       const Vec3 place = share * on_a + (1 - share) * on_b + (share - 0.5) * p.gap * m.normal;
       touch.points[touch.count++] = {place - at_a, place - at_b, 0};
@@ -278,11 +269,7 @@ class Impacts {
     const FrictionFrame frame = contacts_.frame_at(m, touch.normal);
     const Mat3 axes = frame.axes_about(touch.normal);
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
-    const auto turn_of = [&](std::size_t slot) {
-      if (world_.is_static(static_cast<Slot>(slot))) return Mat3(Mat3::Zero());
-      return inverse_inertia_of(system_.bodies, system_.inertia, system_.isotropic, slot);
-    };
-    const Mat3 turn_a = turn_of(i), turn_b = turn_of(j);
+    const Mat3 turn_a = starts_->inverse_inertia(pair.a, pair.time), turn_b = starts_->inverse_inertia(pair.b, pair.time);
     const double linear = system_.bodies[i].inverse_mass + system_.bodies[j].inverse_mass;
     Blow blow;
     blow.count = touch.count;
@@ -305,8 +292,8 @@ class Impacts {
       force += f, torque_a += touch.points[k].arm_a.cross(f), torque_b += touch.points[k].arm_b.cross(f);
       record(pair, touch, k, f);
     }
-    push(i, force, turn_a * torque_a, pair.time);
-    push(j, -force, -(turn_b * torque_b), pair.time);
+    starts_->push(pair.a, force, torque_a, pair.time), clock_[i] = moves(pair.a) ? pair.time : clock_[i];
+    starts_->push(pair.b, -force, -torque_b, pair.time), clock_[j] = moves(pair.b) ? pair.time : clock_[j];
   }
 
   // For those who measure forces: what moves has its arm from where it is at the start of the step.
@@ -318,29 +305,11 @@ class Impacts {
     add_impulse(world_, m, point, touch.normal, impulse, state_.impacts.impulses);
   }
 
-  void push(std::size_t i, const Vec3& impulse, const Vec3& turning, double time) {
-    SolverBody& body = system_.bodies[i];
-    if (!(body.inverse_mass > 0)) return;
-    const Vec3 change = body.inverse_mass * impulse;
-    velocity_of(body) += change, spin_of(body) += turning;
-    state_.impacts.displaced[i] -= time * change;
-    // Of others the spin would have to follow from the momentum in that attitude, and could be worth more energy there.
-    if (system_.isotropic[i]) state_.impacts.turned[i] -= time * turning;
-    clock_[i] = time;
-  }
-
   // Guests take what their homes have met with bodies that are not here. Every rank comes to these exchanges, also one whose only
   // neighbours share a cloth with it and no contact.
   void tell_guests() {
-    const std::size_t first = world_.homes, end = world_.first_static();
-    std::vector<SolverBody> before(system_.bodies.begin() + static_cast<std::ptrdiff_t>(first),
-                                   system_.bodies.begin() + static_cast<std::ptrdiff_t>(end));
-    state_.exchange.refresh(std::span<SolverBody>(system_.bodies)), state_.exchange.refresh(std::span(clock_));
-    state_.exchange.refresh(std::span(state_.impacts.displaced)), state_.exchange.refresh(std::span(state_.impacts.turned));
-    for (std::size_t i = first; i < end; ++i) {
-      const SolverBody &was = before[i - first], &is = system_.bodies[i];
-      if (!std::equal(was.v, was.v + 3, is.v) || !std::equal(was.w, was.w + 3, is.w)) changed_.push_back(static_cast<Slot>(i));
-    }
+    state_.exchange.refresh(std::span(clock_));
+    starts_->tell_guests(changed_);
     for (const Slot s : changed_)
       for (std::size_t k = first_pair_[static_cast<std::size_t>(s)]; k < first_pair_[static_cast<std::size_t>(s) + 1]; ++k)
         pairs_[pairs_of_[k]].time = time_of(pairs_[pairs_of_[k]]);
@@ -354,12 +323,12 @@ class Impacts {
     for (Manifold& m : contacts_.manifolds) {
       const auto i = static_cast<std::size_t>(m.slot_a), j = static_cast<std::size_t>(m.slot_b);
       if (state_.impacts.displaced[i].isZero(0) && state_.impacts.displaced[j].isZero(0)) continue;
+      const Mat3 turn_a = starts_->turn(m.slot_a, 0), turn_b = starts_->turn(m.slot_b, 0);
       m.displaced = m.normal.dot(state_.impacts.displaced[i] - state_.impacts.displaced[j]);
       for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
         ContactPoint& point = contacts_.points[p];
-        const Vec3 of_a = state_.impacts.turned[i].cross(arm_of(world_, m, point, m.slot_a));
-        const Vec3 of_b = state_.impacts.turned[j].cross(arm_of(world_, m, point, m.slot_b));
-        point.gap += m.displaced + m.normal.dot(of_a - of_b);
+        const Vec3 arm_a = arm_of(world_, m, point, m.slot_a), arm_b = arm_of(world_, m, point, m.slot_b);
+        point.gap += m.displaced + m.normal.dot(turn_a * arm_a - arm_a - turn_b * arm_b + arm_b);
       }
     }
     state_.impacts.settled.assign(contacts_.manifolds.size(), 0);
@@ -386,9 +355,8 @@ class Impacts {
   std::vector<Pair> pairs_;
   std::vector<std::size_t> first_pair_;  // of each body, into pairs_of_
   std::vector<std::uint32_t> pairs_of_;
-  std::vector<Vec3> start_velocity_;  // m/s, predicted
-  std::vector<Vec3> spin_gained_;  // rad/s, of the step's mean spin, less that at its start, to which momentum and energy belong
-  std::vector<double> clock_;      // s, of each body's last impact
+  std::optional<SeemingStarts> starts_;
+  std::vector<double> clock_;                     // s, of each body's last impact
   std::vector<double> first_time_, first_other_;  // s; id
   std::vector<Slot> changed_;                     // in the last round
 };
