@@ -28,7 +28,7 @@ class Supports {
     for (double tilt = largest; tilt > 0.1; tilt /= 8)
       for (int d = 0; d < directions; ++d) {
         const double angle = 2 * M_PI * d / directions;
-        add(margin * tilt * (std::cos(angle) * s_ + std::sin(angle) * t_));
+        add(margin * Vec3(tilt * (std::cos(angle) * s_ + std::sin(angle) * t_)));
       }
     add(Vec3::Zero());
     return chosen_;

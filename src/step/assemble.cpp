@@ -227,8 +227,8 @@ BodyState seeming_start(const RankState& state, std::size_t i) {
   BodyState start = state.world.state(i);
   if (state.impacts.displaced.empty() || i >= state.world.homes) return start;
   start.position += state.impacts.displaced[i];
-  const double angle = state.impacts.turned[i].norm();
-  if (angle > 0) start.orientation = Quat(Eigen::AngleAxisd(angle, state.impacts.turned[i] / angle)) * start.orientation;
+  const Vec3& turn = state.impacts.attitude[i];
+  if (!turn.isZero(0)) start.orientation = Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * start.orientation;
   return start;
 }
 

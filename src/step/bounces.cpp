@@ -41,7 +41,7 @@ void forget_impacts(RankState& state) {
     const CollideSettings& settings = state.search.settings;
     if (!settings.restitution.empty()) set_bounces(state.world, settings, state.contacts);
   }
-  impacts.displaced.clear(), impacts.turned.clear(), impacts.gaps_found.clear(), impacts.impulses.clear();
+  impacts.displaced.clear(), impacts.turned.clear(), impacts.attitude.clear(), impacts.gaps_found.clear(), impacts.impulses.clear();
   impacts.settled.clear(), impacts.starts.clear();
 }
 

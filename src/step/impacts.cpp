@@ -8,6 +8,7 @@
 
 #include "collide/carrier.hpp"
 #include "collide/collide.hpp"
+#include "collide/turned_arm.hpp"
 #include "constraints/friction.hpp"
 #include "step/blow.hpp"
 #include "step/contact_forces.hpp"
@@ -115,7 +116,7 @@ class Impacts {
       for (const Slot s : {pairs_[k].a, pairs_[k].b}) pairs_of_[next[static_cast<std::size_t>(s)]++] = k;
   }
 
-  bool moves(Slot s) const { return starts_->moves(s); }
+  bool moves(Slot s) const { return system_.bodies[static_cast<std::size_t>(s)].inverse_mass > 0; }
   Vec3 acceleration(Slot s) const { return starts_->acceleration(s); }
   Vec3 velocity(Slot s) const { return starts_->velocity(s); }
   Vec3 place(Slot s, double t) const { return starts_->place(s, t); }
@@ -132,18 +133,21 @@ class Impacts {
     Vec3 arm_a, arm_b;  // m, from the centres
     double gap;         // m, at the start of the step as it seems to be now
   };
+  // From the centre of one of the manifold's bodies to its own side of a contact point, at a time. m
+  Vec3 own_arm(const Manifold& m, const ContactPoint& p, Slot s, double t) const {
+    const Vec3 outwards = s == m.slot_a ? Vec3(-m.normal) : m.normal;
+    return turned_arm(world_, s, p.position - 0.5 * p.gap * outwards - place_of(world_, m, s), outwards, starts_->turn(s, t));
+  }
   std::array<Point, PairManifold::kept> points_of(const Pair& pair) const {
     const Manifold& m = contacts_.manifolds[pair.manifold];
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
-    const Mat3 turn_a = starts_->turn(pair.a, 0), turn_b = starts_->turn(pair.b, 0);
     std::array<Point, PairManifold::kept> points;
     for (std::uint32_t k = 0; k < m.count; ++k) {
       const ContactPoint& p = contacts_.points[m.first + k];
       Point& point = points[k];
-      const Vec3 arm_a = arm_of(world_, m, p, pair.a), arm_b = arm_of(world_, m, p, pair.b);
-      point.arm_a = turn_a * arm_a, point.arm_b = turn_b * arm_b;
-      point.gap = p.gap + m.normal.dot(state_.impacts.displaced[i] + point.arm_a - arm_a - state_.impacts.displaced[j] -
-                                       point.arm_b + arm_b);
+      point.arm_a = arm_of(world_, m, p, pair.a), point.arm_b = arm_of(world_, m, p, pair.b);
+      point.gap = p.gap + m.normal.dot(state_.impacts.displaced[i] + state_.impacts.turned[i].cross(point.arm_a) -
+                                       state_.impacts.displaced[j] - state_.impacts.turned[j].cross(point.arm_b));
     }
     return points;
   }
@@ -197,7 +201,6 @@ class Impacts {
       return touch;
     }
     const auto points = points_of(pair);
-    const Mat3 turn_a = starts_->turn(pair.a, t), turn_b = starts_->turn(pair.b, t);
     const double size = std::min(smallest_size(world_.properties[static_cast<std::size_t>(pair.a)].shape),
                                  smallest_size(world_.properties[static_cast<std::size_t>(pair.b)].shape));
     const double faster = m.normal.dot(acceleration(pair.a) - acceleration(pair.b));
@@ -206,10 +209,9 @@ class Impacts {
       if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster > 1e-6 * size) continue;
       // one place for both: angular momentum is kept
       const ContactPoint& p = contacts_.points[m.first + k];
-      const Vec3 on_a = at_a + turn_a * (p.position - place_of(world_, m, pair.a));
-      const Vec3 on_b = at_b + turn_b * (p.position - place_of(world_, m, pair.b));
+      const Vec3 on_a = at_a + own_arm(m, p, pair.a, t), on_b = at_b + own_arm(m, p, pair.b, t);
       const double share = share_of_first(world_, m, p);
-      const Vec3 place = share * on_a + (1 - share) * on_b + (share - 0.5) * p.gap * m.normal;
+      const Vec3 place = share * on_a + (1 - share) * on_b;
       touch.points[touch.count++] = {place - at_a, place - at_b, 0};
     }
     return touch;
@@ -323,12 +325,12 @@ class Impacts {
     for (Manifold& m : contacts_.manifolds) {
       const auto i = static_cast<std::size_t>(m.slot_a), j = static_cast<std::size_t>(m.slot_b);
       if (state_.impacts.displaced[i].isZero(0) && state_.impacts.displaced[j].isZero(0)) continue;
-      const Mat3 turn_a = starts_->turn(m.slot_a, 0), turn_b = starts_->turn(m.slot_b, 0);
       m.displaced = m.normal.dot(state_.impacts.displaced[i] - state_.impacts.displaced[j]);
       for (std::uint32_t p = m.first; p < m.first + m.count; ++p) {
         ContactPoint& point = contacts_.points[p];
-        const Vec3 arm_a = arm_of(world_, m, point, m.slot_a), arm_b = arm_of(world_, m, point, m.slot_b);
-        point.gap += m.displaced + m.normal.dot(turn_a * arm_a - arm_a - turn_b * arm_b + arm_b);
+        const Vec3 of_a = state_.impacts.turned[i].cross(arm_of(world_, m, point, m.slot_a));
+        const Vec3 of_b = state_.impacts.turned[j].cross(arm_of(world_, m, point, m.slot_b));
+        point.gap += m.displaced + m.normal.dot(of_a - of_b);
       }
     }
     state_.impacts.settled.assign(contacts_.manifolds.size(), 0);

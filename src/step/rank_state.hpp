@@ -78,7 +78,8 @@ struct ContactSearch {
 // What impacts have changed within the step (impacts.hpp).
 struct StepImpacts {
   std::vector<Vec3> displaced;           // m, by slot: where a body that was hit seems to start the step; empty: none was hit
-  std::vector<Vec3> turned;              // rad, the same of its turn
+  std::vector<Vec3> turned;              // rad, and turned by how much, as the solve's rows see it: to first order
+  std::vector<Vec3> attitude;            // rad, and as its attitude is taken: a turn of that at the step's start
   std::int64_t count = 0;                // of the step, which this rank counts
   std::vector<std::uint8_t> settled;     // of each manifold: impacts alone say how it bounces; empty: of none
   std::vector<BounceStart> starts;       // by slot: from where the others bounce; empty: nothing does

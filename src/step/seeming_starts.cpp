@@ -26,7 +26,8 @@ Vec3 vector_of(const Quat& rotation) {
 SeemingStarts::SeemingStarts(RankState& state, System& system)
     : state_(state), world_(state.world), system_(system), step_(state.step()) {
   const std::size_t n = world_.size() + 1;
-  state_.impacts.displaced.assign(n, Vec3::Zero()), state_.impacts.turned.assign(n, Vec3::Zero());
+  for (auto* changes : {&state_.impacts.displaced, &state_.impacts.turned, &state_.impacts.attitude})
+    changes->assign(n, Vec3::Zero());
   start_velocity_.resize(n), torque_gain_.assign(n, Vec3::Zero());
   any_uneven_ = state_.any_over_ranks(!system_.inertia.empty());
   if (any_uneven_) momentum_.assign(n, Vec3::Zero());
@@ -53,7 +54,7 @@ Vec3 SeemingStarts::place(Slot s, double t) const {
 }
 
 Quat SeemingStarts::seeming_attitude(std::size_t i) const {
-  return rotation(state_.impacts.turned[i]) * world_.orientation_of(i);
+  return rotation(state_.impacts.attitude[i]) * world_.orientation_of(i);
 }
 
 Quat SeemingStarts::attitude(std::size_t i, double t) const {
@@ -65,6 +66,7 @@ Quat SeemingStarts::attitude(std::size_t i, double t) const {
 Mat3 SeemingStarts::turn(Slot s, double t) const {
   const auto i = static_cast<std::size_t>(s);
   if (is_round_body(s) || world_.properties[i].motion == Motion::fixed) return Mat3::Identity();
+  if (t == 0 && state_.impacts.attitude[i].isZero(0)) return Mat3::Identity();
   return (attitude(i, t) * world_.orientation_of(i).conjugate()).toRotationMatrix();
 }
 
@@ -90,22 +92,23 @@ void SeemingStarts::push(Slot s, const Vec3& impulse, const Vec3& angular, doubl
   const Vec3 change = body.inverse_mass * impulse;
   velocity_of(body) += change;
   state_.impacts.displaced[i] -= time * change;
+  const Vec3 turning = inverse_inertia(s, time) * angular;
+  state_.impacts.turned[i] -= time * turning;
   if (is_round_body(s) && system_.isotropic[i]) {
-    const Vec3 turning = body.inverse_inertia * angular;
     spin_of(body) += turning;
-    state_.impacts.turned[i] -= time * turning;
+    state_.impacts.attitude[i] = state_.impacts.turned[i];
     return;
   }
   const Quat now = attitude(i, time);
   Quat start;
   if (system_.isotropic[i]) {
-    spin_of(body) += body.inverse_inertia * angular;
+    spin_of(body) += turning;
     start = turned_by(now, spin(s, time), -time);
   } else {
     momentum_[i] += angular;
     start = turned_freely(now, momentum_[i], world_.properties[i].inertia, -time);
   }
-  state_.impacts.turned[i] = vector_of(start * world_.orientation_of(i).conjugate());
+  state_.impacts.attitude[i] = vector_of(start * world_.orientation_of(i).conjugate());
   settle(i);
 }
 
@@ -125,7 +128,8 @@ void SeemingStarts::tell_guests(std::vector<Slot>& changed) {
   std::vector<SolverBody> before(system_.bodies.begin() + static_cast<std::ptrdiff_t>(first),
                                  system_.bodies.begin() + static_cast<std::ptrdiff_t>(end));
   state_.exchange.refresh(std::span<SolverBody>(system_.bodies));
-  state_.exchange.refresh(std::span(state_.impacts.displaced)), state_.exchange.refresh(std::span(state_.impacts.turned));
+  for (auto* changes : {&state_.impacts.displaced, &state_.impacts.turned, &state_.impacts.attitude})
+    state_.exchange.refresh(std::span(*changes));
   if (any_uneven_) state_.exchange.refresh(std::span(momentum_));
   for (std::size_t i = first; i < end; ++i) {
     const SolverBody &was = before[i - first], &is = system_.bodies[i];
