@@ -151,6 +151,15 @@ class Impacts {
     }
     return points;
   }
+  // One of the manifold's points when the bodies touch there. Both have it in one place, so that angular momentum is kept.
+  Point touching_point(const Pair& pair, std::uint32_t k, double t) const {
+    const Manifold& m = contacts_.manifolds[pair.manifold];
+    const ContactPoint& p = contacts_.points[m.first + k];
+    const Vec3 at_a = place(pair.a, t), at_b = place_of_b(pair, t);
+    const double share = share_of_first(world_, m, p);
+    const Vec3 place = share * (at_a + own_arm(m, p, pair.a, t)) + (1 - share) * (at_b + own_arm(m, p, pair.b, t));
+    return {place - at_a, place - at_b, 0};
+  }
   Vec3 velocity_at(const Pair& pair, const Point& point, double t) const {
     return velocity(pair.a) + starts_->spin(pair.a, t).cross(point.arm_a) - velocity(pair.b) -
            starts_->spin(pair.b, t).cross(point.arm_b) + (t - 0.5 * step_) * (acceleration(pair.a) - acceleration(pair.b));
@@ -178,7 +187,7 @@ class Impacts {
     for (std::uint32_t k = 0; k < m.count; ++k) {
       const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
       const double time = first_touch_of_plane(points[k].gap, speed, m.normal.dot(faster), step_, from, step_);
-      if (time < first && counts(pair, -m.normal.dot(velocity_at(pair, points[k], time)))) first = time;
+      if (time < first && counts(pair, -m.normal.dot(velocity_at(pair, touching_point(pair, k, time), time)))) first = time;
     }
     return first;
   }
@@ -207,12 +216,7 @@ class Impacts {
     for (std::uint32_t k = 0; k < m.count; ++k) {
       const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
       if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster > 1e-6 * size) continue;
-      // one place for both: angular momentum is kept
-      const ContactPoint& p = contacts_.points[m.first + k];
-      const Vec3 on_a = at_a + own_arm(m, p, pair.a, t), on_b = at_b + own_arm(m, p, pair.b, t);
-      const double share = share_of_first(world_, m, p);
-      const Vec3 place = share * on_a + (1 - share) * on_b;
-      touch.points[touch.count++] = {place - at_a, place - at_b, 0};
+      touch.points[touch.count++] = touching_point(pair, k, t);
     }
     return touch;
   }
