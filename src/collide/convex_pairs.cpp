@@ -104,6 +104,26 @@ void clip_by_polygon(Outline& outline, const Outline& by) {
     clip(outline, by.corners[k], by.corners[(k + 1) % by.count], static_cast<std::uint8_t>(128 + k));
 }
 
+// A face that is tilted out of the plane across the normal meets what runs along its foremost edge there, and nothing beside it:
+// whether it is cut to just inside of the face or just outside would be a matter of rounding. Makes the face that edge where the
+// segment runs along it. outwards: 1 where the normal leads out of the face's solid, else -1.
+void turn_to_edge(Outline& face, const Outline& segment, double outwards) {
+  constexpr double tilted = 0.02;
+  if (!(std::hypot(face.height.u, face.height.v) > tilted)) return;
+  int foremost = 0;
+  double best = -HUGE_VAL;
+  for (int k = 0; k < face.count; ++k) {
+    const Flat &p = face.corners[k], &q = face.corners[(k + 1) % face.count];
+    const double height = outwards * (face.height(p.u, p.v) + face.height(q.u, q.v));
+    if (height > best) best = height, foremost = k;
+  }
+  const Flat p = face.corners[foremost], q = face.corners[(foremost + 1) % face.count];
+  const double u = q.u - p.u, v = q.v - p.v;
+  const double su = segment.corners[1].u - segment.corners[0].u, sv = segment.corners[1].v - segment.corners[0].v;
+  if (std::abs(u * sv - v * su) > along_each_other * std::hypot(u, v) * std::hypot(su, sv)) return;
+  face.count = 2, face.corners[0] = p, face.corners[1] = q;
+}
+
 // Two edges: the stretch of the first in which they run beside each other.
 bool overlap_segments(Outline& a, const Outline& b) {
   const double au = a.corners[1].u - a.corners[0].u, av = a.corners[1].v - a.corners[0].v;
@@ -142,6 +162,8 @@ struct Manifolder {
     plane.v = normal.cross(plane.u);
     Outline x = outline_of(a, of_a, plane, -1), y = outline_of(b, of_b, plane, 1);
     if (x.count < 2 || y.count < 2) return HUGE_VAL;
+    if (x.count == 2 && y.count > 2) turn_to_edge(y, x, 1);
+    if (y.count == 2 && x.count > 2) turn_to_edge(x, y, -1);
     const Height above = x.height, below = y.height;
     bool from_a = false;
     const bool edges = x.count == 2 && y.count == 2;
