@@ -5,6 +5,7 @@
 
 #include "collide/approach.hpp"
 #include "collide/box_box.hpp"
+#include "collide/corners_ahead.hpp"
 #include "collide/shape_pairs.hpp"
 #include "collide/sweep.hpp"
 #include "world/surface_velocity.hpp"
@@ -56,6 +57,7 @@ Cell cell_of(ShapeKind a, ShapeKind b) {
 void collide_at(const Cell& cell, const Proxy& first, const Proxy& second, double margin, const CollideSettings& settings,
                 PairManifold& m) {
   cell.function(first, second, {margin, settings.planar}, m);
+  if (!settings.planar) add_corners_ahead(first, second, settings.step, margin, m);
   // Round bodies that bounce may be sent anywhere within the step (step/impacts.hpp).
   const bool bounce = !settings.restitution.empty() && is_round(first.shape()) && is_round(second.shape());
   tidy(m, bounce ? margin : std::min(margin, margin_along(m.normal, first, second, settings)));
@@ -85,6 +87,7 @@ void collide_fast(const Cell& cell, const Proxy& first, const Proxy& second, dou
     box_manifold(a, b, relation, {impact.axis, separation_along(relation, a.half, b.half, impact.axis)}, margin, m);
   } else {
     cell.function(a, b, {margin, settings.planar}, m);
+    if (!settings.planar) add_corners_ahead(a, b, settings.step, margin, m);
   }
   const double closed = time * std::max(0.0, -m.normal.dot(velocity));
   m.time = time;
