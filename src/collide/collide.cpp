@@ -32,7 +32,7 @@ Bounds swept_bounds_of(const Proxy& p, const CollideSettings& settings) {
     extent = p.rotation.cwiseAbs() * p.half;
   else if (!is_round(p.shape()))
     extent = bounding_half_extents(p.shape(), p.rotation);
-  const double reach = settings.margin / 2 + settings.step * p.speed + p.spin_reach + p.fall;
+  const double reach = settings.margin / 2 + settings.step * p.speed + p.turn_reach() + p.fall;
   extent.array() += reach;
   Bounds bounds{p.position - extent, p.position + extent};
   if (settings.planar) bounds.lower.y() = bounds.upper.y() = 0;

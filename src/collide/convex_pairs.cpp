@@ -152,6 +152,7 @@ struct Manifolder {
   const ConvexBody &a, &b;
   double margin;
   PairManifold& out;
+  bool edges_of_faces = false;  // what runs along the foremost edge of a tilted face touches that edge
 
   // Adds the corners across a normal; returns the smallest gap.
   double add(const Vec3& normal, const SupportFeature& of_a, const SupportFeature& of_b, double least) {
@@ -162,8 +163,8 @@ struct Manifolder {
     plane.v = normal.cross(plane.u);
     Outline x = outline_of(a, of_a, plane, -1), y = outline_of(b, of_b, plane, 1);
     if (x.count < 2 || y.count < 2) return HUGE_VAL;
-    if (x.count == 2 && y.count > 2) turn_to_edge(y, x, 1);
-    if (y.count == 2 && x.count > 2) turn_to_edge(x, y, -1);
+    if (edges_of_faces && x.count == 2 && y.count > 2) turn_to_edge(y, x, 1);
+    if (edges_of_faces && y.count == 2 && x.count > 2) turn_to_edge(x, y, -1);
     const Height above = x.height, below = y.height;
     bool from_a = false;
     const bool edges = x.count == 2 && y.count == 2;
@@ -265,7 +266,7 @@ bool convex_manifold(const ConvexBody& a, const ConvexBody& b, double margin, Pa
   if (!snapped && of_b.count == 2 && of_b.normal != Vec3::Zero()) try_normal(b.rotation * of_b.normal);
   if (snapped) feature_towards(a, -normal, of_a), feature_towards(b, normal, of_b);
 
-  Manifolder manifolder{a, b, margin, out};
+  Manifolder manifolder{a, b, margin, out, true};
   const double least = manifolder.add(normal, of_a, of_b, gap);
   if (snapped && out.count == 0) normal = distance.normal, gap = distance.gap, snapped = false;
   out.normal = normal;

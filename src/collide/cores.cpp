@@ -17,7 +17,7 @@ Proxy ball_at_centre(const Proxy& whole, double radius, bool planar) {
   ball.kind = planar ? ShapeKind::disc : ShapeKind::sphere;
   ball.radius = ball.half_size = radius;
   ball.half = Vec3::Constant(radius);
-  ball.spin_reach = 0;
+  ball.spin_reach = ball.bounce_reach = 0;
   return ball;
 }
 
@@ -55,8 +55,7 @@ void collide_core(const Proxy& a, const Proxy& b, const CollideSettings& setting
   if (!has_core(a)) return;
   const Vec3 velocity = a.velocity - b.velocity;
   const double speed = velocity.norm();
-  if (!(settings.step * relative_speed(a, b) > 3 * a.half_size || settings.step * a.radius * a.spin.norm() > 1.5 * a.half_size))
-    return;
+  if (!(settings.step * relative_speed(a, b) > 3 * a.half_size || a.spin_reach > 1.5 * a.half_size)) return;
   const double radius = radius_of(a);
   const double kept_ahead = distance_kept(a, radius, speed > 0 ? Vec3(velocity / speed) : Vec3(Vec3::UnitZ()));
   const Proxy core = ball_at_centre(a, kept_ahead, settings.planar);

@@ -28,7 +28,11 @@ bool is_over(const Proxy& other, const Vec3& point, double gap, const Vec3& way)
 
 void add_corners_of(const Proxy& body, const Proxy& other, const Vec3& origin, const Vec3& way, double step, double margin,
                     std::uint32_t feature, PairManifold& m) {
-  const Vec3 turn = step * (body.spin - other.spin);
+  Vec3 turn = step * (body.spin - other.spin);
+  if (body.kind == ShapeKind::cylinder) {  // about its axis it is the same all around
+    const Vec3 axis = body.rotation.col(2);
+    turn -= axis.dot(turn) * axis;
+  }
   if (!body.dynamic || !has_more_corners(body) || !(turn.norm() > least_turn)) return;
   if (other.kind != ShapeKind::plane && !type_of(other.kind).convex) return;
   const Vec3 surface = other.kind == ShapeKind::plane ? other.position : furthest(other, -way);

@@ -190,7 +190,7 @@ Proxy make_proxy(const World& world, std::size_t slot, const CollideSettings& se
   p.spin = turns ? world.angular_velocity_of(slot) : Vec3(Vec3::Zero());
   p.spin_reach = settings.step * p.radius * p.spin.norm();
   p.material = body.material, p.group = body.group;
-  if (turns && p.dynamic) p.spin_reach += reach_of_bounce(p, settings);
+  if (turns && p.dynamic) p.bounce_reach = reach_of_bounce(p, settings);
   if (!world.surface_motions.empty()) p.spin += own_motion(world, p.slot).w;
   p.half_size = p.kind == ShapeKind::hull ? 0.5 * smallest_size(body.shape) : p.half.minCoeff();
   if (settings.planar && p.kind == ShapeKind::box) p.half_size = std::min(p.half.x(), p.half.z());
@@ -215,7 +215,7 @@ double margin_along(const Vec3& normal, const Proxy& a, const Proxy& b, const Co
   const double va = normal.dot(a.velocity), vb = normal.dot(b.velocity);
   const double fastest_along = std::max({std::abs(va), std::abs(vb), std::abs(va - vb), a.struck, b.struck});
   const double fall = std::abs(normal.dot(settings.gravity)) * settings.step * settings.step;
-  return settings.margin + settings.step * fastest_along + (a.spin_reach + b.spin_reach) + fall;
+  return settings.margin + settings.step * fastest_along + (a.turn_reach() + b.turn_reach()) + fall;
 }
 
 Vec3 approach_velocity(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
@@ -224,7 +224,7 @@ Vec3 approach_velocity(const Proxy& a, const Proxy& b, const CollideSettings& se
 }
 
 double pair_margin(const Proxy& a, const Proxy& b, const CollideSettings& settings) {
-  return settings.margin + settings.step * fastest(a, b) + (a.spin_reach + b.spin_reach) + std::max(a.fall, b.fall);
+  return settings.margin + settings.step * fastest(a, b) + (a.turn_reach() + b.turn_reach()) + std::max(a.fall, b.fall);
 }
 
 void collide_pair(const Proxy& a, const Proxy& b, const CollideSettings& settings, PairManifold& m) {

@@ -22,7 +22,7 @@ struct Proxy {
   Vec3 half;          // m, the shape's size; of round bodies the radius, three times
   double radius;      // m, bounding radius
   double speed;       // m/s, at the start of the step, or what it may be given in it
-  double spin_reach;  // m, how far its spin, and that of a bounce, can carry a surface point in the step; 0 where it has no effect
+  double spin_reach;  // m, how far a rotation can carry a surface point in the step; 0 where it cannot change the shape
   double fall;        // m, |g| h^2 of a dynamic body: what its weight adds in the step
   double half_size;   // m, half of the smallest size
   double struck = 0;  // m/s, what others may give it in the step; 0: nothing that is known of
@@ -31,11 +31,13 @@ struct Proxy {
   std::int32_t material, group;
   Slot slot;
   Id id;
+  double bounce_reach = 0;      // m, and how much further one that a bounce gives it
   Vec3 of_part = Vec3::Zero();  // m, from the whole body's centre
   Image image{};                // of a periodic scene's cell, where the body is; its position here is in the cell itself
   std::uint32_t data;           // of the shape
 
   Shape shape() const { return {kind, half, data}; }
+  double turn_reach() const { return spin_reach + bounce_reach; }
   Vec3 centre() const { return position - of_part; }  // m, of the whole body
 };
 

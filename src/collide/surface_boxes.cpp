@@ -53,7 +53,7 @@ SurfaceCollider::Approach SurfaceCollider::approach(const Proxy& solid, const Su
   Approach result;
   Pair& pair = result.pair;
   pair.slots = {solid.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
-  pair.radii = radius(face.nodes[0]), pair.spin = solid.spin_reach;
+  pair.radii = radius(face.nodes[0]), pair.spin = solid.turn_reach();
   if (travel(solid, face) > solid.half_size) {
     const double touch = (this->*first)(solid, face, pair.radii);
     pair.watched = touch > 1;

@@ -46,16 +46,16 @@ class SurfaceCollider::MeshFace {
         radius_(collider.radius(face.nodes[0])),
         is_closed_(collider.surfaces_.is_closed(face.surface)) {
     pair_.slots = {body.slot, face.nodes[0], face.nodes[1], face.nodes[2]};
-    pair_.radii = radius_, pair_.spin = body.spin_reach;
+    pair_.radii = radius_, pair_.spin = body.turn_reach();
     double fastest = body.speed, travel = 0;
     for (const Slot s : face.nodes) {
       const double relative = (collider.velocity(s) - body.velocity).norm();
       fastest = std::max({fastest, collider.velocity(s).norm(), relative});
-      travel = std::max(travel, settings_.step * relative + body.spin_reach);
+      travel = std::max(travel, settings_.step * relative + body.turn_reach());
     }
     is_fast_ = travel > radius_;
     const double fall = settings_.gravity.norm() * settings_.step * settings_.step;
-    still_ = radius_ + settings_.margin + body.spin_reach + fall;
+    still_ = radius_ + settings_.margin + body.turn_reach() + fall;
     reach_ = std::max(still_ + settings_.step * fastest, deepest * radius_);
   }
 

@@ -38,7 +38,7 @@ std::vector<Struck> faster_than_sought(const RankState& state, const System& sys
     if (!turns && Eigen::Map<const Vec3>(system.bodies[i].v).norm() <= state.world.velocity[i].norm()) continue;
     const Proxy proxy = make_proxy(state.world, i, state.search.settings);
     const double speed = speed_of_surface(system.bodies[i], proxy, turns);
-    const double sought = step * proxy.speed + proxy.spin_reach + proxy.fall + state.search.settings.margin / 2;
+    const double sought = step * proxy.speed + proxy.turn_reach() + proxy.fall + state.search.settings.margin / 2;
     if (step * speed > sought + share * proxy.half_size)
       found.push_back({state.world.period.wrapped(proxy.position), way_of(state, system, i), proxy.radius + step * speed, speed,
                        proxy.half_size, proxy.id, proxy.group});
@@ -135,7 +135,7 @@ class RunOver {
     ball.position = s.centre + s.way, ball.velocity = Vec3::Zero(), ball.rotation = Mat3::Identity();
     ball.half = Vec3::Constant(s.half_size), ball.radius = ball.half_size = s.half_size;
     ball.kind = ShapeKind::sphere, ball.dynamic = true, ball.group = -1, ball.id = s.id;
-    other.position += way, other.velocity.setZero(), other.speed = other.spin_reach = 0;
+    other.position += way, other.velocity.setZero(), other.speed = other.spin_reach = other.bounce_reach = 0;
     bool inside = false;
     const auto judge = [&](const PairManifold& m) {
       for (int k = 0; k < m.count; ++k) inside = inside || m.points[k].gap < -share * s.half_size;
