@@ -8,9 +8,9 @@ namespace unibody {
 
 namespace {
 
-constexpr double least_turn = 0.05;               // rad in the step
+constexpr double least_turn = 0.05;                // rad in the step
 constexpr std::uint32_t first_feature = 1u << 17;  // beyond those of convex_pairs.cpp
-constexpr double apart = 1e-3;                    // of the smaller half size: points nearer to each other are one
+constexpr double apart = 1e-3;                     // of the smaller half size: points nearer to each other are one
 
 bool has_more_corners(const Proxy& p) { return p.kind == ShapeKind::hull || p.kind == ShapeKind::cylinder; }
 

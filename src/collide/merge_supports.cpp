@@ -22,6 +22,7 @@ class Supports {
   std::vector<std::size_t> find() {
     for (const double share : {1.0, 0.5, 0.25})
       if (!turned_.isZero(0)) add(share * turned_);
+    const std::size_t certain = chosen_.size();
     const double margin = reach_ > 0 ? tilts_.margin / reach_ : 0;
     double largest = 1;
     while (largest * tilts_.margin < tilts_.travel + turned_.norm() * reach_) largest *= 8;
@@ -31,6 +32,7 @@ class Supports {
         add(margin * Vec3(tilt * (std::cos(angle) * s_ + std::sin(angle) * t_)));
       }
     add(Vec3::Zero());
+    while (chosen_.size() > PairManifold::kept) leave_out_one(certain);
     return chosen_;
   }
 
@@ -47,6 +49,20 @@ class Supports {
     for (std::size_t k = 0; k < points_.size(); ++k)
       if (is_low(k) && (best == points_.size() || distance2(k) > (1 + alike_distances) * distance2(best))) best = k;
     chosen_.push_back(best);
+  }
+
+  // Of the two points that are nearest to each other, the shallower; the first so many stay, since the body is on its way to them.
+  void leave_out_one(std::size_t certain) {
+    double nearest = HUGE_VAL;
+    std::size_t out = chosen_.size() - 1;
+    for (std::size_t i = 0; i < chosen_.size(); ++i)
+      for (std::size_t j = std::max(i + 1, certain); j < chosen_.size(); ++j) {
+        const ContactPoint &p = points_[chosen_[i]], &q = points_[chosen_[j]];
+        const double distance2 = (p.position - q.position).squaredNorm();
+        if (distance2 >= (1 - alike_distances) * nearest) continue;
+        nearest = distance2, out = i < certain || q.gap >= p.gap ? j : i;
+      }
+    chosen_.erase(chosen_.begin() + static_cast<std::ptrdiff_t>(out));
   }
 
   const std::vector<ContactPoint>& points_;

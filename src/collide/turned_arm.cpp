@@ -20,9 +20,7 @@ bool is_furthest(const Shape& shape, const Vec3& point, const Vec3& outwards) {
 }
 
 // The least turn that leads a direction to where `turn` leads it: what is the same all around it does not show the rest.
-Mat3 swing_of(const Mat3& turn, const Vec3& axis) {
-  return Quat::FromTwoVectors(axis, turn * axis).toRotationMatrix();
-}
+Mat3 swing_of(const Mat3& turn, const Vec3& axis) { return Quat::FromTwoVectors(axis, turn * axis).toRotationMatrix(); }
 
 }  // namespace
 
@@ -37,7 +35,8 @@ Vec3 turned_arm(const World& world, Slot slot, const Vec3& arm, const Vec3& outw
     if (!convex || !(is_cylinder || convex->rounding(part) > 0)) return false;
     if (!is_furthest(part, axes.transpose() * (arm - place), axes.transpose() * outwards)) return false;
     const Vec3 offset = convex->rounding(part) * outwards;
-    result = is_cylinder ? Vec3(turn * place + swing_of(turn, axes.col(2)) * (arm - place)) : Vec3(turn * (arm - offset) + offset);
+    result =
+        is_cylinder ? Vec3(turn * place + swing_of(turn, axes.col(2)) * (arm - place)) : Vec3(turn * (arm - offset) + offset);
     return true;
   };
   Vec3 result = turn * arm;

@@ -16,8 +16,7 @@ Vec3 left_out_of_spin(const System& system, std::size_t slot) {
   return inverse_inertia_of(system.bodies, system.inertia, system.isotropic, slot) * system.gyroscopic[slot];
 }
 
-void set_starts(RankState& state, const System& system, std::span<const SolverBody> predicted,
-                std::span<const Vec3> left_out) {
+void set_starts(RankState& state, const System& system, std::span<const SolverBody> predicted, std::span<const Vec3> left_out) {
   const World& world = state.world;
   std::vector<BounceStart>& starts = state.impacts.starts;
   starts.assign(world.size() + 1, {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()});
@@ -41,7 +40,8 @@ void forget_impacts(RankState& state) {
     const CollideSettings& settings = state.search.settings;
     if (!settings.restitution.empty()) set_bounces(state.world, settings, state.contacts);
   }
-  impacts.displaced.clear(), impacts.turned.clear(), impacts.attitude.clear(), impacts.gaps_found.clear(), impacts.impulses.clear();
+  impacts.displaced.clear(), impacts.turned.clear(), impacts.attitude.clear(), impacts.gaps_found.clear(),
+      impacts.impulses.clear();
   impacts.settled.clear(), impacts.starts.clear();
 }
 

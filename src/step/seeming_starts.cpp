@@ -80,7 +80,8 @@ Vec3 SeemingStarts::spin(Slot s, double t) const {
 Mat3 SeemingStarts::inverse_inertia(Slot s, double t) const {
   const auto i = static_cast<std::size_t>(s);
   if (!moves(s)) return Mat3::Zero();
-  if (system_.isotropic[i] || state_.scene.planar) return inverse_inertia_of(system_.bodies, system_.inertia, system_.isotropic, i);
+  if (system_.isotropic[i] || state_.scene.planar)
+    return inverse_inertia_of(system_.bodies, system_.inertia, system_.isotropic, i);
   const Mat3 R = attitude(i, t).toRotationMatrix();
   return R * world_.properties[i].inertia.cwiseInverse().asDiagonal() * R.transpose();
 }

@@ -19,10 +19,10 @@ class SeemingStarts {
   bool is_round_body(Slot s) const { return is_round(world_.properties[static_cast<std::size_t>(s)].shape); }
 
   Vec3 velocity(Slot s) const { return Eigen::Map<const Vec3>(system_.bodies[static_cast<std::size_t>(s)].v); }  // m/s, mean
-  Vec3 acceleration(Slot s) const;                                                                              // m/s^2
-  Vec3 place(Slot s, double t) const;         // m, at a time of the step
-  Vec3 spin(Slot s, double t) const;          // rad/s, to which energy and momentum belong
-  Mat3 turn(Slot s, double t) const;          // from the attitude at the step's start; of round bodies the identity
+  Vec3 acceleration(Slot s) const;                                                                               // m/s^2
+  Vec3 place(Slot s, double t) const;            // m, at a time of the step
+  Vec3 spin(Slot s, double t) const;             // rad/s, to which energy and momentum belong
+  Mat3 turn(Slot s, double t) const;             // from the attitude at the step's start; of round bodies the identity
   Mat3 inverse_inertia(Slot s, double t) const;  // 1/(kg m^2), world frame
 
   // An impulse (N s) and an angular impulse (N m s) on a body that moves, at a time (s).

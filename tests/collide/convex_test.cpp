@@ -245,6 +245,37 @@ TEST(Convex, FacesGiveAllOfTheirCorners) {
     }
 }
 
+// A cylinder or a capsule that lies along a box's edge, neither over one of the edge's faces nor over the other, touches it from
+// end to end however it is turned by a thousandth. One of the two ends came and went.
+TEST(Convex, WhatLiesAlongAnEdgeTouchesFromEndToEnd) {
+  Random random(3);
+  const Vec3 h(1, 0.2, 0.15);
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 8; ++k) corners.push_back(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).cwiseProduct(h));
+  const Shape solid[] = {{ShapeKind::box, h}, hull_of(corners)},
+              round[] = {{ShapeKind::cylinder, {0.2, 0.2, 0.3}}, {ShapeKind::capsule, {0.2, 0.2, 0.5}}};
+  for (const Shape& under : solid)
+    for (const Shape& shape : round)
+      for (int trial = 0; trial < 100; ++trial) {
+        const double angle = random(0.4, 1.1), gap = random(-1e-3, 1e-3);
+        const Vec3 out(0, std::sin(angle), std::cos(angle)), edge(0, h.y(), h.z());
+        Body below = body(0, under.kind, under.size, Vec3::Zero());
+        below.properties.shape = under;
+        const Vec3 tilt = 1e-3 * random.vector(-1, 1);
+        const Quat turn =
+            Quat(1, tilt.x(), tilt.y(), tilt.z()).normalized() * Quat(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
+        Body above = body(1, shape.kind, shape.size, Vec3(random(-0.3, 0.3), 0, 0) + edge + (0.2 + gap) * out);
+        above.state.orientation = turn;
+        above.properties.shape = shape;
+        const Pair found = collide_two(below, above, {});
+        double length = 0;
+        for (const ContactPoint& p : found.points)
+          for (const ContactPoint& q : found.points) length = std::max(length, (p.position - q.position).norm());
+        EXPECT_GT(length, 0.59) << trial << ' ' << angle << ' ' << gap;
+        EXPECT_LT(std::abs(std::abs(found.normal.dot(out)) - 1), 1e-4) << trial;
+      }
+}
+
 // A cube as a hull touches as a box does.
 TEST(Convex, HullOfABoxTouchesAsTheBox) {
   Random random(5);

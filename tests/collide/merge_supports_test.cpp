@@ -59,6 +59,37 @@ TEST(MergeSupports, TheLowestAreKeptAtEveryTilt) {
   }
 }
 
+// Of a body that turns in the step by a known angle, the point that comes down furthest is kept, however far that is beyond the
+// margin: it was lost where others stood for it at smaller tilts.
+TEST(MergeSupports, WhatATurnBringsDownIsKept) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  int beyond = 0;
+  for (int round = 0; round < 200; ++round) {
+    std::vector<PairManifold> all, merged;
+    for (int piece = 0; piece < 6; ++piece) {
+      std::vector<ContactPoint> points;
+      for (std::uint32_t k = 0; k < 5; ++k) {
+        const Vec3 at(0.1 * unit(random), 0.1 * unit(random), 0);
+        points.push_back({at, 2 * at.squaredNorm() + 1e-4 * unit(random), k});
+      }
+      all.push_back(manifold(Vec3::UnitZ(), points));
+    }
+    const Vec3 turn = 0.4 * Vec3(unit(random), unit(random), unit(random)), slope = Vec3::UnitZ().cross(turn);
+    double of_all = HUGE_VAL, of_small = HUGE_VAL;
+    for (const PairManifold& m : all) of_all = std::min(of_all, lowest(m, slope));
+    merged = all;
+    merge_supports(merged, {margin});
+    of_small = lowest(merged[0], slope);
+    merged = all;
+    merge_supports(merged, {margin, 0, turn});
+    ASSERT_LE(merged[0].count, PairManifold::kept);
+    EXPECT_LT(lowest(merged[0], slope) - of_all, margin) << round;
+    beyond += of_small - of_all > margin;
+  }
+  EXPECT_GT(beyond, 50);  // what the turn is asked for
+}
+
 // Of a flat underside the corners alone, each once, though pieces share them, and each as it was.
 TEST(MergeSupports, OfAFlatUndersideItsCornersAreKept) {
   std::vector<PairManifold> pieces;
