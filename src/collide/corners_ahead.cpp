@@ -36,8 +36,9 @@ void add_corners_of(const Proxy& body, const Proxy& other, const Vec3& origin, c
   if (!body.dynamic || !has_more_corners(body) || !(turn.norm() > least_turn)) return;
   if (other.kind != ShapeKind::plane && !type_of(other.kind).convex) return;
   const Vec3 surface = other.kind == ShapeKind::plane ? other.position : furthest(other, -way);
-  for (const double share : {0.5, 1.0}) {
-    const Vec3 corner = furthest(body, way + share * way.cross(turn));
+  const Vec3 tilt = way.cross(turn), aside = 0.5 * turn.norm() * way.cross(tilt).normalized();
+  for (const Vec3& lean : {Vec3(0.5 * tilt), tilt, Vec3(0.5 * tilt + aside), Vec3(0.5 * tilt - aside)}) {
+    const Vec3 corner = furthest(body, way + lean);
     const double gap = way.dot(surface - corner);
     if (!(gap <= margin) || !is_over(other, corner, gap, way)) continue;
     const Vec3 place = corner + 0.5 * gap * way - origin;
@@ -53,7 +54,7 @@ void add_corners_of(const Proxy& body, const Proxy& other, const Vec3& origin, c
 void add_corners_ahead(const Proxy& first, const Proxy& second, double step, double margin, PairManifold& m) {
   if (m.count == 0) return;
   add_corners_of(first, second, first.position, -m.normal, step, margin, first_feature, m);
-  add_corners_of(second, first, first.position, m.normal, step, margin, first_feature + 2, m);
+  add_corners_of(second, first, first.position, m.normal, step, margin, first_feature + 4, m);
 }
 
 }  // namespace unibody
