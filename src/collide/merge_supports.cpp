@@ -51,7 +51,8 @@ class Supports {
     chosen_.push_back(best);
   }
 
-  // Of the two points that are nearest to each other, the shallower; the first so many stay, since the body is on its way to them.
+  // Of the two points that are nearest to each other, the shallower; the first so many stay, since the body is on its way to
+  // them.
   void leave_out_one(std::size_t certain) {
     double nearest = HUGE_VAL;
     std::size_t out = chosen_.size() - 1;
