@@ -2,8 +2,9 @@
 //
 // The solve and the update of positions know one velocity a body and step. A body that is hit at a time t of the step goes on as
 // if it had started the step elsewhere: so that with its new velocity it is at t where it was hit, in the attitude in which it
-// was hit. Its place is so corrected by -t times its change of velocity. Of its attitude that is what its new momentum would have
-// turned it back to; so between impacts a body turns freely, with the energy and the angular momentum that the last one left it.
+// was hit. Its place is corrected by -t times its change of velocity. Its attitude becomes the one from which its new momentum
+// would have turned it to where it was hit: between impacts a body turns freely, with the energy and the angular momentum that
+// the last one has left it.
 #pragma once
 
 #include "step/rank_state.hpp"
@@ -12,7 +13,7 @@ namespace unibody {
 
 class SeemingStarts {
  public:
-  // Fills state.impacts.displaced and state.impacts.turned with zeros. `system` as predicted. Collective.
+  // Nothing is hit yet: fills what state.impacts has by slot with zeros. `system` as predicted. Collective.
   SeemingStarts(RankState& state, System& system);
 
   bool moves(Slot s) const { return system_.bodies[static_cast<std::size_t>(s)].inverse_mass > 0; }
