@@ -96,6 +96,11 @@ FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, co
   return motion;
 }
 
+Quat turn_by(const Vec3& rotation) {
+  const double angle = rotation.norm();
+  return angle > 0 ? Quat(Eigen::AngleAxisd(angle, rotation / angle)) : Quat::Identity();
+}
+
 Quat turned_by(const Quat& orientation, const Vec3& spin, double step) {
   const Vec3 half = 0.5 * step * spin;
   return (Quat(1, half.x(), half.y(), half.z()) * orientation).normalized();

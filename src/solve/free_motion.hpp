@@ -27,6 +27,9 @@ InverseInertia inverse_inertia(const Quat& orientation, const Vec3& inverse_mome
 
 FreeMotion predict_motion(const BodyProperties& body, const BodyState& state, const Vec3& gravity, double step, bool planar);
 
+// The turn by a rotation vector: its direction the axis, its length the angle (rad).
+Quat turn_by(const Vec3& rotation);
+
 // An orientation after a step of rotation at `spin` (rad/s, world axes).
 Quat turned_by(const Quat& orientation, const Vec3& spin, double step);
 

@@ -228,7 +228,7 @@ BodyState seeming_start(const RankState& state, std::size_t i) {
   if (state.impacts.displaced.empty() || i >= state.world.homes) return start;
   start.position += state.impacts.displaced[i];
   const Vec3& turn = state.impacts.attitude[i];
-  if (!turn.isZero(0)) start.orientation = Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * start.orientation;
+  if (!turn.isZero(0)) start.orientation = turn_by(turn) * start.orientation;
   return start;
 }
 

@@ -160,9 +160,15 @@ class Impacts {
     const Vec3 place = share * (at_a + own_arm(m, p, pair.a, t)) + (1 - share) * (at_b + own_arm(m, p, pair.b, t));
     return {place - at_a, place - at_b, 0};
   }
-  Vec3 velocity_at(const Pair& pair, const Point& point, double t) const {
-    return velocity(pair.a) + starts_->spin(pair.a, t).cross(point.arm_a) - velocity(pair.b) -
-           starts_->spin(pair.b, t).cross(point.arm_b) + (t - 0.5 * step_) * (acceleration(pair.a) - acceleration(pair.b));
+  // How a pair moves at a time.
+  struct PairMotion {
+    double time;          // s
+    Vec3 spin_a, spin_b;  // rad/s
+  };
+  PairMotion motion_at(const Pair& pair, double t) const { return {t, starts_->spin(pair.a, t), starts_->spin(pair.b, t)}; }
+  Vec3 velocity_at(const Pair& pair, const Point& point, const PairMotion& motion) const {
+    return velocity(pair.a) + motion.spin_a.cross(point.arm_a) - velocity(pair.b) - motion.spin_b.cross(point.arm_b) +
+           (motion.time - 0.5 * step_) * (acceleration(pair.a) - acceleration(pair.b));
   }
   bool counts(const Pair& pair, double closing) const {
     double g = state_.traits.gravity;  // or what else two bodies that lie on each other close by
@@ -179,15 +185,17 @@ class Impacts {
                                                  faster, step_, radius(pair.a) + radius(pair.b), from, step_);
       if (time == never) return never;
       const Touch touch = touch_of(pair, time);
-      return counts(pair, -touch.normal.dot(velocity_at(pair, touch.points[0], time))) ? time : never;
+      return counts(pair, -touch.normal.dot(velocity_at(pair, touch.points[0], motion_at(pair, time)))) ? time : never;
     }
     const Manifold& m = contacts_.manifolds[pair.manifold];
     const auto points = points_of(pair);
+    const PairMotion half_way = motion_at(pair, 0.5 * step_);
     double first = never;
     for (std::uint32_t k = 0; k < m.count; ++k) {
-      const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
+      const double speed = m.normal.dot(velocity_at(pair, points[k], half_way));
       const double time = first_touch_of_plane(points[k].gap, speed, m.normal.dot(faster), step_, from, step_);
-      if (time < first && counts(pair, -m.normal.dot(velocity_at(pair, touching_point(pair, k, time), time)))) first = time;
+      if (time < first && counts(pair, -m.normal.dot(velocity_at(pair, touching_point(pair, k, time), motion_at(pair, time)))))
+        first = time;
     }
     return first;
   }
@@ -209,12 +217,13 @@ class Impacts {
       touch.points[touch.count++] = {point - at_a, point - at_b, 0};
       return touch;
     }
+    const PairMotion half_way = motion_at(pair, 0.5 * step_);
     const auto points = points_of(pair);
     const double size = std::min(smallest_size(world_.properties[static_cast<std::size_t>(pair.a)].shape),
                                  smallest_size(world_.properties[static_cast<std::size_t>(pair.b)].shape));
     const double faster = m.normal.dot(acceleration(pair.a) - acceleration(pair.b));
     for (std::uint32_t k = 0; k < m.count; ++k) {
-      const double speed = m.normal.dot(velocity_at(pair, points[k], 0.5 * step_));
+      const double speed = m.normal.dot(velocity_at(pair, points[k], half_way));
       if (points[k].gap + t * speed + 0.5 * t * (t - step_) * faster > 1e-6 * size) continue;
       touch.points[touch.count++] = touching_point(pair, k, t);
     }
@@ -277,12 +286,13 @@ class Impacts {
     const auto i = static_cast<std::size_t>(pair.a), j = static_cast<std::size_t>(pair.b);
     const Mat3 turn_a = starts_->inverse_inertia(pair.a, pair.time), turn_b = starts_->inverse_inertia(pair.b, pair.time);
     const double linear = system_.bodies[i].inverse_mass + system_.bodies[j].inverse_mass;
+    const PairMotion now = motion_at(pair, pair.time);
     Blow blow;
     blow.count = touch.count;
     for (std::uint32_t k = 0; k < touch.count; ++k) {
       const Point& point = touch.points[k];
       const Vec3 own = surface_velocity_between(world_, pair.a, point.arm_a, pair.b, point.arm_b, touch.normal);
-      blow.before[k] = axes.transpose() * (velocity_at(pair, point, pair.time) - own), blow.impulse[k].setZero();
+      blow.before[k] = axes.transpose() * (velocity_at(pair, point, now) - own), blow.impulse[k].setZero();
       for (std::uint32_t l = 0; l < touch.count; ++l)
         for (int x = 0; x < 3; ++x) {
           const Vec3 f = axes.col(x);

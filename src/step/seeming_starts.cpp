@@ -11,11 +11,6 @@ namespace {
 Eigen::Map<Vec3> velocity_of(SolverBody& body) { return Eigen::Map<Vec3>(body.v); }
 Eigen::Map<Vec3> spin_of(SolverBody& body) { return Eigen::Map<Vec3>(body.w); }
 
-Quat rotation(const Vec3& turn) {
-  const double angle = turn.norm();
-  return angle > 0 ? Quat(Eigen::AngleAxisd(angle, turn / angle)) : Quat::Identity();
-}
-
 Vec3 vector_of(const Quat& rotation) {
   const Eigen::AngleAxisd turn(rotation);
   return turn.angle() * turn.axis();
@@ -54,7 +49,7 @@ Vec3 SeemingStarts::place(Slot s, double t) const {
 }
 
 Quat SeemingStarts::seeming_attitude(std::size_t i) const {
-  return rotation(state_.impacts.attitude[i]) * world_.orientation_of(i);
+  return turn_by(state_.impacts.attitude[i]) * world_.orientation_of(i);
 }
 
 Quat SeemingStarts::attitude(std::size_t i, double t) const {

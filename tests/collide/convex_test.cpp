@@ -246,7 +246,7 @@ TEST(Convex, FacesGiveAllOfTheirCorners) {
 }
 
 // A cylinder or a capsule that lies along a box's edge, neither over one of the edge's faces nor over the other, touches it from
-// end to end however it is turned by a thousandth. One of the two ends came and went.
+// end to end however it is turned by a thousandth. The contact point at one of its ends came and went with rounding.
 TEST(Convex, WhatLiesAlongAnEdgeTouchesFromEndToEnd) {
   Random random(3);
   const Vec3 h(1, 0.2, 0.15);
