@@ -55,8 +55,8 @@ inline bool is_particle(const World& world, Slot slot) {
 // The arm (m) from a body's centre to where the contact's forces act on it: the point, both where they are at the manifold's
 // time. A particle has no turn of its own: forces on it act at its centre, on the other body too. So angular momentum is kept,
 // and what lies on a turning body goes round with it, where the body's surface itself is faster or slower by the particle's
-// radius. Of a body that is not round and meets something that forces don't move, it is the point of the body's own surface: from
-// half way across the gap friction would turn it too much, as it does spheres that land.
+// radius. Where a body that is not round touches one that forces do not move, the arm ends on the body's own surface: from half
+// way across the gap friction would turn the body too much, as it does spheres that land.
 inline Vec3 arm_of(const World& world, const Manifold& m, const ContactPoint& point, Slot slot) {
   const Slot other = slot == m.slot_a ? m.slot_b : m.slot_a;
   Vec3 arm = (is_particle(world, other) ? place_then(world, m, other) : point.position) - place_then(world, m, slot);
