@@ -78,8 +78,8 @@ TEST_P(Impacts, GlancingOnesKeepAngularMomentum) {
 }
 
 // A round body that lands sliding rolls on at v0 / (1 + I / (m r^2)), since friction leaves it its angular momentum about the
-// point of contact; wherever in the step it touches, and however it bounces before. A compound ball, a cylinder and a capsule ended at up
-// to 2.1 m/s having started at 2, since their contact was held to move along the ground by half of their way.
+// point of contact; wherever in the step it touches, and however it bounces before. A compound ball, a cylinder and a capsule
+// ended at up to 2.1 m/s having started at 2, since their contact was held to move along the ground by half of their way.
 TEST_P(Impacts, WhatLandsSlidingRollsOn) {
   const double r = 0.08, c = 0.3;  // m; a capsule's volumes are pi r^2 c and 4/3 pi r^3
   const double rod = c, cap = 4.0 / 3 * r;
