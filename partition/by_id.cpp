@@ -1,13 +1,16 @@
 #include "partition/by_id.hpp"
 
-#include <numeric>
+#include <map>
 
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "partition/messages.hpp"
 
 namespace unibody {
 
 namespace {
+
+constexpr int tag_rows = 161;
 
 int rank_in(MPI_Comm comm) {
   int rank = 0;
@@ -24,32 +27,30 @@ IdBlocks id_blocks(MPI_Comm comm, Id count) {
 }
 
 std::vector<std::byte> exchange_bytes(MPI_Comm comm, std::span<const int> target, const std::byte* records, std::size_t size) {
-  int ranks = 1;
-  check_mpi(MPI_Comm_size(comm, &ranks));
-  const auto n = static_cast<std::size_t>(ranks);
-  std::vector<int> send(n), receive(n), send_at(n + 1), receive_at(n + 1);
-  for (int t : target) ++send[static_cast<std::size_t>(t)];
-  check_mpi(MPI_Alltoall(send.data(), 1, MPI_INT, receive.data(), 1, MPI_INT, comm));
-  const auto all_of = [](const std::vector<int>& counts) {
-    return std::accumulate(counts.begin(), counts.end(), std::size_t{0},
-                           [](std::size_t sum, int count) { return sum + static_cast<std::size_t>(count); });
-  };
-  for (const auto* counts : {&send, &receive}) static_cast<void>(mpi_count(all_of(*counts)));  // so that the places fit an int
-  std::partial_sum(send.begin(), send.end(), send_at.begin() + 1);
-  std::partial_sum(receive.begin(), receive.end(), receive_at.begin() + 1);
-
-  std::vector<std::byte> sorted(target.size() * size), received(static_cast<std::size_t>(receive_at[n]) * size);
-  auto place = send_at;
-  for (std::size_t k = 0; k < target.size(); ++k) {
-    const auto at = static_cast<std::size_t>(place[static_cast<std::size_t>(target[k])]++);
-    std::memcpy(sorted.data() + at * size, records + k * size, size);
+  std::map<int, std::size_t> count;
+  for (const int rank : target) ++count[rank];
+  std::vector<std::byte> sorted(target.size() * size), received;
+  std::vector<SentRecords> to;
+  std::map<int, std::byte*> next;
+  for (std::byte* first = sorted.data(); const auto& [rank, n] : count) {
+    to.push_back({rank, first, n});
+    next[rank] = first;
+    first += n * size;
   }
-  MPI_Datatype type;  // counts and places are in records, not bytes, so that they fit an int
-  check_mpi(MPI_Type_contiguous(mpi_count(size), MPI_BYTE, &type));
-  check_mpi(MPI_Type_commit(&type));
-  check_mpi(MPI_Alltoallv(sorted.data(), send.data(), send_at.data(), type, received.data(), receive.data(), receive_at.data(),
-                          type, comm));
-  check_mpi(MPI_Type_free(&type));
+  for (std::size_t k = 0; k < target.size(); ++k) {
+    std::byte*& place = next[target[k]];
+    std::memcpy(place, records + k * size, size);
+    place += size;
+  }
+  ListsByRank<std::byte> from;
+  exchange_records(comm, to, size, tag_rows, [&](int rank, std::size_t n) -> void* {
+    from[rank].resize(n * size);
+    return from[rank].data();
+  });
+  for (auto& [rank, bytes] : from) {
+    received.insert(received.end(), bytes.begin(), bytes.end());
+    bytes = {};
+  }
   return received;
 }
 

@@ -2,16 +2,19 @@
 //
 // Each body has one home rank, which alone moves it. A rank keeps copies, "guests", of the bodies of other ranks whose swept
 // bounds may meet those of its own; with them it evaluates every constraint of its home bodies, so that nothing but the bodies'
-// states ever travels. Two ranks find the bodies that they share by comparing the cells of space that their bodies touch; the
-// bounds are taken somewhat too large, so that the list serves for several steps. The price: guests that never touch anything are
-// refreshed as well.
+// states ever travels. Two ranks find the bodies that they share by comparing the cells of space that their bodies touch
+// (neighbours.hpp); the bounds are taken somewhat too large, so that the list serves for several steps. The price: guests that
+// never touch anything are refreshed as well.
 //
-// The global state lives in four ghosted PETSc Vecs over the World's own arrays, two where nothing rotates: homes first, then
-// guests.
+// The global state lives in four PETSc Vecs over the World's own arrays, two where nothing rotates. A star forest of PETSc brings
+// the guests' values from them: it is made of pairs of a rank and a place there, so that a new list of guests asks nothing of
+// ranks that share none.
 #pragma once
 
+#include <petscsf.h>
 #include <petscvec.h>
 
+#include <initializer_list>
 #include <map>
 #include <span>
 #include <vector>
@@ -19,6 +22,7 @@
 #include "collide/collide.hpp"
 #include "collide/surfaces.hpp"
 #include "core/capacity.hpp"
+#include "partition/messages.hpp"
 #include "world/world.hpp"
 
 namespace unibody {
@@ -53,13 +57,11 @@ class Halo {
 
   std::size_t bytes() const { return bytes_of(registered_) + bytes_of(guest_rank_); }
 
-  // The ghosted Vecs: position (block 3), orientation (4: x, y, z, w), velocity (3), angular velocity (3);
-  // null where nothing rotates.
+  // Of the home bodies: position (block 3), orientation (4: x, y, z, w), velocity (3), angular velocity (3).
   enum Field { position, orientation, velocity, angular_velocity, field_count };
-  Vec vec(Field field) const { return vec_[field]; }
 
-  // One field of the guests from their homes, in between. Collective.
-  void update(Field field) const;
+  // These fields of the guests from their homes, in between. Collective.
+  void update(World& world, std::initializer_list<Field> fields);
 
   // Sets the guests' values to those that their homes have for them; values: one a slot. Collective, and meant for what is rare:
   // all ranks talk with all.
@@ -70,13 +72,14 @@ class Halo {
   std::vector<Bounds> reach(const World& world, const CollideSettings& settings, const Surfaces* surfaces, bool skin) const;
   bool still_valid(const World& world, const CollideSettings& settings, const Surfaces* surfaces) const;
   void find_guests(World& world, const CollideSettings& settings, Surfaces* surfaces);
-  void make_vecs(World& world, const std::vector<PetscInt>& guest_global);
+  void make_vecs(World& world);
   void destroy_vecs();
-  void update_guests();
-  std::vector<Guest> subscribed_guests(const World& world, std::int64_t first) const;
+  void make_forest(const World& world);
+  void follow_arrays(World& world);
+  void update_guests(World& world);
+  std::vector<Guest> guests_of(const World& world, const ListsByRank<Slot>& near) const;
   void place_guests(World& world, std::vector<Guest> guests);
   void put_guests(World& world, std::span<const Guest> guests);
-  std::int64_t first_global(const World& world) const;  // index of the first home body in the Vecs
 
   MPI_Comm comm_;
   int rank_ = 0, size_ = 1;
@@ -86,7 +89,10 @@ class Halo {
   std::map<int, std::vector<Slot>> subscribed_;  // by rank: home bodies that it wants, ascending
   std::vector<Bounds> registered_;               // of each home body: the bounds that the guest list is good for
   std::vector<int> guest_rank_;
-  Vec vec_[field_count] = {};
+  std::vector<Slot> guest_slot_;  // of each guest, at home
+  Vec vec_[field_count] = {};     // null where nothing rotates
+  PetscSF forest_ = nullptr;      // roots: homes; leaves: guests
+  RecordType three_{3 * sizeof(double)}, four_{4 * sizeof(double)};
 };
 
 }  // namespace unibody

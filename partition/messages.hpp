@@ -1,9 +1,10 @@
-// Typed point-to-point exchanges of lists whose lengths only the sender knows. Results come back in order of rank, whatever the
-// order of arrival.
+// Exchanges of lists whose lengths only the sender knows. Results come in order of rank, whatever the order of arrival.
 #pragma once
 
 #include <mpi.h>
 
+#include <functional>
+#include <map>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -51,26 +52,66 @@ std::vector<std::vector<T>> exchange_with(MPI_Comm comm, std::span<const int> ra
   return from;
 }
 
-// Collective: to[r] goes to rank r; the result's r-th list came from it. Only non-empty lists are sent.
+struct SentRecords {
+  int rank;
+  const void* first;
+  std::size_t count;
+};
+
+// Collective. Sends records of `size` bytes to ranks that do not know of it: what a rank sends and receives grows with those it
+// has to do with, not with all there are (the non-blocking consensus of T. Hoefler, C. Siebert and A. Lumsdaine, Scalable
+// communication protocols for dynamic sparse data exchange, PPoPP 2010). room(rank, count) is called once for each rank that
+// sends, in any order, and returns where its records go. tag: below 1000.
+void exchange_records(MPI_Comm comm, std::span<const SentRecords> to, std::size_t size, int tag,
+                      const std::function<void*(int rank, std::size_t count)>& room);
+
+// Only ranks that there is something for, or from, are named.
 template <typename T>
-std::vector<std::vector<T>> exchange_all(MPI_Comm comm, const std::vector<std::vector<T>>& to, int tag) {
-  static_assert(std::is_trivially_destructible_v<T>);  // plain data; Eigen's fixed sizes are, though not by the letter
-  const RecordType type(sizeof(T));
-  const std::size_t size = to.size();
-  std::vector<int> out(size), in(size);
-  for (std::size_t r = 0; r < size; ++r) out[r] = mpi_count(to[r].size());
-  check_mpi(MPI_Alltoall(out.data(), 1, MPI_INT, in.data(), 1, MPI_INT, comm));
-  std::vector<std::vector<T>> from(size);
-  std::vector<MPI_Request> requests;
-  for (std::size_t r = 0; r < size; ++r) {
-    if (in[r] == 0) continue;
-    from[r].resize(static_cast<std::size_t>(in[r]));
-    check_mpi(MPI_Irecv(from[r].data(), in[r], type, static_cast<int>(r), tag, comm, &requests.emplace_back()));
-  }
-  for (std::size_t r = 0; r < size; ++r)
-    if (out[r] > 0) check_mpi(MPI_Isend(to[r].data(), out[r], type, static_cast<int>(r), tag, comm, &requests.emplace_back()));
-  check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+using ListsByRank = std::map<int, std::vector<T>>;
+
+// Collective: to[r] goes to rank r; the result's list of r came from it. Empty lists are not sent.
+template <typename T>
+ListsByRank<T> exchange_lists(MPI_Comm comm, const ListsByRank<T>& to, int tag) {
+  static_assert(std::is_trivially_destructible_v<T>);
+  std::vector<SentRecords> records;
+  for (const auto& [rank, list] : to)
+    if (!list.empty()) records.push_back({rank, list.data(), list.size()});
+  ListsByRank<T> from;
+  exchange_records(comm, records, sizeof(T), tag, [&](int rank, std::size_t count) -> void* {
+    auto& list = from[rank];
+    list.resize(count);
+    return list.data();
+  });
   return from;
+}
+
+// The lists one after the other, in order of rank.
+template <typename T>
+std::vector<T> joined(const ListsByRank<T>& lists) {
+  std::vector<T> all;
+  for (const auto& [rank, list] : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+// Collective: the records of every rank, on every rank, in order of rank. For what is rare: where there are any, each rank hears
+// how many each has.
+template <typename T>
+std::vector<T> all_of_ranks(MPI_Comm comm, std::span<const T> here) {
+  static_assert(std::is_trivially_destructible_v<T>);
+  const int count = mpi_count(here.size());
+  std::int64_t total = count;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, comm));
+  std::vector<T> all(static_cast<std::size_t>(total));
+  if (all.empty()) return all;
+  int ranks = 1;
+  check_mpi(MPI_Comm_size(comm, &ranks));
+  std::vector<int> counts(static_cast<std::size_t>(ranks)), first(counts);
+  check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm));
+  static_cast<void>(mpi_count(all.size()));  // so that the places fit an int
+  for (std::size_t r = 1; r < counts.size(); ++r) first[r] = first[r - 1] + counts[r - 1];
+  const RecordType type(sizeof(T));
+  check_mpi(MPI_Allgatherv(here.data(), count, type, all.data(), counts.data(), first.data(), type, comm));
+  return all;
 }
 
 }  // namespace unibody

@@ -1,6 +1,7 @@
 #include "partition/migrate.hpp"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <type_traits>
 
@@ -41,38 +42,36 @@ Multipliers keep_own(const World& world, const Multipliers& all) {
 }
 
 void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<const int> home) {
-  int rank = 0, size = 1;
-  check_mpi(MPI_Comm_rank(comm, &rank));
-  check_mpi(MPI_Comm_size(comm, &size));
-  const auto ranks = static_cast<std::size_t>(size);
-
   // A pair's multipliers go wherever one of its bodies goes.
-  std::vector<Multipliers> out(ranks);
+  std::map<int, Multipliers> out;
   for (std::size_t i = 0; i < multipliers.manifolds.size(); ++i) {
     const RememberedManifold& m = multipliers.manifolds[i];
     const int to_a = destination(world, home, m.id_a), to_b = destination(world, home, m.id_b);
-    if (to_a >= 0) out[static_cast<std::size_t>(to_a)].append(multipliers, i);
-    if (to_b >= 0 && to_b != to_a) out[static_cast<std::size_t>(to_b)].append(multipliers, i);
+    if (to_a >= 0) out[to_a].append(multipliers, i);
+    if (to_b >= 0 && to_b != to_a) out[to_b].append(multipliers, i);
   }
-  std::vector<std::vector<Body>> bodies(ranks);
-  for (std::size_t i = 0; i < world.homes; ++i) bodies[static_cast<std::size_t>(home[i])].push_back(world.body(i));
+  ListsByRank<Body> bodies;
+  for (std::size_t i = 0; i < world.homes; ++i) bodies[home[i]].push_back(world.body(i));
 
-  std::vector<Body> mine;
-  for (const auto& list : exchange_all(comm, bodies, tag_bodies)) mine.insert(mine.end(), list.begin(), list.end());
+  std::vector<Body> mine = joined(exchange_lists(comm, bodies, tag_bodies));
   std::sort(mine.begin(), mine.end(), [](const Body& a, const Body& b) { return a.id < b.id; });
 
   const auto exchange = [&](auto Multipliers::*list, int tag) {
-    std::vector<std::remove_reference_t<decltype(out[0].*list)>> lists(ranks);
-    for (std::size_t r = 0; r < ranks; ++r) lists[r] = std::move(out[r].*list);
-    return exchange_all(comm, lists, tag);
+    std::map<int, std::remove_reference_t<decltype(out[0].*list)>> lists;
+    for (auto& [rank, multipliers_there] : out) lists[rank] = std::move(multipliers_there.*list);
+    return exchange_lists(comm, lists, tag);
   };
   const auto manifolds = exchange(&Multipliers::manifolds, tag_manifolds);
   const auto points = exchange(&Multipliers::points, tag_points);
   const auto places = exchange(&Multipliers::places, tag_places);
   const auto creeps = exchange(&Multipliers::creeps, tag_creeps);
   Multipliers all;
-  for (std::size_t r = 0; r < ranks; ++r) {
-    const Multipliers from{manifolds[r], points[r], creeps[r], places[r]};
+  for (const auto& [rank, list] : manifolds) {
+    const auto of_rank = [rank](const auto& lists) {
+      const auto found = lists.find(rank);
+      return found != lists.end() ? found->second : typename std::remove_reference_t<decltype(lists)>::mapped_type{};
+    };
+    const Multipliers from{list, of_rank(points), of_rank(creeps), of_rank(places)};
     for (std::size_t i = 0; i < from.manifolds.size(); ++i) all.append(from, i);
   }
 

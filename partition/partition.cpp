@@ -1,220 +1,178 @@
 #include "partition/partition.hpp"
 
-#include <metis.h>
-
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
-#include <cstdio>
-#include <limits>
 #include <map>
 #include <numeric>
-#include <unordered_map>
+#include <set>
 
 #include "core/checked.hpp"
-#include "core/errors.hpp"
-#include "partition/bisection.hpp"
+#include "core/hash.hpp"
+#include "partition/cell_graph.hpp"
+#include "partition/hilbert.hpp"
 #include "partition/messages.hpp"
 
 namespace unibody {
 
 namespace {
 
-constexpr int tag_graph_cells = 131, tag_graph_links = 132;
-
-// A patch is a cell in a layer of its own: x its number, y its group.
-constexpr std::int32_t patch_layer = std::numeric_limits<std::int32_t>::min();
-
-struct Cell {
-  std::int32_t x, y, z;
-  float weight;
-  std::int32_t owner;  // rank that holds most of it now
-  std::int32_t unused = 0;
-};
-
-bool before(const Cell& a, const Cell& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
-bool same_place(const Cell& a, const Cell& b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
-
-Cell cell_at(const Vec3& p, double edge) {
-  const auto index = [&](double x) { return static_cast<std::int32_t>(std::floor(std::clamp(x / edge, -1e9, 1e9))); };
-  return {index(p.x()), index(p.y()), index(p.z()), 0, 0};
-}
+constexpr int tag_cells = 131, tag_links = 132, tag_parts = 133, tag_patches = 134, tag_centres = 135;
 
 Cell cell_of(const Patch& p) { return {p.number, p.group, patch_layer, 0, 0}; }
 
-// Sorted cells without repeats; weights added, the heaviest contributor owns.
-std::vector<Cell> merge(std::vector<Cell> cells) {
-  std::sort(cells.begin(), cells.end(), [](const Cell& a, const Cell& b) {
-    return before(a, b) || (same_place(a, b) && (a.weight > b.weight || (a.weight == b.weight && a.owner < b.owner)));
-  });
-  std::size_t n = 0;
-  for (const Cell& c : cells)
-    if (n > 0 && same_place(cells[n - 1], c))
-      cells[n - 1].weight += c.weight;
-    else
-      cells[n++] = c;
-  cells.resize(n);
-  return cells;
-}
-
-// The graph of cells that share a face, edge weights the smaller of the two cells' weights: a guess at the contacts between them.
-struct Graph {
-  std::vector<idx_t> begin, neighbour, edge_weight, node_weight;
+// Ranks [first(g), first(g + 1)) share group g.
+struct Groups {
+  int count, ranks;
+  int first(int group) const { return static_cast<int>(std::int64_t{ranks} * group / count); }
 };
 
-// Patches are neighbours where constraints tie them together, cells where joints do.
-using Links = std::map<std::pair<std::size_t, std::size_t>, float>;
-struct CellLink {
-  Cell a, b;
-  float weight;
+// What is known here of a patch: the weight of its nodes, and their places times their weights.
+struct PatchSum {
+  Patch patch;
+  double weight = 0;
+  Vec3 moment = Vec3::Zero();
+};
+struct PatchCentre {
+  Patch patch;
+  Cell cell;  // of space, where the middle of the patch lies
 };
 
-Links links_between(const std::vector<Cell>& cells, std::span<const CellLink> links) {
-  Links result;
-  const auto find = [&](const Cell& cell) {
-    const auto at = std::lower_bound(cells.begin(), cells.end(), cell, before);
-    return at != cells.end() && same_place(*at, cell) ? static_cast<std::size_t>(at - cells.begin()) : cells.size();
+// Collective. Where the patches lie that this rank has nodes of, or links to.
+std::map<Patch, Cell> patch_centres(MPI_Comm comm, const std::map<Patch, PatchSum>& sums, double edge) {
+  int ranks = 1;
+  check_mpi(MPI_Comm_size(comm, &ranks));
+  const auto keeper = [&](const Patch& p) {
+    return static_cast<int>(Hash().add(std::int64_t{p.group}).add(std::int64_t{p.number}).value() %
+                            static_cast<std::uint64_t>(ranks));
   };
-  for (const CellLink& link : links) {
-    const std::size_t a = find(link.a), b = find(link.b);
-    if (a == b || a >= cells.size() || b >= cells.size()) continue;
-    result[{a, b}] += link.weight, result[{b, a}] += link.weight;
-  }
-  return result;
-}
-
-// METIS adds up the weights of all nodes and of all edges as idx_t, without looking whether they fit. So the weights are whole
-// multiples of a unit so large that the sums stay below this; at least 1, which few cells come to.
-constexpr double most_weight = 1 << 28;
-
-std::vector<idx_t> in_units(std::span<const double> weights, double unit) {
-  std::vector<idx_t> whole;
-  for (const double w : weights) whole.push_back(std::max<idx_t>(1, static_cast<idx_t>(std::lround(w / unit))));
-  return whole;
-}
-
-Graph graph_of(const std::vector<Cell>& cells, const Links& links) {
-  Graph g;
-  std::vector<double> node_weight, edge_weight;
-  for (const Cell& c : cells) node_weight.push_back(c.weight);
-  const double total = std::accumulate(node_weight.begin(), node_weight.end(), 0.0);
-  const double heaviest = *std::max_element(node_weight.begin(), node_weight.end());
-  const double unit = std::max({1e-30, heaviest / 1000, total / most_weight});
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::size_t first = g.neighbour.size();
-    g.begin.push_back(static_cast<idx_t>(first));
-    for (auto it = links.lower_bound({i, 0}); it != links.end() && it->first.first == i; ++it) {
-      g.neighbour.push_back(static_cast<idx_t>(it->first.second));
-      edge_weight.push_back(it->second);
+  ListsByRank<PatchSum> to;
+  for (const auto& [patch, sum] : sums) to[keeper(patch)].push_back(sum);
+  const auto from = exchange_lists(comm, to, tag_patches);
+  std::map<Patch, PatchSum> whole;
+  for (const auto& [rank, list] : from)
+    for (const PatchSum& part : list) {
+      PatchSum& sum = whole[part.patch];
+      sum.weight += part.weight, sum.moment += part.moment;
     }
-    if (cells[i].z == patch_layer) continue;
-    for (int axis = 0; axis < 3; ++axis)
-      for (const int step : {-1, 1}) {
-        Cell other = cells[i];
-        (axis == 0 ? other.x : axis == 1 ? other.y : other.z) += step;
-        const auto it = std::lower_bound(cells.begin(), cells.end(), other, before);
-        if (it == cells.end() || !same_place(*it, other)) continue;
-        const auto j = static_cast<std::size_t>(it - cells.begin());
-        const double weight = std::min(node_weight[i], node_weight[j]);
-        const auto linked =
-            std::find(g.neighbour.begin() + static_cast<std::ptrdiff_t>(first), g.neighbour.end(), static_cast<idx_t>(j));
-        if (linked != g.neighbour.end()) {
-          edge_weight[static_cast<std::size_t>(linked - g.neighbour.begin())] += weight;
-          continue;
-        }
-        g.neighbour.push_back(static_cast<idx_t>(j));
-        edge_weight.push_back(weight);
+  ListsByRank<PatchCentre> answers;
+  for (const auto& [rank, list] : from)
+    for (const PatchSum& asked : list) {
+      const PatchSum& sum = whole[asked.patch];
+      answers[rank].push_back({asked.patch, cell_at(sum.moment / std::max(1e-30, sum.weight), edge)});
+    }
+  std::map<Patch, Cell> centres;
+  for (const PatchCentre& centre : joined(exchange_lists(comm, answers, tag_centres))) centres[centre.patch] = centre.cell;
+  return centres;
+}
+
+// Which group each cell goes to.
+class Grouping {
+ public:
+  // centres: of the patches among the cells, and among those to be asked for.
+  Grouping(MPI_Comm comm, const Groups& groups, const std::vector<Cell>& mine, std::map<Patch, Cell> centres)
+      : groups_(groups), centres_(std::move(centres)) {
+    if (groups.count == 1) return;
+    find_box(comm, mine);
+    std::vector<WeighedPlace> places;
+    for (const Cell& c : mine) places.push_back({place_of(c), std::max<std::int64_t>(1, std::llround(c.weight))});
+    std::ranges::sort(places, {}, &WeighedPlace::place);
+    std::vector<int> shares;
+    for (int g = 1; g < groups.count; ++g) shares.push_back(groups.first(g));
+    cuts_ = cuts_along_curve(comm, places, shares, groups.ranks, bits_);
+  }
+
+  int operator()(const Cell& c) const {
+    return static_cast<int>(std::ranges::upper_bound(cuts_, groups_.count == 1 ? 0 : place_of(c)) - cuts_.begin());
+  }
+
+ private:
+  const Cell& in_space(const Cell& c) const { return c.is_patch() ? centres_.at({c.y, c.x}) : c; }
+
+  void find_box(MPI_Comm comm, const std::vector<Cell>& mine) {
+    constexpr auto none = std::numeric_limits<std::int32_t>::min();
+    std::array<std::int32_t, 6> reach;  // of the cells, and of their negatives
+    reach.fill(none);
+    for (const Cell& c : mine)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t at = in_space(c).place()[k];
+        reach[k] = std::max(reach[k], at), reach[3 + k] = std::max(reach[3 + k], -at);
       }
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, reach.data(), 6, MPI_INT32_T, MPI_MAX, comm));
+    std::uint32_t longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      low_[k] = reach[k] == none ? 0 : -reach[3 + k];
+      if (reach[k] != none) longest = std::max(longest, static_cast<std::uint32_t>(reach[k]) - static_cast<std::uint32_t>(low_[k]));
+    }
+    bits_ = std::max(1, static_cast<int>(std::bit_width(longest)));
   }
-  g.begin.push_back(static_cast<idx_t>(g.neighbour.size()));
-  g.node_weight = in_units(node_weight, unit);
-  const double all_edges = std::accumulate(edge_weight.begin(), edge_weight.end(), 0.0);
-  g.edge_weight = in_units(edge_weight, std::max(unit, all_edges / most_weight));
-  return g;
+
+  // Links may name a cell that nobody has: it is moved into the box.
+  CurvePlace place_of(const Cell& c) const {
+    const auto at = in_space(c).place();
+    const auto side = (std::uint64_t{1} << bits_) - 1;
+    std::array<std::uint32_t, 3> x;
+    for (std::size_t k = 0; k < 3; ++k)
+      x[k] = static_cast<std::uint32_t>(
+          std::clamp<std::int64_t>(std::int64_t{at[k]} - low_[k], 0, static_cast<std::int64_t>(side)));
+    return hilbert_place(x, bits_);
+  }
+
+  Groups groups_;
+  std::map<Patch, Cell> centres_;
+  std::array<std::int32_t, 3> low_{};
+  int bits_ = 1;
+  std::vector<CurvePlace> cuts_;
+};
+
+// Collective. As many groups as the limits ask for; a cell that lies on two ranks is counted twice.
+Groups groups_for(MPI_Comm comm, std::size_t cells_here, const GroupLimits& limits) {
+  Groups groups{1, 1};
+  check_mpi(MPI_Comm_size(comm, &groups.ranks));
+  auto cells = static_cast<std::int64_t>(cells_here);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &cells, 1, MPI_INT64_T, MPI_SUM, comm));
+  const std::int64_t by_parts = (groups.ranks + limits.parts - 1) / limits.parts, by_cells = (cells + limits.cells - 1) / limits.cells;
+  groups.count = static_cast<int>(std::clamp<std::int64_t>(std::max(by_parts, by_cells), 1, groups.ranks));
+  return groups;
 }
 
-// Whether a part weighs more than twice the mean and a cell beside, which no balanced cut needs.
-bool is_lopsided(const std::vector<Cell>& cells, std::span<const idx_t> part, int ranks) {
-  std::vector<double> load(static_cast<std::size_t>(ranks), 0);
-  double total = 0, heaviest = 0;
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    load[static_cast<std::size_t>(part[i])] += cells[i].weight;
-    total += cells[i].weight, heaviest = std::max<double>(heaviest, cells[i].weight);
+// Collective. The new owners of this rank's cells: each group's cells are cut on the first of its ranks, which answers.
+void find_owners(MPI_Comm comm, const Groups& groups, const Grouping& group_of, std::vector<Cell>& mine,
+                 std::span<const CellLink> links) {
+  ListsByRank<Cell> to;
+  for (const Cell& c : mine) to[groups.first(group_of(c))].push_back(c);
+  ListsByRank<CellLink> links_to;
+  for (const CellLink& link : links) {
+    const int group = group_of(link.a);
+    if (group == group_of(link.b)) links_to[groups.first(group)].push_back(link);
   }
-  return *std::max_element(load.begin(), load.end()) > 2 * total / ranks + heaviest;
-}
+  const auto from = exchange_lists(comm, to, tag_cells);
+  const std::vector<CellLink> all_links = joined(exchange_lists(comm, links_to, tag_links));
 
-std::vector<idx_t> cut_by_metis(const std::vector<Cell>& cells, std::span<const CellLink> links, int ranks) {
-  std::vector<idx_t> part(cells.size());
-  // Six neighbours a cell, and the ends of each link, are numbered by idx_t.
-  if (6 * cells.size() + 2 * links.size() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max()))
-    throw RunError(std::to_string(cells.size()) + " cells are more than METIS can number");
-  Graph g = graph_of(cells, links_between(cells, links));
-  auto nodes = static_cast<idx_t>(cells.size());
-  idx_t constraints = 1, parts = ranks, edge_cut = 0, options[METIS_NOPTIONS];
-  if (METIS_SetDefaultOptions(options) != METIS_OK) throw RunError("METIS has no default options");
-  options[METIS_OPTION_SEED] = 1;
-  options[METIS_OPTION_UFACTOR] = 10;  // 1 % imbalance
-  options[METIS_OPTION_NCUTS] = 4;
-  const auto method = ranks <= 8 ? METIS_PartGraphRecursive : METIS_PartGraphKway;
-  const int status = method(&nodes, &constraints, g.begin.data(), g.neighbour.data(), g.node_weight.data(), nullptr,
-                            g.edge_weight.data(), &parts, nullptr, nullptr, options, &edge_cut, part.data());
-  if (status != METIS_OK)
-    throw RunError("METIS failed with status " + std::to_string(status) + " on a graph of " + std::to_string(cells.size()) +
-                   " cells");
-  if (is_lopsided(cells, part, ranks)) throw RunError("METIS leaves a part with more than twice its share of the work");
-  return part;
-}
-
-// No result depends on how the bodies are cut: where METIS fails the run goes on with a plainer cut, and says so.
-std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const CellLink> links, int ranks) {
-  std::vector<idx_t> part(cells.size());
-  if (cells.size() <= static_cast<std::size_t>(ranks)) {  // METIS wants more nodes than parts
-    std::iota(part.begin(), part.end(), 0);
-    return part;
+  std::vector<Cell> all = merge(joined(from));
+  ListsByRank<std::int32_t> answers;
+  if (!all.empty()) {
+    int first = 0;
+    check_mpi(MPI_Comm_rank(comm, &first));
+    const int group = group_of(all.front());
+    const std::vector<int> part = cut_cells(all, all_links, groups.first(group + 1) - first, first);
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].owner = first + part[i];
+    for (const auto& [rank, cells] : from)
+      for (const Cell& c : cells) answers[rank].push_back(find_cell(all, c)->owner);
   }
-  try {
-    return cut_by_metis(cells, links, ranks);
-  } catch (const RunError& error) {
-    std::fprintf(stderr, "unibody: %s: the bodies are divided among the ranks by planes instead\n", error.what());
+  const auto owners = exchange_lists(comm, answers, tag_parts);
+  std::map<int, std::size_t> next;  // answers come in the order of the questions
+  for (Cell& c : mine) {
+    const int leader = groups.first(group_of(c));
+    c.owner = owners.at(leader)[next[leader]++];
   }
-  std::vector<std::array<std::int32_t, 3>> places;
-  std::vector<float> weights;
-  for (const Cell& c : cells) places.push_back({c.x, c.y, c.z}), weights.push_back(c.weight);
-  const std::vector<int> parts = bisect(places, weights, ranks);
-  std::copy(parts.begin(), parts.end(), part.begin());
-  return part;
-}
-
-// Renames the parts so that each rank keeps the part it holds most of already, heaviest overlap first.
-void rename_parts(const std::vector<Cell>& cells, std::vector<idx_t>& part, int ranks) {
-  const auto n = static_cast<std::size_t>(ranks);
-  std::unordered_map<std::uint64_t, double> overlap;
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    overlap[static_cast<std::uint64_t>(part[i]) * n + static_cast<std::uint64_t>(cells[i].owner)] += cells[i].weight;
-  std::vector<std::pair<double, std::uint64_t>> heaviest;
-  heaviest.reserve(overlap.size());
-  for (const auto& [key, weight] : overlap) heaviest.emplace_back(-weight, key);
-  std::sort(heaviest.begin(), heaviest.end());
-  std::vector<idx_t> rank_of(n, -1);
-  std::vector<std::uint8_t> taken(n, 0);
-  for (const auto& [weight, key] : heaviest) {
-    const auto p = static_cast<std::size_t>(key / n), r = static_cast<std::size_t>(key % n);
-    if (rank_of[p] < 0 && !taken[r]) rank_of[p] = static_cast<idx_t>(r), taken[r] = 1;
-  }
-  for (std::size_t p = 0, free = 0; p < n; ++p) {
-    if (rank_of[p] >= 0) continue;
-    while (taken[free]) ++free;
-    rank_of[p] = static_cast<idx_t>(free), taken[free] = 1;
-  }
-  for (idx_t& p : part) p = rank_of[static_cast<std::size_t>(p)];
 }
 
 }  // namespace
 
 std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions, std::span<const float> cost, double edge,
                                   std::span<const Patch> patches, std::span<const PatchLink> links,
-                                  std::span<const PlaceLink> joints) {
+                                  std::span<const PlaceLink> joints, const GroupLimits& limits) {
   int rank = 0, size = 1;
   check_mpi(MPI_Comm_rank(comm, &rank));
   check_mpi(MPI_Comm_size(comm, &size));
@@ -224,36 +182,27 @@ std::vector<int> partition_bodies(MPI_Comm comm, std::span<const Vec3> positions
     return patches.empty() || patches[i].group < 0 ? cell_at(positions[i], edge) : cell_of(patches[i]);
   };
   std::vector<Cell> mine(positions.size());
+  std::map<Patch, PatchSum> sums;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     mine[i] = cell(i);
     mine[i].weight = cost[i], mine[i].owner = rank;
+    if (!mine[i].is_patch()) continue;
+    PatchSum& sum = sums.try_emplace(patches[i], PatchSum{patches[i]}).first->second;
+    sum.weight += cost[i], sum.moment += cost[i] * positions[i];
   }
-  std::vector<std::vector<Cell>> to(static_cast<std::size_t>(size));
-  to[0] = merge(std::move(mine));
-  std::vector<Cell> all;
-  for (const auto& list : exchange_all(comm, to, tag_graph_cells)) all.insert(all.end(), list.begin(), list.end());
-
-  std::vector<std::vector<CellLink>> links_to(static_cast<std::size_t>(size));
-  for (const PatchLink& link : links) links_to[0].push_back({cell_of(link.a), cell_of(link.b), link.weight});
-  for (const PlaceLink& link : joints) links_to[0].push_back({cell_at(link.a, edge), cell_at(link.b, edge), link.weight});
-  std::vector<CellLink> all_links;
-  for (const auto& list : exchange_all(comm, links_to, tag_graph_links))
-    all_links.insert(all_links.end(), list.begin(), list.end());
-
-  if (rank == 0 && !all.empty()) {
-    all = merge(std::move(all));
-    std::vector<idx_t> part = cut(all, all_links, size);
-    rename_parts(all, part, size);
-    for (std::size_t i = 0; i < all.size(); ++i) all[i].owner = static_cast<std::int32_t>(part[i]);
+  mine = merge(std::move(mine));
+  std::vector<CellLink> cell_links;
+  for (const PatchLink& link : links) {
+    cell_links.push_back({cell_of(link.a), cell_of(link.b), link.weight});
+    for (const Patch& p : {link.a, link.b}) sums.try_emplace(p, PatchSum{p});
   }
-  auto count = static_cast<std::int64_t>(all.size());
-  check_mpi(MPI_Bcast(&count, 1, MPI_INT64_T, 0, comm));
-  all.resize(static_cast<std::size_t>(count));
-  const RecordType type(sizeof(Cell));
-  check_mpi(MPI_Bcast(all.data(), mpi_count(all.size()), type, 0, comm));
+  for (const PlaceLink& link : joints) cell_links.push_back({cell_at(link.a, edge), cell_at(link.b, edge), link.weight});
 
+  const Groups groups = groups_for(comm, mine.size(), limits);
+  const Grouping group_of(comm, groups, mine, groups.count > 1 ? patch_centres(comm, sums, edge) : std::map<Patch, Cell>{});
+  find_owners(comm, groups, group_of, mine, cell_links);
   std::vector<int> home(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) home[i] = std::lower_bound(all.begin(), all.end(), cell(i), before)->owner;
+  for (std::size_t i = 0; i < positions.size(); ++i) home[i] = find_cell(mine, cell(i))->owner;
   return home;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/checked.hpp"
 #include "core/largest.hpp"
+#include "partition/messages.hpp"
 
 namespace unibody {
 
@@ -57,9 +58,6 @@ void CoarseSpace::set(MPI_Comm comm, const BlockMatrix& matrix, std::vector<std:
       if (a >= b && b >= 0 && (here.size() < 2 || here[here.size() - 2] != a || here.back() != b))
         here.insert(here.end(), {a, b});
     }
-  int ranks = 1;
-  check_mpi(MPI_Comm_size(comm, &ranks));
-  std::vector<int> sizes(static_cast<std::size_t>(ranks)), starts(static_cast<std::size_t>(ranks) + 1, 0);
   const auto make_pairs = [](std::span<const std::int32_t> numbers) {
     std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
     for (std::size_t i = 0; i < numbers.size(); i += 2) pairs.emplace_back(numbers[i], numbers[i + 1]);
@@ -70,12 +68,7 @@ void CoarseSpace::set(MPI_Comm comm, const BlockMatrix& matrix, std::vector<std:
   const auto unique = make_pairs(here);
   here.clear();
   for (const auto& [a, b] : unique) here.insert(here.end(), {a, b});
-  const int size = static_cast<int>(here.size());
-  check_mpi(MPI_Allgather(&size, 1, MPI_INT, sizes.data(), 1, MPI_INT, comm));
-  for (std::size_t r = 0; r < sizes.size(); ++r) starts[r + 1] = starts[r] + sizes[r];
-  std::vector<std::int32_t> all(static_cast<std::size_t>(starts.back()));
-  check_mpi(MPI_Allgatherv(here.data(), size, MPI_INT32_T, all.data(), sizes.data(), starts.data(), MPI_INT32_T, comm));
-  pairs_ = make_pairs(all);
+  pairs_ = make_pairs(all_of_ranks<std::int32_t>(comm, here));
   first_pair_.assign(n + 1, pairs_.size());
   for (std::size_t p = pairs_.size(); p-- > 0;) first_pair_[static_cast<std::size_t>(pairs_[p].first)] = p;
   for (std::size_t a = n; a-- > 0;) first_pair_[a] = std::min(first_pair_[a], first_pair_[a + 1]);

@@ -28,6 +28,7 @@ void PhaseClock::tick() {
 void PhaseClock::enter(Phase phase) {
   tick();
   current_ = phase;
+  check_mpi(MPI_Pcontrol(static_cast<int>(phase)));
   check_petsc(PetscLogEventBegin(events_[static_cast<std::size_t>(phase)], 0, 0, 0, 0));
 }
 
@@ -35,6 +36,7 @@ void PhaseClock::leave(Phase outer) {
   check_petsc(PetscLogEventEnd(events_[static_cast<std::size_t>(current_)], 0, 0, 0, 0));
   tick();
   current_ = outer;
+  check_mpi(MPI_Pcontrol(static_cast<int>(outer)));
 }
 
 }  // namespace unibody

@@ -1,4 +1,5 @@
-// Where the time goes: one clock, always in exactly one phase, mirrored in PETSc's log events so that -log_view tells the same.
+// Where the time goes: one clock, always in exactly one phase, mirrored in PETSc's log events so that -log_view tells the same,
+// and told to what profiles MPI by MPI_Pcontrol, whose level is the phase's number.
 #pragma once
 
 #include <petsclog.h>

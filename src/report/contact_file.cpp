@@ -110,12 +110,8 @@ void ContactFile::close() {
 }
 
 void ContactFile::write(std::int64_t frame, double time, std::span<const ContactImpulse> impulses, double step) {
-  int size = 1;
-  check_mpi(MPI_Comm_size(comm_, &size));
-  std::vector<std::vector<ContactImpulse>> to(static_cast<std::size_t>(size));
-  to[0].assign(impulses.begin(), impulses.end());
-  std::vector<ContactImpulse> contacts;
-  for (const auto& from : exchange_all(comm_, to, tag_contacts)) contacts.insert(contacts.end(), from.begin(), from.end());
+  const ListsByRank<ContactImpulse> to{{0, {impulses.begin(), impulses.end()}}};
+  std::vector<ContactImpulse> contacts = joined(exchange_lists(comm_, to, tag_contacts));
   // All points of the same bodies come from one rank, in their order.
   std::ranges::stable_sort(contacts, {}, &ContactImpulse::ids);
   on_first_rank([&] { write_rows(frame, time, contacts, step); });

@@ -147,9 +147,7 @@ void JointFiles::close() {
 
 void JointFiles::write(std::int64_t frame, double time, const JointList& list, std::span<const JointSlots> slots,
                        std::span<const JointState> states) {
-  int size = 1;
-  check_mpi(MPI_Comm_size(comm_, &size));
-  std::vector<std::vector<Row>> to(static_cast<std::size_t>(size));
+  ListsByRank<Row> to;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (!slots[i].counted) continue;
     const JointState& s = states[i];
@@ -157,8 +155,7 @@ void JointFiles::write(std::int64_t frame, double time, const JointList& list, s
                      {s.coordinate, s.drift, s.turn, s.force[0], s.force[1], s.force[2], s.torque[0], s.torque[1], s.torque[2],
                       s.limit, s.motor, s.friction, s.spring, s.broken ? 1.0 : 0.0}});
   }
-  std::vector<Row> rows;
-  for (const auto& from : exchange_all(comm_, to, tag_states)) rows.insert(rows.end(), from.begin(), from.end());
+  std::vector<Row> rows = joined(exchange_lists(comm_, to, tag_states));
   std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.number < b.number; });
   std::string fault;
   if (rank_ == 0) try {

@@ -95,11 +95,11 @@ double SurfaceGuard::kept(Slot s) const {
 }
 
 // The angular velocities (rad/s) with which bodies will turn in the step; those of guests come from their homes.
-std::vector<Vec3> SurfaceGuard::spins(std::span<const SolverBody> bodies, const Halo& halo) {
+std::vector<Vec3> SurfaceGuard::spins(std::span<const SolverBody> bodies, Halo& halo) {
   if (!world_.has_rotations) return std::vector<Vec3>(world_.size(), Vec3::Zero());
   const std::vector<Vec3> before = world_.angular_velocity;
   for (std::size_t i = 0; i < world_.homes; ++i) world_.angular_velocity[i] = Eigen::Map<const Vec3>(bodies[i].w);
-  halo.update(Halo::angular_velocity);
+  halo.update(world_, {Halo::angular_velocity});
   std::vector<Vec3> now = world_.angular_velocity;
   std::copy(before.begin(), before.end(), world_.angular_velocity.begin());  // in place: the Vec lies over it
   return now;
@@ -122,7 +122,7 @@ void SurfaceGuard::list_points(std::span<const Vec3> spins) {
   }
 }
 
-void SurfaceGuard::list_features(std::span<const SolverBody> bodies, const Halo& halo) {
+void SurfaceGuard::list_features(std::span<const SolverBody> bodies, Halo& halo) {
   constexpr std::uint8_t none = 0, point = 1, face = 2, edge = 4;
   filters_.clear();
   const auto add = [&](std::int32_t group, std::uint8_t kind, std::uint8_t accepts) {
@@ -309,11 +309,11 @@ std::array<Id, 2> SurfaceGuard::first_pair(MPI_Comm comm) const {
   return {first, pair[1]};
 }
 
-SurfaceGuard::Held SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& halo) {
+SurfaceGuard::Held SurfaceGuard::hold(std::span<SolverBody> bodies, Halo& halo) {
   if (surfaces_.all_closed()) return {};
   start_ = world_.velocity;
   for (std::size_t i = 0; i < world_.homes; ++i) world_.velocity[i] = Eigen::Map<const Vec3>(bodies[i].v);
-  halo.update(Halo::velocity);
+  halo.update(world_, {Halo::velocity});
   list_features(bodies, halo);
   moved_.assign(world_.size(), 1);  // the pairs of the first round: all
   Held held;
@@ -332,7 +332,7 @@ SurfaceGuard::Held SurfaceGuard::hold(std::span<SolverBody> bodies, const Halo& 
     held.pairs += counted;
     const std::vector<Vec3> before = world_.velocity;
     draw_together(round >= gentle_rounds);
-    halo.update(Halo::velocity);
+    halo.update(world_, {Halo::velocity});
     for (std::size_t i = 0; i < before.size(); ++i) moved_[i] = before[i] != world_.velocity[i];
   }
   for (std::size_t i = 0; i < world_.homes && held.pairs > 0; ++i) std::copy_n(world_.velocity[i].data(), 3, bodies[i].v);

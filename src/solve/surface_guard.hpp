@@ -43,7 +43,7 @@ class SurfaceGuard {
   };
 
   // Changes the velocities (m/s) of home bodies; the World's are those that the step will end with. Collective.
-  Held hold(std::span<SolverBody> bodies, const Halo& halo);
+  Held hold(std::span<SolverBody> bodies, Halo& halo);
 
  private:
   // The centre of a round body, or a corner of another.
@@ -65,9 +65,9 @@ class SurfaceGuard {
     std::array<double, 4> weights;  // of the points that meet: those of a side sum to 1
     double share;                   // of the motion against each other that they may keep
   };
-  void list_features(std::span<const SolverBody> bodies, const Halo& halo);
+  void list_features(std::span<const SolverBody> bodies, Halo& halo);
   void list_points(std::span<const Vec3> spins);
-  std::vector<Vec3> spins(std::span<const SolverBody> bodies, const Halo& halo);
+  std::vector<Vec3> spins(std::span<const SolverBody> bodies, Halo& halo);
   void find_pairs();
   void leave_out_distant();
   double kept(Slot s) const;

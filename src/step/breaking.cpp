@@ -11,8 +11,6 @@ namespace unibody {
 
 namespace {
 
-constexpr int tag_breaks = 191;
-
 // Takes the last step into the mean load of a joint that is here, and returns it as force and torque in the joint's axes.
 std::pair<Vec3, Vec3> add_load(RankState& state, std::size_t place) {
   const Joint& joint = state.scene.joints[static_cast<std::size_t>(state.ties.joints[place])];
@@ -29,11 +27,7 @@ std::pair<Vec3, Vec3> add_load(RankState& state, std::size_t place) {
 
 // Every rank's new breaks, in ascending order of the joints.
 std::vector<Break> all_of(MPI_Comm comm, const std::vector<Break>& here) {
-  int size = 1;
-  check_mpi(MPI_Comm_size(comm, &size));
-  std::vector<Break> all;
-  for (const auto& from : exchange_all(comm, std::vector(static_cast<std::size_t>(size), here), tag_breaks))
-    all.insert(all.end(), from.begin(), from.end());
+  std::vector<Break> all = all_of_ranks<Break>(comm, here);
   std::ranges::sort(all, {}, &Break::joint);
   return all;
 }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "partition/messages.hpp"
-
 namespace unibody {
 
 namespace {
@@ -29,9 +27,8 @@ HistoriesByRank histories_by_rank(const RankState& state, std::span<const int> h
   for_each_batch_type([&]<class B>(auto place, std::type_identity<B>) {
     if constexpr (RecordedBatch<B>) {
       auto& to = std::get<decltype(place)::value>(records);
-      to.resize(static_cast<std::size_t>(state.halo.size()));
       for_each_record<B>(state.elements(), state.history.of<B>(), [&](const HistoryRecord<B>& record, std::span<const Id> ids) {
-        for (const int rank : ranks_of(state.world, ids, home)) to[static_cast<std::size_t>(rank)].push_back(record);
+        for (const int rank : ranks_of(state.world, ids, home)) to[rank].push_back(record);
       });
     }
   });
@@ -42,10 +39,8 @@ void take_histories(RankState& state, HistoriesByRank records) {
   for_each_batch_type([&]<class B>(auto place, std::type_identity<B>) {
     if constexpr (RecordedBatch<B>) {
       constexpr std::size_t number = decltype(place)::value;
-      const auto in = exchange_all(state.comm(), std::get<number>(records), tag_records + static_cast<int>(number));
-      std::vector<HistoryRecord<B>> all;
-      for (const auto& from : in) all.insert(all.end(), from.begin(), from.end());
-      state.history.of<B>() = history_of<B>(state.elements(), std::move(all));
+      const auto from = exchange_lists(state.comm(), std::get<number>(records), tag_records + static_cast<int>(number));
+      state.history.of<B>() = history_of<B>(state.elements(), joined(from));
     }
   });
 }

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "partition/messages.hpp"
 #include "step/history_records.hpp"
 #include "step/rank_state.hpp"
 
@@ -18,7 +19,7 @@ struct HistoryRecords {
 };
 template <RecordedBatch B>
 struct HistoryRecords<B> {
-  using ByRank = std::vector<std::vector<HistoryRecord<B>>>;
+  using ByRank = ListsByRank<HistoryRecord<B>>;
 };
 template <class List>
 struct AllHistoryRecords;

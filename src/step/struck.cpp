@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "collide/narrowphase.hpp"
 #include "core/checked.hpp"
 #include "core/largest.hpp"
+#include "partition/messages.hpp"
 
 namespace unibody {
 
@@ -58,14 +58,7 @@ double fastest_before(const RankState& state) {
 }
 
 std::vector<Struck> of_all_ranks(const std::vector<Struck>& here, MPI_Comm comm) {
-  int ranks = 1;
-  check_mpi(MPI_Comm_size(comm, &ranks));
-  const int bytes = mpi_count(here.size() * sizeof(Struck));
-  std::vector<int> counts(static_cast<std::size_t>(ranks)), begin(counts);
-  check_mpi(MPI_Allgather(&bytes, 1, MPI_INT, counts.data(), 1, MPI_INT, comm));
-  std::exclusive_scan(counts.begin(), counts.end(), begin.begin(), 0);
-  std::vector<Struck> all(static_cast<std::size_t>(begin.back() + counts.back()) / sizeof(Struck));
-  check_mpi(MPI_Allgatherv(here.data(), bytes, MPI_BYTE, all.data(), counts.data(), begin.data(), MPI_BYTE, comm));
+  std::vector<Struck> all = all_of_ranks<Struck>(comm, here);
   for (std::size_t i = 0; i < all.size(); ++i) all[i].number = static_cast<std::int32_t>(i);
   return all;
 }
