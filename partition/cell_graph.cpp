@@ -156,11 +156,11 @@ std::vector<idx_t> cut(const std::vector<Cell>& cells, std::span<const CellLink>
   } catch (const RunError& error) {
     std::fprintf(stderr, "unibody: %s: the bodies are divided among the ranks by planes instead\n", error.what());
   }
-  std::vector<std::array<std::int32_t, 3>> places;
-  std::vector<float> weights;
-  for (const Cell& c : cells) places.push_back({c.x, c.y, c.z}), weights.push_back(c.weight);
-  const std::vector<int> cut_parts = bisect(places, weights, parts);
-  std::copy(cut_parts.begin(), cut_parts.end(), part.begin());
+  std::vector<Bisection::Place> places;
+  std::vector<std::int64_t> weights;
+  for (const Cell& c : cells) places.push_back(c.place()), weights.push_back(c.whole_weight());
+  const Bisection planes(MPI_COMM_SELF, places, weights, std::vector<int>(static_cast<std::size_t>(parts), 1));
+  std::ranges::transform(cells, part.begin(), [&](const Cell& c) { return planes.part_of(c.place()); });
   return part;
 }
 

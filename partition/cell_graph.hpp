@@ -1,7 +1,9 @@
 // The graph of cells that METIS cuts: cells of space for loose bodies, patches of nodes for cloths, threads and solids.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -22,6 +24,7 @@ struct Cell {
 
   bool is_patch() const { return z == patch_layer; }
   std::array<std::int32_t, 3> place() const { return {x, y, z}; }
+  std::int64_t whole_weight() const { return std::max<std::int64_t>(1, std::llround(weight)); }
 };
 
 // Cells that constraints or joints tie together.

@@ -1,16 +1,13 @@
 #include "partition/partition.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <map>
-#include <numeric>
-#include <set>
+#include <optional>
 
 #include "core/checked.hpp"
 #include "core/hash.hpp"
+#include "partition/bisection.hpp"
 #include "partition/cell_graph.hpp"
-#include "partition/hilbert.hpp"
 #include "partition/messages.hpp"
 
 namespace unibody {
@@ -71,58 +68,23 @@ class Grouping {
  public:
   // centres: of the patches among the cells, and among those to be asked for.
   Grouping(MPI_Comm comm, const Groups& groups, const std::vector<Cell>& mine, std::map<Patch, Cell> centres)
-      : groups_(groups), centres_(std::move(centres)) {
+      : centres_(std::move(centres)) {
     if (groups.count == 1) return;
-    find_box(comm, mine);
-    std::vector<WeighedPlace> places;
-    for (const Cell& c : mine) places.push_back({place_of(c), std::max<std::int64_t>(1, std::llround(c.weight))});
-    std::ranges::sort(places, {}, &WeighedPlace::place);
+    std::vector<Bisection::Place> places;
+    std::vector<std::int64_t> weights;
+    for (const Cell& c : mine) places.push_back(in_space(c)), weights.push_back(c.whole_weight());
     std::vector<int> shares;
-    for (int g = 1; g < groups.count; ++g) shares.push_back(groups.first(g));
-    cuts_ = cuts_along_curve(comm, places, shares, groups.ranks, bits_);
+    for (int g = 0; g < groups.count; ++g) shares.push_back(groups.first(g + 1) - groups.first(g));
+    planes_.emplace(comm, places, weights, shares);
   }
 
-  int operator()(const Cell& c) const {
-    return static_cast<int>(std::ranges::upper_bound(cuts_, groups_.count == 1 ? 0 : place_of(c)) - cuts_.begin());
-  }
+  int operator()(const Cell& c) const { return planes_ ? planes_->part_of(in_space(c)) : 0; }
 
  private:
-  const Cell& in_space(const Cell& c) const { return c.is_patch() ? centres_.at({c.y, c.x}) : c; }
+  Bisection::Place in_space(const Cell& c) const { return c.is_patch() ? centres_.at({c.y, c.x}).place() : c.place(); }
 
-  void find_box(MPI_Comm comm, const std::vector<Cell>& mine) {
-    constexpr auto none = std::numeric_limits<std::int32_t>::min();
-    std::array<std::int32_t, 6> reach;  // of the cells, and of their negatives
-    reach.fill(none);
-    for (const Cell& c : mine)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::int32_t at = in_space(c).place()[k];
-        reach[k] = std::max(reach[k], at), reach[3 + k] = std::max(reach[3 + k], -at);
-      }
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, reach.data(), 6, MPI_INT32_T, MPI_MAX, comm));
-    std::uint32_t longest = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      low_[k] = reach[k] == none ? 0 : -reach[3 + k];
-      if (reach[k] != none) longest = std::max(longest, static_cast<std::uint32_t>(reach[k]) - static_cast<std::uint32_t>(low_[k]));
-    }
-    bits_ = std::max(1, static_cast<int>(std::bit_width(longest)));
-  }
-
-  // Links may name a cell that nobody has: it is moved into the box.
-  CurvePlace place_of(const Cell& c) const {
-    const auto at = in_space(c).place();
-    const auto side = (std::uint64_t{1} << bits_) - 1;
-    std::array<std::uint32_t, 3> x;
-    for (std::size_t k = 0; k < 3; ++k)
-      x[k] = static_cast<std::uint32_t>(
-          std::clamp<std::int64_t>(std::int64_t{at[k]} - low_[k], 0, static_cast<std::int64_t>(side)));
-    return hilbert_place(x, bits_);
-  }
-
-  Groups groups_;
   std::map<Patch, Cell> centres_;
-  std::array<std::int32_t, 3> low_{};
-  int bits_ = 1;
-  std::vector<CurvePlace> cuts_;
+  std::optional<Bisection> planes_;
 };
 
 // Collective. As many groups as the limits ask for; a cell that lies on two ranks is counted twice.

@@ -2,10 +2,10 @@
 //
 // METIS cuts a small graph whose nodes are cells of space for loose bodies and patches of nodes for cloths, threads and solids
 // (cell_graph.hpp), weighted by the counted work of the bodies in them; a body's home is then its cell's part. METIS works on one
-// rank and takes seconds for hundreds of thousands of cells or thousands of parts. So where there are more of them, the curve of
-// Hilbert through the cells is first cut into groups (hilbert.hpp), each for some neighbouring ranks, and METIS cuts each group on
-// the first of its ranks: no rank holds more than the cells of its own bodies and of one group. What ties cells of two groups
-// together is not seen.
+// rank and takes seconds for hundreds of thousands of cells or thousands of parts. So where there are more of them, planes first
+// cut space into groups of cells (bisection.hpp), each for some neighbouring ranks, and METIS cuts each group on the first of its
+// ranks: no rank holds more than the cells of its own bodies and of one group. What ties cells of two groups together is not
+// seen.
 //
 // No result depends on the partition, so it may be as approximate as it likes; the price of cells is a cut one cell rough. Parts
 // may be empty: fewer cells than ranks, or no bodies at all, are legal.

@@ -1,5 +1,6 @@
 #include "app/petsc_session.hpp"
 
+#include <petscsf.h>
 #include <petscvec.h>
 #include <poll.h>
 #include <unistd.h>
@@ -23,29 +24,34 @@ PetscErrorCode keep_message(MPI_Comm, int, const char*, const char*, PetscErrorC
   return code;
 }
 
-// A ghosted vector of one number a rank with the next rank's number as its guest, made and updated as the halo does.
-class GhostTrial {
+// A vector of one number a rank with the next rank's number as its guest, made and updated as the halo does.
+class GuestTrial {
  public:
-  explicit GhostTrial(MPI_Comm comm) : comm_(comm) {
+  explicit GuestTrial(MPI_Comm comm) : comm_(comm) {
     check_mpi(MPI_Comm_rank(comm, &rank_)), check_mpi(MPI_Comm_size(comm, &ranks_));
-    next_ = (rank_ + 1) % ranks_, values_ = {static_cast<double>(rank_), -1};
+    next_ = {(rank_ + 1) % ranks_, 0}, values_ = {static_cast<double>(rank_), -1};
   }
   PetscErrorCode make() {
-    return VecCreateGhostBlockWithArray(comm_, 1, 1, PETSC_DECIDE, ranks_ > 1 ? 1 : 0, &next_, values_.data(), &vec_);
+    PetscErrorCode code = VecCreateMPIWithArray(comm_, 1, 1, PETSC_DECIDE, values_.data(), &vec_);
+    if (code == 0) code = PetscSFCreate(comm_, &forest_);
+    if (code == 0) code = PetscSFSetGraph(forest_, 1, 1, nullptr, PETSC_COPY_VALUES, &next_, PETSC_COPY_VALUES);
+    return code == 0 ? PetscSFSetUp(forest_) : code;
   }
   PetscErrorCode update() {
-    PetscErrorCode code = VecGhostUpdateBegin(vec_, INSERT_VALUES, SCATTER_FORWARD);
-    if (code == 0) code = VecGhostUpdateEnd(vec_, INSERT_VALUES, SCATTER_FORWARD);
+    PetscErrorCode code = PetscSFBcastBegin(forest_, MPI_DOUBLE, &values_[0], &values_[1], MPI_REPLACE);
+    if (code == 0) code = PetscSFBcastEnd(forest_, MPI_DOUBLE, &values_[0], &values_[1], MPI_REPLACE);
+    if (code == 0) code = PetscSFDestroy(&forest_);
     if (code == 0) code = VecDestroy(&vec_);
-    return code == 0 && ranks_ > 1 && values_[1] != static_cast<double>(next_) ? PETSC_ERR_PLIB : code;
+    return code == 0 && values_[1] != static_cast<double>(next_.rank) ? PETSC_ERR_PLIB : code;
   }
 
  private:
   MPI_Comm comm_;
   int rank_ = 0, ranks_ = 1;
-  PetscInt next_ = 0;
+  PetscSFNode next_{};
   std::array<double, 2> values_{};
   Vec vec_ = nullptr;
+  PetscSF forest_ = nullptr;
 };
 
 // Whoever reads what the run says may leave: it goes on, as under mpirun. PETSc would end it, and at its own end takes what
@@ -85,8 +91,8 @@ PetscSession::~PetscSession() {
 void PetscSession::try_options() const {
   std::string options;
   for (std::size_t k = 1; k < words_.size(); ++k) options += " " + words_[k];
-  GhostTrial trial(comm_);
-  for (const auto part : {&GhostTrial::make, &GhostTrial::update}) {
+  GuestTrial trial(comm_);
+  for (const auto part : {&GuestTrial::make, &GuestTrial::update}) {
     std::string message;
     check_petsc(PetscPushErrorHandler(keep_message, &message));
     const PetscErrorCode code = (trial.*part)();

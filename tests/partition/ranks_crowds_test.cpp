@@ -59,22 +59,24 @@ TEST(RanksPartition, MillionsOfCellsAreSharedOut) {
 }
 
 TEST(RanksPartition, BisectionIsEvenAndCoversAll) {
-  std::vector<std::array<std::int32_t, 3>> cells;
-  std::vector<float> weights;
+  std::vector<Bisection::Place> cells;
+  std::vector<std::int64_t> weights;
   for (std::int32_t x = 0; x < 40; ++x)
     for (std::int32_t y = 0; y < 10; ++y)
       for (std::int32_t z = -5; z < 5; ++z)
-        cells.push_back({x, y, z}), weights.push_back(1.f + static_cast<float>((x * 7 + y * 3 + z + 5) % 5));
-  const double whole = std::accumulate(weights.begin(), weights.end(), 0.0);
+        cells.push_back({x, y, z}), weights.push_back(1 + (x * 7 + y * 3 + z + 5) % 5);
+  const auto whole = static_cast<double>(std::accumulate(weights.begin(), weights.end(), std::int64_t{0}));
   for (const int parts : {1, 2, 3, 7, 64}) {
-    const std::vector<int> part = bisect(cells, weights, parts);
+    const Bisection planes(MPI_COMM_SELF, cells, weights, std::vector<int>(static_cast<std::size_t>(parts), 1));
     std::vector<double> load(static_cast<std::size_t>(parts), 0);
-    for (std::size_t i = 0; i < part.size(); ++i) load.at(static_cast<std::size_t>(part[i])) += weights[i];
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      load.at(static_cast<std::size_t>(planes.part_of(cells[i]))) += static_cast<double>(weights[i]);
     for (const double w : load)
       EXPECT_NEAR(w, whole / parts, 3 * 6.0) << parts;  // half of the heaviest cell a cut, and fewer than 6 cuts
   }
-  EXPECT_EQ(bisect({}, {}, 3).size(), 0u);
-  EXPECT_EQ(bisect(std::vector<std::array<std::int32_t, 3>>(5, {1, 2, 3}), std::vector<float>(5, 0.f), 3).size(), 5u);
+  const std::vector<Bisection::Place> same(5, {1, 2, 3});
+  const Bisection weightless(MPI_COMM_SELF, same, std::vector<std::int64_t>(5, 0), std::vector<int>(3, 1));
+  EXPECT_LT(weightless.part_of({1, 2, 3}), 3);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <dlfcn.h>
 #include <hdf5.h>
 #include <metis.h>
+#include <petscsf.h>
 #include <petscvec.h>
 
 #include <cstdio>
@@ -13,7 +14,7 @@
 #include <cstring>
 
 #undef MPI_Allreduce  // PETSc counts calls by macros
-#undef MPI_Alltoallv
+#undef MPI_Issend
 
 namespace {
 
@@ -43,24 +44,26 @@ Function* real(const char* name) {
 
 extern "C" {
 
-PetscErrorCode VecCreateGhostBlockWithArray(MPI_Comm comm, PetscInt block, PetscInt n, PetscInt all, PetscInt ghosts,
-                                            const PetscInt which[], const PetscScalar array[], Vec* v) {
-  PASS(VecCreateGhostBlockWithArray, PETSC_ERR_MEM, comm, block, n, all, ghosts, which, array, v);
+PetscErrorCode VecCreateMPIWithArray(MPI_Comm comm, PetscInt block, PetscInt n, PetscInt all, const PetscScalar array[], Vec* v) {
+  PASS(VecCreateMPIWithArray, PETSC_ERR_MEM, comm, block, n, all, array, v);
 }
-PetscErrorCode VecGhostUpdateBegin(Vec v, InsertMode mode, ScatterMode direction) {
-  PASS(VecGhostUpdateBegin, PETSC_ERR_PLIB, v, mode, direction);
+PetscErrorCode PetscSFSetGraph(PetscSF forest, PetscInt roots, PetscInt leaves, PetscInt* local, PetscCopyMode local_mode,
+                               PetscSFNode* remote, PetscCopyMode remote_mode) {
+  PASS(PetscSFSetGraph, PETSC_ERR_MEM, forest, roots, leaves, local, local_mode, remote, remote_mode);
 }
-PetscErrorCode VecGhostUpdateEnd(Vec v, InsertMode mode, ScatterMode direction) {
-  PASS(VecGhostUpdateEnd, PETSC_ERR_PLIB, v, mode, direction);
+PetscErrorCode PetscSFBcastBegin(PetscSF forest, MPI_Datatype unit, const void* roots, void* leaves, MPI_Op op) {
+  PASS(PetscSFBcastBegin, PETSC_ERR_PLIB, forest, unit, roots, leaves, op);
+}
+PetscErrorCode PetscSFBcastEnd(PetscSF forest, MPI_Datatype unit, const void* roots, void* leaves, MPI_Op op) {
+  PASS(PetscSFBcastEnd, PETSC_ERR_PLIB, forest, unit, roots, leaves, op);
 }
 PetscErrorCode VecGetArrayRead(Vec v, const PetscScalar** array) { PASS(VecGetArrayRead, PETSC_ERR_PLIB, v, array); }
 PetscErrorCode VecDestroy(Vec* v) { PASS(VecDestroy, PETSC_ERR_PLIB, v); }
 int MPI_Allreduce(const void* from, void* to, int count, MPI_Datatype type, MPI_Op op, MPI_Comm comm) {
   PASS(MPI_Allreduce, MPI_ERR_OTHER, from, to, count, type, op, comm);
 }
-int MPI_Alltoallv(const void* from, const int* counts, const int* places, MPI_Datatype type, void* to, const int* to_counts,
-                  const int* to_places, MPI_Datatype to_type, MPI_Comm comm) {
-  PASS(MPI_Alltoallv, MPI_ERR_OTHER, from, counts, places, type, to, to_counts, to_places, to_type, comm);
+int MPI_Issend(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm, MPI_Request* request) {
+  PASS(MPI_Issend, MPI_ERR_OTHER, data, n, type, to, tag, comm, request);
 }
 int MPI_Win_allocate_shared(MPI_Aint size, int unit, MPI_Info info, MPI_Comm comm, void* base, MPI_Win* window) {
   if (std::getenv("UNIBODY_TELL_WINDOWS") != nullptr) std::fprintf(stderr, "a shared window\n");

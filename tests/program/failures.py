@@ -48,18 +48,20 @@ class Failures(ProgramTest):
         self.assertIsNotNone(run.state)
 
     def test_global_vectors(self):
-        self.ends("VecCreateGhostBlockWithArray -1 1", "PETSc does not work", code=2)  # in the trial before the run
+        self.ends("VecCreateMPIWithArray -1 1", "PETSc does not work", code=2)  # in the trial before the run
+        self.ends("PetscSFSetGraph -1 1", "PETSc does not work", code=2)
         for rank in (0, 1, -1):
-            self.ends(f"VecCreateGhostBlockWithArray {rank} 2", "PETSc failed")
-            self.ends(f"VecGhostUpdateBegin {rank} 4", "PETSc failed")
-            self.ends(f"VecGhostUpdateEnd {rank} 7", "PETSc failed")
+            self.ends(f"VecCreateMPIWithArray {rank} 2", "PETSc failed")
+            self.ends(f"PetscSFSetGraph {rank} 2", "PETSc failed")
+            self.ends(f"PetscSFBcastBegin {rank} 4", "PETSc failed")
+            self.ends(f"PetscSFBcastEnd {rank} 7", "PETSc failed")
             self.ends(f"VecDestroy {rank} 3", "PETSc failed")
 
     def test_a_vector_that_one_rank_cannot_make(self):
         """The other waits for it within PETSc."""
         for rank in (0, 1):
             with self.subTest(rank=rank):
-                run = self.run_with(fail=f"VecCreateGhostBlockWithArray {rank} 1")
+                run = self.run_with(fail=f"VecCreateMPIWithArray {rank} 1")
                 self.assertNotEqual(run.code, 0)
                 self.assertIsNone(run.state)
 
@@ -76,7 +78,7 @@ class Failures(ProgramTest):
     def test_messages(self):
         for number in (3, 40, 400):  # of this program, or of a library that it calls
             self.ends(f"MPI_Allreduce 1 {number}", "")
-        self.ends("MPI_Alltoallv 0 2", "MPI failed")
+        self.ends("MPI_Issend 0 2", "MPI failed")
 
     def test_files(self):
         for rank in (0, 1):
