@@ -41,7 +41,7 @@ struct PlaceLink {
 // What METIS is given at once.
 struct GroupLimits {
   int parts = 64;
-  std::int64_t cells = 1 << 18;
+  std::int64_t cells = 1 << 15;
 };
 
 // Collective. The home rank of each of this rank's bodies. cost: work a body causes in a step, in any unit.

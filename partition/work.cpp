@@ -5,6 +5,7 @@
 
 #include "collide/collide.hpp"
 #include "constraints/counted.hpp"
+#include "core/checked.hpp"
 #include "joints/joint_types.hpp"
 
 namespace unibody {
@@ -57,6 +58,18 @@ std::int64_t counted_work_of(const World& world, const ConstraintSet& constraint
     sum += cost_of_type(list) * static_cast<double>(counted);
   });
   return static_cast<std::int64_t>(sum);
+}
+
+BorderCosts border_costs(MPI_Comm comm, const StepParts& parts) {
+  std::int64_t sums[4] = {static_cast<std::int64_t>(parts.world.guests), static_cast<std::int64_t>(parts.world.homes), 0,
+                          counted_work_of(parts.world, parts.contacts)};
+  sums[2] = static_cast<std::int64_t>(work_of({parts.world, parts.contacts, parts.constraints}));
+  if (parts.constraints != nullptr) sums[3] += counted_work_of(parts.world, *parts.constraints);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums, 4, MPI_INT64_T, MPI_SUM, comm));
+  const auto share = [](std::int64_t part, std::int64_t whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+  };
+  return {share(sums[0], sums[1]), share(sums[2] - sums[3], sums[3])};
 }
 
 std::vector<float> work_by_body(const StepParts& parts) {

@@ -1,6 +1,8 @@
 // Work: what a step costs a rank, counted from what it has to evaluate and not timed, so that a run and its report repeat.
 #pragma once
 
+#include <mpi.h>
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -45,6 +47,15 @@ double work_of(const StepParts& parts);
 // the marked bodies and what touches them. The second one counts constraints, and its `world` needs no guests.
 std::int64_t counted_work_of(const World& world, const Contacts& contacts, std::span<const std::int32_t> marks = {});
 std::int64_t counted_work_of(const World& world, const ConstraintSet& constraints);
+
+// What the borders between ranks cost.
+struct BorderCosts {
+  double guests = 0;         // of all ranks, over the home bodies
+  double repeated_work = 0;  // evaluated by one more rank than one, over the work of one rank alone
+};
+
+// Collective.
+BorderCosts border_costs(MPI_Comm comm, const StepParts& parts);
 
 // The work of each home body: its own cost, and an equal share, with the other moving bodies, of what touches it. Over all
 // ranks these sum up to what one rank alone would have to do.

@@ -39,9 +39,9 @@ def command(words, ranks=0, core=None):
     return done.stdout
 
 
-def unibody(scene, settings, output, ranks, core, frames, start=None):
-    """`start`: a checkpoint to go on from; `frames` counts those before it too."""
-    words = [os.path.join(BUILD, 'unibody'), os.path.join(ROOT, 'scenes', scene + '.yaml'), '-output', output, '-overwrite']
+def unibody(scene, settings, output, ranks, core, frames, start=None, before=(), options=()):
+    """`start`: a checkpoint to go on from; `frames` counts those before it too. `before`: words before the program's name."""
+    words = [*before, os.path.join(BUILD, 'unibody'), os.path.join(ROOT, 'scenes', scene + '.yaml'), '-output', output, '-overwrite', *options]
     words += ['-start_from', start] if start else []
     for value in COMMON + settings + ([f'time.frames={frames}'] if frames else []):
         words += ['-set', value]

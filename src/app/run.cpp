@@ -343,6 +343,7 @@ void Run::finish() {
   if (scene_.output.checkpoint_every >= 0) summary_.files.push_back("checkpoint.h5");
   if (dumped_) summary_.files.push_back(options_.dump_fclib);
   summary_.files.push_back("summary.json");
+  summary_.borders = running_.borders();
   write_summary(comm_, options_.output + "/summary.json", scene_, summary_);
   if (rank_ != 0) return;
   std::fputs(told(summary_, scene_).c_str(), stdout);

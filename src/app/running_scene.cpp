@@ -82,6 +82,8 @@ void RunningScene::rebalance() {
   balance_.changed();
 }
 
+BorderCosts RunningScene::borders() const { return border_costs(comm_, parts_of(simulation)); }
+
 double RunningScene::imbalance() { return balance_.imbalance(parts_of(simulation)); }
 
 void RunningScene::fix_scene() {

@@ -44,6 +44,7 @@ class RunningScene {
   void rebalance();
   // The largest work of a rank over the mean; 1: even.
   double imbalance();
+  BorderCosts borders() const;
 
   // Checkpoints will be of the scene as it is now, for whoever changes it later.
   void fix_scene();

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "partition/work.hpp"
 #include "report/convergence.hpp"
 #include "report/report.hpp"
 #include "report/side_faults.hpp"
@@ -47,6 +48,7 @@ struct Summary {
   CoarseCounts coarse;
   std::int64_t form_left = 0;      // steps taken in the incremental form, not the total one
   std::vector<std::string> files;  // written, in the order of mention
+  BorderCosts borders;             // of the last step
   std::uint64_t state_hash = 0;
   Id dynamic_bodies = 0;
   Past past;                        // what has happened of events, inlets and outlets
