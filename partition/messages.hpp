@@ -7,6 +7,7 @@
 #include <map>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/checked.hpp"
@@ -85,11 +86,30 @@ ListsByRank<T> exchange_lists(MPI_Comm comm, const ListsByRank<T>& to, int tag) 
   return from;
 }
 
+// The same of lists that nobody needs afterwards: what stays on this rank is not copied.
+template <typename T>
+ListsByRank<T> exchange_lists(MPI_Comm comm, ListsByRank<T>&& to, int tag) {
+  int rank = 0;
+  check_mpi(MPI_Comm_rank(comm, &rank));
+  auto own = to.extract(rank);
+  ListsByRank<T> from = exchange_lists(comm, std::as_const(to), tag);
+  to.clear();
+  if (own && !own.mapped().empty()) from.insert(std::move(own));
+  return from;
+}
+
 // The lists one after the other, in order of rank.
 template <typename T>
-std::vector<T> joined(const ListsByRank<T>& lists) {
-  std::vector<T> all;
-  for (const auto& [rank, list] : lists) all.insert(all.end(), list.begin(), list.end());
+std::vector<T> joined(ListsByRank<T> lists) {
+  if (lists.empty()) return {};
+  std::vector<T> all = std::move(lists.begin()->second);
+  std::size_t count = 0;
+  for (const auto& [rank, list] : lists) count += list.size();
+  all.reserve(all.size() + count);
+  for (auto& [rank, list] : lists) {
+    all.insert(all.end(), list.begin(), list.end());
+    list = {};
+  }
   return all;
 }
 

@@ -51,15 +51,18 @@ void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<co
     if (to_b >= 0 && to_b != to_a) out[to_b].append(multipliers, i);
   }
   ListsByRank<Body> bodies;
+  std::map<int, std::size_t> count;
+  for (std::size_t i = 0; i < world.homes; ++i) ++count[home[i]];
+  for (const auto& [rank, n] : count) bodies[rank].reserve(n);
   for (std::size_t i = 0; i < world.homes; ++i) bodies[home[i]].push_back(world.body(i));
 
-  std::vector<Body> mine = joined(exchange_lists(comm, bodies, tag_bodies));
+  std::vector<Body> mine = joined(exchange_lists(comm, std::move(bodies), tag_bodies));
   std::sort(mine.begin(), mine.end(), [](const Body& a, const Body& b) { return a.id < b.id; });
 
   const auto exchange = [&](auto Multipliers::*list, int tag) {
     std::map<int, std::remove_reference_t<decltype(out[0].*list)>> lists;
     for (auto& [rank, multipliers_there] : out) lists[rank] = std::move(multipliers_there.*list);
-    return exchange_lists(comm, lists, tag);
+    return exchange_lists(comm, std::move(lists), tag);
   };
   const auto manifolds = exchange(&Multipliers::manifolds, tag_manifolds);
   const auto points = exchange(&Multipliers::points, tag_points);

@@ -7,6 +7,7 @@
 #include "core/before_mpi.hpp"
 #include "core/checked.hpp"
 #include "core/errors.hpp"
+#include "core/memory.hpp"
 
 namespace {
 
@@ -34,6 +35,7 @@ int guarded_run(int argc, char** argv, int rank) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  unibody::give_freed_memory_back();
   unibody::choose_for_mpi();
   unibody::check_mpi(MPI_Init(&argc, &argv));
   int rank = 0;

@@ -82,11 +82,11 @@ class Outlines:
                 form = Outline(nodes / np.abs(nodes[:, 0]).max(), group['triangles'][:])
                 self.forms[HULL if kind == 'hull' else MESH, int(number)] = form
 
-    def of(self, position, orientation):
-        """Yields, of each form: corners [n, corners, 3] (m, world axes), triangles, and the n bodies. Bodies that are absent are not
-        among them."""
+    def of(self, position, orientation, shown):
+        """Yields, of each form: corners [n, corners, 3] (m, world axes), triangles, and the n bodies. Bodies that are absent, or not
+        shown, are not among them. shown: true or false of each body."""
         pieces = self.bodies.pieces
-        there = np.isfinite(position).all(1)[pieces.body]
+        there = (np.isfinite(position).all(1) & shown)[pieces.body]
         for (kind, number), form in self.forms.items():
             chosen = np.flatnonzero(there & (pieces.kind == kind) & ((number < 0) | (pieces.number == number)))
             if not len(chosen):

@@ -1,5 +1,6 @@
 #include "core/memory.hpp"
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -22,6 +23,15 @@ double bytes_of_process() {
   rlimit limit{};
   const bool bounded = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
   return bounded ? static_cast<double>(limit.rlim_cur) : std::numeric_limits<double>::infinity();
+}
+
+void give_freed_memory_back() {
+#ifdef __GLIBC__
+  // Whatever is this large is mapped alone, and given back as it is freed; what is smaller comes and goes in each step, and stays.
+  // No result depends on what is refused here.
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);  // B, the most that glibc takes
+  mallopt(M_MMAP_MAX, 65536);           // mappings, as glibc has it by itself
+#endif
 }
 
 }  // namespace unibody

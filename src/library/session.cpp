@@ -5,10 +5,12 @@
 
 #include "core/before_mpi.hpp"
 #include "core/checked.hpp"
+#include "core/memory.hpp"
 
 namespace unibody {
 
 LibrarySession::LibrarySession(int* argc, char*** argv) {
+  give_freed_memory_back();
   choose_for_mpi();
   int runs = 0;
   check_mpi(MPI_Initialized(&runs));

@@ -120,6 +120,17 @@ class Geometry(ProgramTest):
         self.assertTrue((surface.cells["material"][surface.cells["body"] == 0] == 1).all())
         self.assertTrue((surface.cells["mass"][surface.cells["body"] == 0] == 2).all())
 
+    def test_parts_of_a_scene(self):
+        """Every second body; those in a box; and both. Cloths and threads stay."""
+        self.good(self.scene(FLIGHT), "run")
+        bodies = {}
+        for options in ((), ("--every", "2"), ("--box", "2,-1,-1,10,1,1"), ("--every", "3", "--box", "2,-1,-1,10,1,1")):
+            self.geometry("run", *options, "--frame", "last")
+            surface = Surface(self.folder / "run/geometry/000006.vtp")
+            bodies[options] = set(surface.cells["body"][surface.cells["surface"] < 0])
+            self.assertEqual(set(surface.cells["surface"]), {-1, 0, 1})
+        self.assertEqual(list(bodies.values()), [{0, 1, 2, 3, 4, 5}, {0, 2, 4}, {1, 2, 3}, {3}])
+
     def test_cloths_and_threads(self):
         surface, file = self.flight()
         x = file["frames/000006/position"][:]
@@ -354,6 +365,9 @@ class Geometry(ProgramTest):
         self.good(self.scene(FLIGHT), "run")
         self.assertIn("no frame 5 in", self.geometry("run", "--frame", "5", code=1))
         self.assertIn("--facets 6, expected a multiple of 4", self.geometry("run", "--facets", "6", code=1))
+        self.assertIn("--every 0, expected a number from 1 on", self.geometry("run", "--every", "0", code=1))
+        for box in ("0,0,0,1,1", "0,0,0,1,1,x", "0,0,2,1,1,1"):
+            self.assertIn(f"--box {box}, expected X0,Y0,Z0,X1,Y1,Z1", self.geometry("run", "--box", box, code=1))
         self.assertFalse((self.folder / "run/geometry").exists())
 
 
