@@ -1,5 +1,5 @@
 // Momentum for gradient steps, Nesterov's or the optimized one, with two restarts (O'Donoghue & Candes 2015), driven by sums that
-// are one iteration old, so that their reduction over the ranks hides behind a sweep.
+// are of the last sweep: their reduction over the ranks hides behind that sweep's messages, not behind the next sweep.
 //
 // The optimized gradient method (Kim & Fessler, Optimized first-order methods for smooth convex minimization, 2016) has
 // Nesterov's sequence, and goes beyond the step itself by theta_{k+1} / theta_k as well. Its bound on the error is half of his: a

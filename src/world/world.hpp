@@ -2,7 +2,7 @@
 //
 // Slots [0, homes) are home bodies, whose motion this rank computes; [homes, homes + guests) are copies of other ranks'
 // bodies that can touch them; the rest are statics (fixed and kinematic bodies), replicated on every rank.
-// Each of the three ranges is in ascending order of id. The first two are covered by the ghosted PETSc Vecs of the global state.
+// Each of the three ranges is in ascending order of id. The first is covered by the PETSc Vecs of the global state.
 #pragma once
 
 #include <algorithm>
