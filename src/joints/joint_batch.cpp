@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/capacity.hpp"
 #include "joints/joint_types.hpp"
 #include "joints/semidefinite.hpp"
 
 namespace unibody {
 
-// Values and gradients of a part's rows.
 template <class T>
-struct JointBatch::Rows : JointRows<T::rows> {
-  std::array<Vec3, T::rows> angular_b;
-  std::array<double, T::rows> before;  // m or rad, the values at the start of the step
+struct JointBatch::Rows {
+  const Row* start;
+  std::array<double, T::rows> value;  // m or rad
 };
 
 // A step of the multipliers: where they come to, and P times what they moved by (m/s or rad/s), the gradient mapping.
@@ -41,55 +41,7 @@ double start_of_press(double most, double before) {
   return std::abs(before) >= nearly_all * most ? std::copysign(most, before) : before;
 }
 
-// S of W = S S^T, W symmetric and positive semidefinite.
-Mat3 square_root_of(const Mat3& W) {
-  Mat3 S = Mat3::Zero();
-  for (int j = 0; j < 3; ++j) {
-    const double pivot = W(j, j) - S.row(j).head(j).squaredNorm();
-    if (!(pivot > least_pivot * W(j, j))) continue;
-    S(j, j) = std::sqrt(pivot);
-    for (int i = j + 1; i < 3; ++i) S(i, j) = (W(i, j) - S.row(i).head(j).dot(S.row(j).head(j))) / S(j, j);
-  }
-  return S;
-}
-
 }  // namespace
-
-double JointBatch::least_diagonal(const Side& a, const Side& b, double share_a, double share_b, const Vec3& linear,
-                                  const Vec3& angular, const Vec3& angular_b) {
-  const double moves = (share_a * a.inverse_mass + share_b * b.inverse_mass) * linear.squaredNorm();
-  const double turns =
-      share_a * a.inverse_inertia.trace() * angular.squaredNorm() + share_b * b.inverse_inertia.trace() * angular_b.squaredNorm();
-  return least_pivot * (moves + turns);
-}
-
-void JointBatch::add_to_tree(Part& part, std::int32_t tree, std::span<const SolverBody> bodies) {
-  with_joint_type(part.type, [&]<class T>() {
-    const Rows<T> at = evaluate<T>(part, bodies);
-    JointTrees::Vector6 compliance = JointTrees::Vector6::Zero();
-    std::array<JointTrees::Side, 2> sides;
-    for (std::size_t e = 0; e < 2; ++e) {
-      const Side& side = part.side[e];
-      sides[e] = {side.slot, side.inverse_mass > 0, JointTrees::Matrix6::Zero()};
-      const Mat3 turn = square_root_of(side.share * side.inverse_inertia);
-      const double move = std::sqrt(side.share * side.inverse_mass) * (e == 0 ? 1 : -1);
-      for (std::size_t k = 0; k < T::rows; ++k) {
-        const auto row = static_cast<Eigen::Index>(k);
-        sides[e].rows.row(row).head<3>() = move * at.linear[k].transpose();
-        sides[e].rows.row(row).tail<3>() = (e == 0 ? at.angular[k] : at.angular_b[k]).transpose() * turn;
-        compliance[row] = (k + T::angles < T::rows ? part.compliance : part.turning) / (step_ * (step_ + part.damping));
-      }
-    }
-    for (std::size_t k = 0; k < T::rows; ++k) {
-      const Side &a = part.side[0], &b = part.side[1];
-      const auto row = static_cast<Eigen::Index>(k);
-      const double diagonal = sides[0].rows.row(row).squaredNorm() + sides[1].rows.row(row).squaredNorm();
-      if (!(diagonal > least_diagonal(a, b, a.share, b.share, at.linear[k], at.angular[k], at.angular_b[k])))
-        sides[0].rows.row(row).setZero(), sides[1].rows.row(row).setZero();
-    }
-    part.link = static_cast<std::int32_t>(trees_.add(tree, sides[0], sides[1], compliance));
-  });
-}
 
 // Leaves in change_ what the multipliers of the trees' joints are to change by.
 void JointBatch::solve_trees(std::span<const SolverBody> bodies, bool extrapolated) {
@@ -106,10 +58,9 @@ void JointBatch::solve_trees(std::span<const SolverBody> bodies, bool extrapolat
 
 // After solve_trees.
 template <class T>
-JointBatch::Step<T> JointBatch::step_in_tree(const Part& part, const std::array<double, 6>& from,
-                                             std::span<const SolverBody> bodies) const {
+JointBatch::Step<T> JointBatch::step_in_tree(const Part& part, const std::array<double, 6>& from) const {
   const auto link = static_cast<std::size_t>(part.link);
-  Step<T> step{evaluate<T>(part, bodies), {}, {}};
+  Step<T> step{{&rows_[part.row], {}}, {}, {}};
   for (std::size_t k = 0; k < T::rows; ++k) {
     const auto row = static_cast<Eigen::Index>(k);
     step.next[k] = from[k] + change_[link][row], step.defect[k] = residual_[link][row];
@@ -119,7 +70,9 @@ JointBatch::Step<T> JointBatch::step_in_tree(const Part& part, const std::array<
 
 void JointBatch::start_from(const History& history, const WarmStart& warm) { set_impulses(history, warm.share); }
 
-std::size_t JointBatch::bytes() const { return parts_.capacity() * sizeof(Part) + trees_.bytes(); }
+std::size_t JointBatch::bytes() const {
+  return bytes_of(parts_) + bytes_of(rows_) + bytes_of(blocks_[0]) + bytes_of(blocks_[1]) + trees_.bytes();
+}
 
 void JointBatch::set_impulses(std::span<const JointImpulses> impulses, double share) {
   for (Part& part : parts_) {
@@ -140,34 +93,23 @@ void JointBatch::remember(History& history, double) const {
         part.type, [&]<class T>() { std::copy_n(part.lambda.begin(), T::rows, history[part.joint].value.begin() + part.first); });
 }
 
-// At the start of the step.
-template <class T>
-JointBatch::Rows<T> JointBatch::evaluate(const Part& part, std::span<const SolverBody> bodies) {
-  const JointEnd a = end_of(part.side[0], bodies[static_cast<std::size_t>(part.side[0].slot)], 0);
-  const JointEnd b = end_of(part.side[1], bodies[static_cast<std::size_t>(part.side[1].slot)], 0);
-  Rows<T> rows;
-  T::evaluate(a, b, rows);
-  rows.before = rows.value;
-  for (std::size_t k = 0; k < T::rows; ++k) rows.angular_b[k] = other_angular(rows.linear[k], rows.angular[k], a, b);
-  return rows;
-}
-
-// The same with the values after the step; less of their curve the farther a body turns, and none at velocity level.
+// The rows with their values after the step; less of their curve the farther a body turns, and none at velocity level.
 template <class T>
 JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, bool as_they_are) const {
-  Rows<T> rows = evaluate<T>(part, bodies);
+  Rows<T> rows{&rows_[part.row], {}};
   const SolverBody &of_a = bodies[static_cast<std::size_t>(part.side[0].slot)],
                    &of_b = bodies[static_cast<std::size_t>(part.side[1].slot)];
   const Vec3 along = velocity_of(of_a) - velocity_of(of_b), spin_a = spin_of(of_a), spin_b = spin_of(of_b);
   const double turn = step_ * step_ * std::max(spin_a.squaredNorm(), spin_b.squaredNorm());
   const double part_of_curve = as_they_are ? 1 : std::min(1.0, most_turn_of_rows * most_turn_of_rows / turn);
-  Rows<T> ahead;
+  JointRows<T::rows> ahead;
   if (stabilisation_ < 0) T::evaluate(end_of(part.side[0], of_a, step_), end_of(part.side[1], of_b, step_), ahead);
   for (std::size_t k = 0; k < T::rows; ++k) {
+    const Row& row = rows.start[k];
     const double straight =
-        rows.value[k] + step_ * (rows.linear[k].dot(along) + rows.angular[k].dot(spin_a) + rows.angular_b[k].dot(spin_b));
+        row.value + step_ * (row.linear.dot(along) + row.angular.dot(spin_a) + row.angular_b.dot(spin_b));
     if (stabilisation_ >= 0) {
-      rows.value[k] = straight - left_alone<T>(part, k, rows.value[k]);
+      rows.value[k] = straight - left_alone<T>(part, k, row.value);
       continue;
     }
     double curve = ahead.value[k] - straight;
@@ -203,9 +145,10 @@ std::array<double, T::rows> JointBatch::residual_of(const Part& part, const Rows
   for (std::size_t k = 0; k < T::rows; ++k) {
     // Of a length that is kept in a frame that turns the rate of change is 0, but not that along the axis at the step's start.
     const bool is_length = k + T::angles < T::rows;
+    const Row& row = at.start[k];
     const double rate = is_length && stabilisation_ < 0
-                            ? (at.value[k] - at.before[k]) / step_
-                            : at.linear[k].dot(along) + at.angular[k].dot(spin_a) + at.angular_b[k].dot(spin_b);
+                            ? (at.value[k] - row.value) / step_
+                            : row.linear.dot(along) + row.angular.dot(spin_a) + row.angular_b.dot(spin_b);
     const double compliance = is_length ? part.compliance : part.turning;
     double open = at.value[k] - rest_of<T>(part);
     if (T::rows == 1 && T::angles == 1) open = std::remainder(open, 2 * M_PI);
@@ -225,7 +168,7 @@ std::array<double, T::rows> JointBatch::residual_of(const Part& part, const Rows
 // beyond the limit: up to there a rope is slack, however fast its ends part.
 template <class T>
 double JointBatch::beyond(const Part& part, const Rows<T>& at, bool upper, double lambda) const {
-  const double limit = upper ? part.upper : part.lower, after = at.value[0] - limit, start = at.before[0] - limit;
+  const double limit = upper ? part.upper : part.lower, after = at.value[0] - limit, start = at.start[0].value - limit;
   double forces = (T::angles > 0 ? part.turning : part.compliance) * lambda;
   if (part.damping > 0) forces += part.damping * (after - (upper ? std::max(0.0, start) : std::min(0.0, start)));
   return after + forces / step_;
@@ -234,36 +177,25 @@ double JointBatch::beyond(const Part& part, const Rows<T>& at, bool upper, doubl
 template <class T>
 JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies,
                                           bool shared, bool as_they_are) const {
-  constexpr std::size_t n = T::rows;
+  using Block = Semidefinite<T::rows>;
   Step<T> step{evaluate_ahead<T>(part, bodies, as_they_are), {}, {}};
   const Rows<T>& at = step.rows;
-  const Side &a = part.side[0], &b = part.side[1];
-  const double share_a = shared ? a.share : 1, share_b = shared ? b.share : 1;
-  const double mobility = share_a * a.inverse_mass + share_b * b.inverse_mass;
-  std::array<std::array<double, n>, n> P;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vec3 turn_a = share_a * (a.inverse_inertia * at.angular[i]), turn_b = share_b * (b.inverse_inertia * at.angular_b[i]);
-    for (std::size_t j = 0; j <= i; ++j)
-      P[i][j] = mobility * at.linear[i].dot(at.linear[j]) + turn_a.dot(at.angular[j]) + turn_b.dot(at.angular_b[j]);
-    if (!(P[i][i] > least_diagonal(a, b, share_a, share_b, at.linear[i], at.angular[i], at.angular_b[i]))) P[i][i] = 0;
-    const double compliance = i + T::angles < n ? part.compliance : part.turning;
-    P[i][i] += compliance / (step_ * (step_ + part.damping));
-  }
+  const double* const P = &blocks_[shared ? 1 : 0][part.block];
   if (part.law == Law::equal) {
     step.defect = residual_of<T>(part, at, from, bodies);
-    const auto change = solve_semidefinite<n>(P, step.defect);
-    for (std::size_t k = 0; k < n; ++k) step.next[k] = from[k] - change[k];
+    const auto change = Block::solve(P, step.defect);
+    for (std::size_t k = 0; k < T::rows; ++k) step.next[k] = from[k] - change[k];
   } else {
     step.next[0] = from[0], step.defect[0] = 0;
-    if (!(P[0][0] > 0)) return step;
+    if (!(P[0] > 0)) return step;
     if (part.law == Law::within) {
       step.next[0] = within_limits(from[0], beyond<T>(part, at, false, from[0]), beyond<T>(part, at, true, from[0]),
-                                   1 / ((step_ + part.damping) * P[0][0]));
+                                   1 / ((step_ + part.damping) * P[0]));
     } else {
       const double most = step_ * part.upper;
-      step.next[0] = std::clamp(from[0] - residual_of<T>(part, at, from, bodies)[0] / P[0][0], -most, most);
+      step.next[0] = std::clamp(from[0] - residual_of<T>(part, at, from, bodies)[0] / P[0], -most, most);
     }
-    step.defect[0] = P[0][0] * (from[0] - step.next[0]);
+    step.defect[0] = P[0] * (from[0] - step.next[0]);
   }
   return step;
 }
@@ -277,11 +209,11 @@ double JointBatch::length_of(const Part& part, std::size_t row, double x) {
 namespace {
 
 // D lambda: on the first body, whose opposite is the second's, and the two torques.
-template <class Rows, std::size_t n>
-std::array<Vec3, 3> wrench_of(const Rows& at, const std::array<double, n>& lambda) {
+template <std::size_t rows, class Row, std::size_t n>
+std::array<Vec3, 3> wrench_of(const Row* at, const std::array<double, n>& lambda) {
   std::array<Vec3, 3> sum{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  for (std::size_t k = 0; k < at.value.size(); ++k)
-    sum[0] += lambda[k] * at.linear[k], sum[1] += lambda[k] * at.angular[k], sum[2] += lambda[k] * at.angular_b[k];
+  for (std::size_t k = 0; k < rows; ++k)
+    sum[0] += lambda[k] * at[k].linear, sum[1] += lambda[k] * at[k].angular, sum[2] += lambda[k] * at[k].angular_b;
   return sum;
 }
 
@@ -297,7 +229,7 @@ void JointBatch::add_impulses(SolveState& state, const WarmStart& warm, double) 
   for (const Part& part : parts_) {
     if (warm.share <= 0 && !part.presses) continue;
     with_joint_type(part.type, [&]<class T>() {
-      add_wrench(wrench_of(evaluate<T>(part, state.bodies), part.lambda), part.side[0].slot, part.side[1].slot, state.wrenches);
+      add_wrench(wrench_of<T::rows>(&rows_[part.row], part.lambda), part.side[0].slot, part.side[1].slot, state.wrenches);
     });
   }
 }
@@ -305,10 +237,11 @@ void JointBatch::add_impulses(SolveState& state, const WarmStart& warm, double) 
 void JointBatch::sweep(SolveState& state, const Extrapolation& extrapolation, SweepSums& sums) {
   const Update<double> update = update_of(extrapolation);
   const std::span<const SolverBody> bodies = state.bodies;
+  prepare_blocks(true);
   solve_trees(bodies, true);
   for (Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
-      const Step<T> step = part.link < 0 ? step_from<T>(part, part.y, bodies, true) : step_in_tree<T>(part, part.y, bodies);
+      const Step<T> step = part.link < 0 ? step_from<T>(part, part.y, bodies, true) : step_in_tree<T>(part, part.y);
       std::array<double, T::rows> moved;
       SweepTerms<double> terms;
       for (std::size_t k = 0; k < T::rows; ++k) {
@@ -317,7 +250,7 @@ void JointBatch::sweep(SolveState& state, const Extrapolation& extrapolation, Sw
         moved[k] = update.advance(part.lambda[k], part.y[k], next, by, r, -(r * by), change, terms);
       }
       add_terms(sums, terms, part.counted);
-      add_wrench(wrench_of(step.rows, moved), part.side[0].slot, part.side[1].slot, state.wrenches);
+      add_wrench(wrench_of<T::rows>(step.rows.start, moved), part.side[0].slot, part.side[1].slot, state.wrenches);
     });
 }
 
@@ -330,7 +263,7 @@ double JointBatch::push(Part& part, const Step<T>& step, std::span<SolverBody> b
     if (step.next[k] != part.lambda[k]) change = std::max(change, step_ * length_of<T>(part, k, step.defect[k]));
     moved[k] = step.next[k] - part.lambda[k], part.lambda[k] = step.next[k];
   }
-  const std::array<Vec3, 3> wrench = wrench_of(step.rows, moved);
+  const std::array<Vec3, 3> wrench = wrench_of<T::rows>(step.rows.start, moved);
   const auto add_to = [&](const Side& side, const Vec3& impulse, const Vec3& torque) {
     SolverBody& body = bodies[static_cast<std::size_t>(side.slot)];
     const Vec3 v = side.inverse_mass * impulse, w = side.inverse_inertia * torque;
@@ -346,6 +279,7 @@ double JointBatch::relax(std::size_t colour, bool, SolveState& state) {
 
 double JointBatch::relax_colour(std::size_t colour, std::span<SolverBody> bodies) {
   double change = 0;
+  prepare_blocks(false);
   for (std::size_t i = colour == 0 ? 0 : colour_end_[colour - 1]; i < colour_end_[colour]; ++i) {
     Part& part = parts_[i];
     if (part.link >= 0) continue;
@@ -362,7 +296,7 @@ double JointBatch::relax_trees(std::span<SolverBody> bodies) {
   for (Part& part : parts_)
     if (part.link >= 0)
       with_joint_type(part.type, [&]<class T>() {
-        change = std::max(change, push<T>(part, step_in_tree<T>(part, part.lambda, bodies), bodies));
+        change = std::max(change, push<T>(part, step_in_tree<T>(part, part.lambda), bodies));
       });
   return change;
 }
@@ -379,11 +313,13 @@ double JointBatch::residual_of(const Part& part, std::span<const SolverBody> bod
 
 double JointBatch::residual(const SolveState& state) const {
   double worst = 0;
+  prepare_blocks(false);
   for (const Part& part : parts_) worst = std::max(worst, residual_of(part, state.bodies));
   return worst;
 }
 
 void JointBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  prepare_blocks(false);
   for (const Part& part : parts_) visit(residual_of(part, state.bodies), std::array{part.side[0].slot, part.side[1].slot});
 }
 

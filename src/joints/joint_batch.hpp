@@ -136,10 +136,16 @@ class JointBatch : public BatchDefaults {
     bool presses;  // a motor whose strength is a pressure
     double compliance, turning, damping, lever;
     double lower, upper;  // within: m or rad; rate, place: the target, and N m or N; equal: upper, where a spring is at rest
-    std::array<double, 6> lambda, y;  // N s or N m s
+    std::array<double, 6> lambda, y;   // N s or N m s
+    std::uint32_t row = 0, block = 0;  // where its rows and its block begin
+  };
+  // A row at the start of the step: its value (m or rad), and its gradients by the bodies' places and turns.
+  struct Row {
+    Vec3 linear, angular, angular_b;
+    double value;
   };
   template <class T>
-  struct Rows;
+  struct Rows;  // those of a part, and their values after the step
   template <class T>
   struct Step;
 
@@ -150,10 +156,10 @@ class JointBatch : public BatchDefaults {
   static void for_each_tie(const BuildContext& context, const std::function<void(std::int32_t, std::span<const Slot>)>& f);
   double relax_colour(std::size_t colour, std::span<SolverBody> bodies);
   double relax_trees(std::span<SolverBody> bodies);
-  void add_to_tree(Part& part, std::int32_t tree, std::span<const SolverBody> bodies);
+  void add_to_tree(Part& part, std::int32_t tree);
   void solve_trees(std::span<const SolverBody> bodies, bool extrapolated);
   template <class T>
-  Step<T> step_in_tree(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies) const;
+  Step<T> step_in_tree(const Part& part, const std::array<double, 6>& from) const;
   template <class T>
   double push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const;
   // strength: N m or N, the most that its motor gives.
@@ -161,7 +167,12 @@ class JointBatch : public BatchDefaults {
   void add_spring(const Joint& joint, const Part& common);
   void limit_approach(Part& part, JointKind kind, double from, double rate) const;
   template <class T>
-  static Rows<T> evaluate(const Part& part, std::span<const SolverBody> bodies);
+  static std::array<Row, T::rows> evaluate(const Part& part);
+  void prepare_rows();
+  // The blocks of all parts, with the bodies' masses shared or not: made where they are first asked for in a step.
+  void prepare_blocks(bool shared) const;
+  template <class T>
+  void fill_block(const Part& part, bool shared, double* block) const;
   template <class T>
   Rows<T> evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, bool as_they_are = false) const;
   template <class T>
@@ -171,7 +182,7 @@ class JointBatch : public BatchDefaults {
   template <class T>
   std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,
                                           std::span<const SolverBody> bodies) const;
-  double residual_of(const Part& part, std::span<const SolverBody> bodies) const;  // m
+  double residual_of(const Part& part, std::span<const SolverBody> bodies) const;  // m; after prepare_blocks(false)
   template <class T>
   double beyond(const Part& part, const Rows<T>& at, bool upper, double lambda) const;
   template <class T>
@@ -181,6 +192,8 @@ class JointBatch : public BatchDefaults {
   static double length_of(const Part& part, std::size_t row, double x);
 
   std::vector<Part> parts_;
+  std::vector<Row> rows_;
+  mutable std::vector<double> blocks_[2];  // P, factored (semidefinite.hpp), of each part; the second with shared masses
   std::vector<std::size_t> colour_end_;
   JointTrees trees_;
   std::vector<JointTrees::Vector6> residual_, change_;  // of each of their joints

@@ -111,14 +111,11 @@ void JointBatch::add_spring(const Joint& joint, const Part& common) {
 // bodies weigh against it in their joint, without what else hangs on them. The place is at `from` at the start of the step and
 // moves at `rate`, which comes on top.
 void JointBatch::limit_approach(Part& part, JointKind kind, double from, double rate) const {
-  struct Row {
-    Vec3 linear, angular, angular_b;
-  };
   const Side &a = part.side[0], &b = part.side[1];
   const SolverBody still{};
   const JointEnd end_a = end_of(a, still, step_), end_b = end_of(b, still, step_);
   const auto row = [&](const auto& rows, std::size_t k) {
-    return Row{rows.linear[k], rows.angular[k], other_angular(rows.linear[k], rows.angular[k], end_a, end_b)};
+    return Row{rows.linear[k], rows.angular[k], other_angular(rows.linear[k], rows.angular[k], end_a, end_b), rows.value[k]};
   };
   const auto product = [&](const Row& r, const Row& s) {
     return (a.inverse_mass + b.inverse_mass) * r.linear.dot(s.linear) + r.angular.dot(a.inverse_inertia * s.angular) +
@@ -159,7 +156,6 @@ void JointBatch::build(const BuildContext& context) {
   const std::vector<JointSlots>& slots = *context.elements.joints->slots;
   const std::int32_t colours = context.elements.joints->colours;
   const World& world = context.world;
-  const std::span<const SolverBody> bodies = context.state.bodies;
   const bool by_colour = context.by_colour;
   step_ = context.state.step, stabilisation_ = context.state.stabilisation, any_tree_ = context.elements.joints->any_tree;
   parts_.clear(), colour_end_.clear(), trees_.clear();
@@ -181,13 +177,14 @@ void JointBatch::build(const BuildContext& context) {
       const std::size_t own = parts_.size();
       add_parts(joint, part, context.time,
                 context.elements.joints->strength_of(list[order[next]], context.time, context.time + step_));
-      if (joint.tree >= 0) add_to_tree(parts_[own], joint.tree, bodies);
+      if (joint.tree >= 0) add_to_tree(parts_[own], joint.tree);
       const auto is_home = [&](Slot s) { return static_cast<std::size_t>(s) < world.homes; };
       if (!is_home(ends.a) && !is_home(ends.b))  // here for its tree alone
         parts_.erase(parts_.begin() + static_cast<std::ptrdiff_t>(own) + 1, parts_.end());
     }
     colour_end_.push_back(parts_.size());
   }
+  prepare_rows();
   trees_.factor();
   residual_.assign(trees_.size(), JointTrees::Vector6::Zero()), change_ = residual_;
 }
