@@ -46,10 +46,11 @@ double start_of_press(double most, double before) {
 // Leaves in change_ what the multipliers of the trees' joints are to change by.
 void JointBatch::solve_trees(std::span<const SolverBody> bodies, bool extrapolated) {
   if (trees_.size() == 0) return;
+  Ends ends;
   for (const Part& part : parts_)
     if (part.link >= 0)
       with_joint_type(part.type, [&]<class T>() {
-        const auto r = residual_of<T>(part, evaluate_ahead<T>(part, bodies), extrapolated ? part.y : part.lambda, bodies);
+        const auto r = residual_of<T>(part, evaluate_ahead<T>(part, bodies, ends), extrapolated ? part.y : part.lambda, bodies);
         for (std::size_t k = 0; k < T::rows; ++k)
           residual_[static_cast<std::size_t>(part.link)][static_cast<Eigen::Index>(k)] = r[k];
       });
@@ -95,7 +96,8 @@ void JointBatch::remember(History& history, double) const {
 
 // The rows with their values after the step; less of their curve the farther a body turns, and none at velocity level.
 template <class T>
-JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, bool as_they_are) const {
+JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, Ends& ends,
+                                               bool as_they_are) const {
   Rows<T> rows{&rows_[part.row], {}};
   const SolverBody &of_a = bodies[static_cast<std::size_t>(part.side[0].slot)],
                    &of_b = bodies[static_cast<std::size_t>(part.side[1].slot)];
@@ -103,7 +105,11 @@ JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const
   const double turn = step_ * step_ * std::max(spin_a.squaredNorm(), spin_b.squaredNorm());
   const double part_of_curve = as_they_are ? 1 : std::min(1.0, most_turn_of_rows * most_turn_of_rows / turn);
   JointRows<T::rows> ahead;
-  if (stabilisation_ < 0) T::evaluate(end_of(part.side[0], of_a, step_), end_of(part.side[1], of_b, step_), ahead);
+  if (stabilisation_ < 0) {
+    if (ends.joint != part.joint)
+      ends = {end_of(part.side[0], of_a, step_), end_of(part.side[1], of_b, step_), std::int64_t{part.joint}};
+    T::evaluate(ends.a, ends.b, ahead);
+  }
   for (std::size_t k = 0; k < T::rows; ++k) {
     const Row& row = rows.start[k];
     const double straight =
@@ -176,9 +182,9 @@ double JointBatch::beyond(const Part& part, const Rows<T>& at, bool upper, doubl
 
 template <class T>
 JointBatch::Step<T> JointBatch::step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies,
-                                          bool shared, bool as_they_are) const {
+                                          Ends& ends, bool shared, bool as_they_are) const {
   using Block = Semidefinite<T::rows>;
-  Step<T> step{evaluate_ahead<T>(part, bodies, as_they_are), {}, {}};
+  Step<T> step{evaluate_ahead<T>(part, bodies, ends, as_they_are), {}, {}};
   const Rows<T>& at = step.rows;
   const double* const P = &blocks_[shared ? 1 : 0][part.block];
   if (part.law == Law::equal) {
@@ -239,9 +245,10 @@ void JointBatch::sweep(SolveState& state, const Extrapolation& extrapolation, Sw
   const std::span<const SolverBody> bodies = state.bodies;
   prepare_blocks(true);
   solve_trees(bodies, true);
+  Ends ends;
   for (Part& part : parts_)
     with_joint_type(part.type, [&]<class T>() {
-      const Step<T> step = part.link < 0 ? step_from<T>(part, part.y, bodies, true) : step_in_tree<T>(part, part.y);
+      const Step<T> step = part.link < 0 ? step_from<T>(part, part.y, bodies, ends, true) : step_in_tree<T>(part, part.y);
       std::array<double, T::rows> moved;
       SweepTerms<double> terms;
       for (std::size_t k = 0; k < T::rows; ++k) {
@@ -256,13 +263,14 @@ void JointBatch::sweep(SolveState& state, const Extrapolation& extrapolation, Sw
 
 // Applies a step of a part's multipliers to its bodies; returns the largest change (m).
 template <class T>
-double JointBatch::push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const {
+double JointBatch::push(Part& part, const Step<T>& step, std::span<SolverBody> bodies, Ends& ends) const {
   double change = 0;
   std::array<double, T::rows> moved;
   for (std::size_t k = 0; k < T::rows; ++k) {
     if (step.next[k] != part.lambda[k]) change = std::max(change, step_ * length_of<T>(part, k, step.defect[k]));
     moved[k] = step.next[k] - part.lambda[k], part.lambda[k] = step.next[k];
   }
+  if (std::ranges::any_of(moved, [](double m) { return m != 0; })) ends.joint = -1;
   const std::array<Vec3, 3> wrench = wrench_of<T::rows>(step.rows.start, moved);
   const auto add_to = [&](const Side& side, const Vec3& impulse, const Vec3& torque) {
     SolverBody& body = bodies[static_cast<std::size_t>(side.slot)];
@@ -279,12 +287,13 @@ double JointBatch::relax(std::size_t colour, bool, SolveState& state) {
 
 double JointBatch::relax_colour(std::size_t colour, std::span<SolverBody> bodies) {
   double change = 0;
+  Ends ends;
   prepare_blocks(false);
   for (std::size_t i = colour == 0 ? 0 : colour_end_[colour - 1]; i < colour_end_[colour]; ++i) {
     Part& part = parts_[i];
     if (part.link >= 0) continue;
     with_joint_type(part.type, [&]<class T>() {
-      change = std::max(change, push<T>(part, step_from<T>(part, part.lambda, bodies, false), bodies));
+      change = std::max(change, push<T>(part, step_from<T>(part, part.lambda, bodies, ends, false), bodies, ends));
     });
   }
   return change;
@@ -292,19 +301,20 @@ double JointBatch::relax_colour(std::size_t colour, std::span<SolverBody> bodies
 
 double JointBatch::relax_trees(std::span<SolverBody> bodies) {
   double change = 0;
+  Ends ends;
   solve_trees(bodies, false);
   for (Part& part : parts_)
     if (part.link >= 0)
       with_joint_type(part.type, [&]<class T>() {
-        change = std::max(change, push<T>(part, step_in_tree<T>(part, part.lambda), bodies));
+        change = std::max(change, push<T>(part, step_in_tree<T>(part, part.lambda), bodies, ends));
       });
   return change;
 }
 
-double JointBatch::residual_of(const Part& part, std::span<const SolverBody> bodies) const {
+double JointBatch::residual_of(const Part& part, std::span<const SolverBody> bodies, Ends& ends) const {
   double worst = 0;
   with_joint_type(part.type, [&]<class T>() {
-    const Step<T> step = step_from<T>(part, part.lambda, bodies, false, true);
+    const Step<T> step = step_from<T>(part, part.lambda, bodies, ends, false, true);
     for (std::size_t k = 0; k < T::rows; ++k)
       if (step.next[k] != part.lambda[k]) worst = std::max(worst, (step_ + part.damping) * length_of<T>(part, k, step.defect[k]));
   });
@@ -313,14 +323,16 @@ double JointBatch::residual_of(const Part& part, std::span<const SolverBody> bod
 
 double JointBatch::residual(const SolveState& state) const {
   double worst = 0;
+  Ends ends;
   prepare_blocks(false);
-  for (const Part& part : parts_) worst = std::max(worst, residual_of(part, state.bodies));
+  for (const Part& part : parts_) worst = std::max(worst, residual_of(part, state.bodies, ends));
   return worst;
 }
 
 void JointBatch::for_each_residual(const SolveState& state, const ResidualVisitor& visit) const {
+  Ends ends;
   prepare_blocks(false);
-  for (const Part& part : parts_) visit(residual_of(part, state.bodies), std::array{part.side[0].slot, part.side[1].slot});
+  for (const Part& part : parts_) visit(residual_of(part, state.bodies, ends), std::array{part.side[0].slot, part.side[1].slot});
 }
 
 }  // namespace unibody

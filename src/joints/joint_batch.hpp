@@ -144,6 +144,12 @@ class JointBatch : public BatchDefaults {
     Vec3 linear, angular, angular_b;
     double value;
   };
+  // Where velocities lead a joint's two ends. All parts of a joint follow each other, and share them while its bodies' velocities
+  // stay.
+  struct Ends {
+    JointEnd a, b;
+    std::int64_t joint = -1;  // of the list
+  };
   template <class T>
   struct Rows;  // those of a part, and their values after the step
   template <class T>
@@ -161,7 +167,7 @@ class JointBatch : public BatchDefaults {
   template <class T>
   Step<T> step_in_tree(const Part& part, const std::array<double, 6>& from) const;
   template <class T>
-  double push(Part& part, const Step<T>& step, std::span<SolverBody> bodies) const;
+  double push(Part& part, const Step<T>& step, std::span<SolverBody> bodies, Ends& ends) const;
   // strength: N m or N, the most that its motor gives.
   void add_parts(const Joint& joint, const Part& common, double time, double strength);
   void add_spring(const Joint& joint, const Part& common);
@@ -174,7 +180,7 @@ class JointBatch : public BatchDefaults {
   template <class T>
   void fill_block(const Part& part, bool shared, double* block) const;
   template <class T>
-  Rows<T> evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, bool as_they_are = false) const;
+  Rows<T> evaluate_ahead(const Part& part, std::span<const SolverBody> bodies, Ends& ends, bool as_they_are = false) const;
   template <class T>
   static double rest_of(const Part& part);
   template <class T>
@@ -182,12 +188,12 @@ class JointBatch : public BatchDefaults {
   template <class T>
   std::array<double, T::rows> residual_of(const Part& part, const Rows<T>& at, const std::array<double, 6>& lambda,
                                           std::span<const SolverBody> bodies) const;
-  double residual_of(const Part& part, std::span<const SolverBody> bodies) const;  // m; after prepare_blocks(false)
+  double residual_of(const Part& part, std::span<const SolverBody> bodies, Ends& ends) const;  // m; after prepare_blocks(false)
   template <class T>
   double beyond(const Part& part, const Rows<T>& at, bool upper, double lambda) const;
   template <class T>
-  Step<T> step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies, bool shared,
-                    bool as_they_are = false) const;
+  Step<T> step_from(const Part& part, const std::array<double, 6>& from, std::span<const SolverBody> bodies, Ends& ends,
+                    bool shared, bool as_they_are = false) const;
   template <class T>
   static double length_of(const Part& part, std::size_t row, double x);
 
