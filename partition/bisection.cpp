@@ -69,8 +69,7 @@ void Bisection::find_sides(MPI_Comm comm, std::span<Node> level, std::span<const
         std::int64_t* const side = &reach[2 * (axes * n + k)];
         side[0] = std::max<std::int64_t>(side[0], cells[c][k]), side[1] = std::max(side[1], -std::int64_t{cells[c][k]});
       }
-  if (!reach.empty())
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, reach.data(), mpi_count(reach.size()), MPI_INT64_T, MPI_MAX, comm));
+  if (!reach.empty()) check_mpi(MPI_Allreduce(MPI_IN_PLACE, reach.data(), mpi_count(reach.size()), MPI_INT64_T, MPI_MAX, comm));
   for (std::size_t n = 0; n < level.size(); ++n) {
     Node& node = level[n];
     std::uint64_t longest = 0;
@@ -90,8 +89,8 @@ std::int64_t Bisection::weight_before(const Node& node, Key key) {
   return node.sum[static_cast<std::size_t>(at - node.order.begin())];
 }
 
-void Bisection::find_cuts(MPI_Comm comm, std::span<Node> level, std::span<const Place> cells, std::span<const std::int64_t> weights,
-                          std::span<const int> shares) {
+void Bisection::find_cuts(MPI_Comm comm, std::span<Node> level, std::span<const Place> cells,
+                          std::span<const std::int64_t> weights, std::span<const int> shares) {
   if (level.empty()) return;
   std::vector<std::int64_t> total;
   int bits = 1;  // the same for all, so that they are found in as many turns
@@ -109,8 +108,8 @@ void Bisection::find_cuts(MPI_Comm comm, std::span<Node> level, std::span<const 
     const auto of_node = shares.subspan(static_cast<std::size_t>(level[n].first_part), static_cast<std::size_t>(level[n].parts));
     const auto below = of_node.first(static_cast<std::size_t>(level[n].parts / 2));
     const auto sum = [](std::span<const int> list) { return std::accumulate(list.begin(), list.end(), std::int64_t{0}); };
-    level[n].target = static_cast<std::int64_t>(static_cast<Key>(total[n]) * static_cast<Key>(sum(below)) /
-                                                static_cast<Key>(sum(of_node)));
+    level[n].target =
+        static_cast<std::int64_t>(static_cast<Key>(total[n]) * static_cast<Key>(sum(below)) / static_cast<Key>(sum(of_node)));
   }
   for (int left = static_cast<int>(axes) * bits; left > 0;) {
     const int turn = std::min(left, bits_at_once);

@@ -50,10 +50,14 @@ double* array_of(World& world, Halo::Field field) {
   static double nothing[4];
   const auto data = [](auto& v) { return v.empty() ? nothing : reinterpret_cast<double*>(v.data()); };
   switch (field) {
-    case Halo::position: return data(world.position);
-    case Halo::orientation: return data(world.orientation);
-    case Halo::velocity: return data(world.velocity);
-    default: return data(world.angular_velocity);
+    case Halo::position:
+      return data(world.position);
+    case Halo::orientation:
+      return data(world.orientation);
+    case Halo::velocity:
+      return data(world.velocity);
+    default:
+      return data(world.angular_velocity);
   }
 }
 

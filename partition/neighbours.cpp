@@ -14,7 +14,8 @@ namespace {
 
 constexpr int tag_blocks = 101, tag_sharers = 102, tag_occupied = 103;
 constexpr std::int64_t cells_of_a_large_body = 64;  // beyond this a body is compared by its bounds rather than by its cells
-constexpr std::int64_t cells_to_look_through = 4096;  // of a large body; one with more is a guest of all that share a block with it
+constexpr std::int64_t cells_to_look_through =
+    4096;                                           // of a large body; one with more is a guest of all that share a block with it
 constexpr std::int64_t blocks_of_a_huge_body = 64;  // beyond this it is told to all rather than to the directory
 
 bool overlap(const Bounds& a, const Bounds& b) {

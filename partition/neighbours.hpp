@@ -16,13 +16,13 @@
 namespace unibody {
 
 struct CellSizes {
-  double cell = 1;               // m, edge of a cell: any, the same on every rank; it sets the price alone
+  double cell = 1;                // m, edge of a cell: any, the same on every rank; it sets the price alone
   std::int64_t cells_a_side = 1;  // of a block
 };
 
-// Collective. By rank: the bodies, ascending, whose bounds may overlap those of one of that rank's bodies. bounds: in any order, and
-// as many as it has images for a body; of: the body that each belongs to. Bounds that overlap are always found; some that only
-// come within a cell of each other are too.
+// Collective. By rank: the bodies, ascending, whose bounds may overlap those of one of that rank's bodies. bounds: in any order,
+// and as many as it has images for a body; of: the body that each belongs to. Bounds that overlap are always found; some that
+// only come within a cell of each other are too.
 ListsByRank<std::int32_t> bodies_near_ranks(MPI_Comm comm, std::span<const Bounds> bounds, std::span<const std::int32_t> of,
                                             const CellSizes& sizes);
 

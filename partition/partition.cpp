@@ -93,7 +93,8 @@ Groups groups_for(MPI_Comm comm, std::size_t cells_here, const GroupLimits& limi
   check_mpi(MPI_Comm_size(comm, &groups.ranks));
   auto cells = static_cast<std::int64_t>(cells_here);
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &cells, 1, MPI_INT64_T, MPI_SUM, comm));
-  const std::int64_t by_parts = (groups.ranks + limits.parts - 1) / limits.parts, by_cells = (cells + limits.cells - 1) / limits.cells;
+  const std::int64_t by_parts = (groups.ranks + limits.parts - 1) / limits.parts,
+                     by_cells = (cells + limits.cells - 1) / limits.cells;
   groups.count = static_cast<int>(std::clamp<std::int64_t>(std::max(by_parts, by_cells), 1, groups.ranks));
   return groups;
 }

@@ -19,7 +19,7 @@ JointRows<1> evaluate(std::uint8_t type, const JointEnd& a, const JointEnd& b) {
 
 // How far a coordinate has moved; of an angle by less than half a turn.
 double moved_by(std::uint8_t type, double from, double to) {
-  return type == joint_type_index<Angle>() ? std::remainder(to - from, 2 * M_PI) : to - from;
+  return type == joint_type_index<Angle>() ? wrapped(to - from) : to - from;
 }
 
 }  // namespace

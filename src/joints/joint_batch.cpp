@@ -112,14 +112,13 @@ JointBatch::Rows<T> JointBatch::evaluate_ahead(const Part& part, std::span<const
   }
   for (std::size_t k = 0; k < T::rows; ++k) {
     const Row& row = rows.start[k];
-    const double straight =
-        row.value + step_ * (row.linear.dot(along) + row.angular.dot(spin_a) + row.angular_b.dot(spin_b));
+    const double straight = row.value + step_ * (row.linear.dot(along) + row.angular.dot(spin_a) + row.angular_b.dot(spin_b));
     if (stabilisation_ >= 0) {
       rows.value[k] = straight - left_alone<T>(part, k, row.value);
       continue;
     }
     double curve = ahead.value[k] - straight;
-    if (T::rows == 1 && T::angles == 1) curve = std::remainder(curve, 2 * M_PI);
+    if (T::rows == 1 && T::angles == 1) curve = wrapped(curve);
     rows.value[k] = straight + part_of_curve * curve;
   }
   return rows;
@@ -157,13 +156,13 @@ std::array<double, T::rows> JointBatch::residual_of(const Part& part, const Rows
                             : row.linear.dot(along) + row.angular.dot(spin_a) + row.angular_b.dot(spin_b);
     const double compliance = is_length ? part.compliance : part.turning;
     double open = at.value[k] - rest_of<T>(part);
-    if (T::rows == 1 && T::angles == 1) open = std::remainder(open, 2 * M_PI);
+    if (T::rows == 1 && T::angles == 1) open = wrapped(open);
     if (part.law == Law::equal)
       r[k] = (open + compliance * lambda[k] / step_ + part.damping * rate) / (step_ + part.damping);
     else if (part.law == Law::rate)
       r[k] = rate - part.lower + compliance * lambda[k] / (step_ * step_);
     else if (T::angles > 0)
-      r[k] = std::remainder(at.value[k] - part.lower, 2 * M_PI) / step_;
+      r[k] = wrapped(at.value[k] - part.lower) / step_;
     else
       r[k] = (at.value[k] - part.lower) / step_;
   }

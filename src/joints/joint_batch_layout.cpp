@@ -127,7 +127,7 @@ void JointBatch::limit_approach(Part& part, JointKind kind, double from, double 
     JointRows<T::rows> coordinate;
     T::evaluate(end_a, end_b, coordinate);
     driven = row(coordinate, 0), away = coordinate.value[0] - from;
-    if (T::angles > 0) away = std::remainder(away, 2 * M_PI);
+    if (T::angles > 0) away = wrapped(away);
   });
   double mobility = product(driven, driven);
   with_joint_type(own_type(kind), [&]<class J>() {

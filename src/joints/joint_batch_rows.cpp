@@ -74,8 +74,7 @@ void JointBatch::fill_block(const Part& part, bool shared, double* P) const {
   for (std::size_t i = 0; i < T::rows; ++i) {
     const Vec3 turn_a = share_a * (a.inverse_inertia * at[i].angular), turn_b = share_b * (b.inverse_inertia * at[i].angular_b);
     for (std::size_t j = 0; j <= i; ++j)
-      P[Block::at(i, j)] =
-          mobility * at[i].linear.dot(at[j].linear) + turn_a.dot(at[j].angular) + turn_b.dot(at[j].angular_b);
+      P[Block::at(i, j)] = mobility * at[i].linear.dot(at[j].linear) + turn_a.dot(at[j].angular) + turn_b.dot(at[j].angular_b);
     double& diagonal = P[Block::at(i, i)];
     if (!(diagonal > least_diagonal(a, b, share_a, share_b, at[i].linear, at[i].angular, at[i].angular_b))) diagonal = 0;
     diagonal += (i + T::angles < T::rows ? part.compliance : part.turning) / (step_ * (step_ + part.damping));

@@ -8,12 +8,16 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <string_view>
 
 #include "core/types.hpp"
 
 namespace unibody {
+
+// An angle (rad) less whole turns, in [-pi, pi].
+inline double wrapped(double angle) { return std::abs(angle) <= M_PI ? angle : std::remainder(angle, 2 * M_PI); }
 
 // One body's side of a joint, in the world's axes.
 struct JointEnd {

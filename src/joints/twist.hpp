@@ -17,7 +17,7 @@ struct Twist {
   static void evaluate(const JointEnd& a, const JointEnd& b, JointRows<1>& to) {
     const Quat q(Mat3(b.axes.transpose() * a.axes));
     const double w = q.w(), z = q.z(), squared = w * w + z * z;
-    to.value[0] = std::remainder(2 * std::atan2(z, w), 2 * M_PI), to.linear[0].setZero(), to.angular[0].setZero();
+    to.value[0] = wrapped(2 * std::atan2(z, w)), to.linear[0].setZero(), to.angular[0].setZero();
     if (squared > 1e-12) to.angular[0] = b.axes * Vec3((w * q.y() + z * q.x()) / squared, (z * q.y() - w * q.x()) / squared, 1);
   }
 };

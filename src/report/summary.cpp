@@ -167,9 +167,9 @@ std::string summary_text(MPI_Comm comm, const Scene& scene, const Summary& summa
   if (const CoarseCounts& c = summary.coarse; c.all() > 0)
     j.set("coarse_level", Json::object().set("solved", c.solved).set("touching", c.touching).set("gaining", c.gaining));
   if (scene.solver.form == Form::total) j.set("steps_in_incremental_form", summary.form_left);
-  j.set("borders_of_ranks", Json::object()
-                                .set("guests_per_body (1)", summary.borders.guests)
-                                .set("repeated_work (1)", summary.borders.repeated_work));
+  j.set(
+      "borders_of_ranks",
+      Json::object().set("guests_per_body (1)", summary.borders.guests).set("repeated_work (1)", summary.borders.repeated_work));
   j.set("timings", timings(summary)).set("final", final_json(summary.final)).set("files", files);
   return j.set("state_hash", hex(summary.state_hash)).text() + "\n";
 }

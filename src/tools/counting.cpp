@@ -1,6 +1,7 @@
-// Preloaded into the program, counts what each rank tells the others: calls and bytes of MPI by phase of the run, function and tag.
-// UNIBODY_COUNTS names a folder that exists; when the run ends, rank R writes R.csv there: phase, function, tag, calls, bytes.
-// Bytes are those that a rank sends, of collectives those that it puts in. The program says by MPI_Pcontrol which phase it is in.
+// Preloaded into the program, counts what each rank tells the others: calls and bytes of MPI by phase of the run, function and
+// tag. UNIBODY_COUNTS names a folder that exists; when the run ends, rank R writes R.csv there: phase, function, tag, calls,
+// bytes. Bytes are those that a rank sends, of collectives those that it puts in. The program says by MPI_Pcontrol which phase it
+// is in.
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
 #endif
@@ -90,10 +91,10 @@ int MPI_Finalize() {
   return PMPI_Finalize();
 }
 
-#define COUNT_SEND(name, ...)                                                                                        \
-  int MPI_##name(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm __VA_OPT__(, MPI_Request * r)) { \
-    counts().add("MPI_" #name, tag, bytes_of(n, type));                                                              \
-    return PMPI_##name(data, n, type, to, tag, comm __VA_OPT__(, r));                                                \
+#define COUNT_SEND(name, ...)                                                                                               \
+  int MPI_##name(const void* data, int n, MPI_Datatype type, int to, int tag, MPI_Comm comm __VA_OPT__(, MPI_Request* r)) { \
+    counts().add("MPI_" #name, tag, bytes_of(n, type));                                                                     \
+    return PMPI_##name(data, n, type, to, tag, comm __VA_OPT__(, r));                                                       \
   }
 COUNT_SEND(Send)
 COUNT_SEND(Ssend)

@@ -63,8 +63,7 @@ TEST(RanksPartition, BisectionIsEvenAndCoversAll) {
   std::vector<std::int64_t> weights;
   for (std::int32_t x = 0; x < 40; ++x)
     for (std::int32_t y = 0; y < 10; ++y)
-      for (std::int32_t z = -5; z < 5; ++z)
-        cells.push_back({x, y, z}), weights.push_back(1 + (x * 7 + y * 3 + z + 5) % 5);
+      for (std::int32_t z = -5; z < 5; ++z) cells.push_back({x, y, z}), weights.push_back(1 + (x * 7 + y * 3 + z + 5) % 5);
   const auto whole = static_cast<double>(std::accumulate(weights.begin(), weights.end(), std::int64_t{0}));
   for (const int parts : {1, 2, 3, 7, 64}) {
     const Bisection planes(MPI_COMM_SELF, cells, weights, std::vector<int>(static_cast<std::size_t>(parts), 1));

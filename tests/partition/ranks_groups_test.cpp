@@ -116,7 +116,8 @@ TEST(RanksBisection, OneCellAndNoneAreLegal) {
 TEST(RanksGroups, PartsAreEvenAndCellsWhole) {
   for (const GroupLimits limits : {GroupLimits{1, 1 << 18}, GroupLimits{2, 1 << 18}, GroupLimits{64, 200}, GroupLimits{64, 1}}) {
     const std::vector<Vec3> mine = lattice(10);
-    const std::vector<int> home = partition_bodies(MPI_COMM_WORLD, mine, std::vector<float>(mine.size(), 20), 1.0, {}, {}, {}, limits);
+    const std::vector<int> home =
+        partition_bodies(MPI_COMM_WORLD, mine, std::vector<float>(mine.size(), 20), 1.0, {}, {}, {}, limits);
     const auto all = placed(mine, {}, home);
     ASSERT_EQ(all.size(), 8000u);
     EXPECT_LT(heaviest_share(all), 1.03) << limits.parts << " parts, " << limits.cells << " cells";
@@ -162,7 +163,8 @@ TEST(RanksGroups, PatchesStayWhole) {
       if (next.number != patches.back().number) links.push_back({patches.back(), next, 10});
   }
   for (const GroupLimits limits : {GroupLimits{1, 1 << 18}, GroupLimits{2, 1 << 18}, GroupLimits{}}) {
-    const auto home = partition_bodies(MPI_COMM_WORLD, mine, std::vector<float>(mine.size(), 20), 0.4, patches, links, {}, limits);
+    const auto home =
+        partition_bodies(MPI_COMM_WORLD, mine, std::vector<float>(mine.size(), 20), 0.4, patches, links, {}, limits);
     const auto all = placed(mine, patches, home);
     EXPECT_LT(heaviest_share(all), 1.1);
     std::map<Patch, int> of_patch;
@@ -178,7 +180,8 @@ TEST(RanksGroups, PatchesStayWhole) {
 TEST(RanksGroups, WhatLiesWellStays) {
   const std::vector<Vec3> start = lattice(10);
   const GroupLimits limits{2, 1 << 18};
-  const auto all = placed(start, {}, partition_bodies(MPI_COMM_WORLD, start, std::vector<float>(start.size(), 20), 1.0, {}, {}, {}, limits));
+  const auto all =
+      placed(start, {}, partition_bodies(MPI_COMM_WORLD, start, std::vector<float>(start.size(), 20), 1.0, {}, {}, {}, limits));
   std::vector<Vec3> mine;
   for (const Placed& p : all)
     if (p.home == rank_here()) mine.push_back(p.position);

@@ -105,7 +105,8 @@ TEST(RanksNeighbours, HugeBodiesAndImages) {
     EXPECT_EQ(found.at(0).size(), 20u);
   }
   // A body in two places is named once.
-  const std::vector<Bounds> places{around({0, 0, 0}, 0.5), around({0.25, 0, 0}, 0.5), around({1000.0 * (1 + rank_here()), 0, 0}, 0.5)};
+  const std::vector<Bounds> places{around({0, 0, 0}, 0.5), around({0.25, 0, 0}, 0.5),
+                                   around({1000.0 * (1 + rank_here()), 0, 0}, 0.5)};
   const std::vector<std::int32_t> of{5, 5, 6};
   const auto images = bodies_near_ranks(MPI_COMM_WORLD, places, of, {1.0, 2});
   EXPECT_EQ(images.size(), static_cast<std::size_t>(rank_count() - 1));
