@@ -27,7 +27,7 @@ class Bisection {
 
  private:
   // Along an axis, then the two others: so that a cut divides the cells of one plane too.
-  __extension__ typedef unsigned __int128 Key;
+  __extension__ using Key = unsigned __int128;
   struct Weighed {
     Key key;
     std::int64_t weight;

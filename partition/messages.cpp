@@ -1,6 +1,5 @@
 #include "partition/messages.hpp"
 
-#include <cstdint>
 #include <cstring>
 
 namespace unibody {
@@ -17,11 +16,12 @@ bool is_odd_exchange(MPI_Comm comm) {
     check_mpi(MPI_Comm_create_keyval(MPI_COMM_NULL_COPY_FN, MPI_COMM_NULL_DELETE_FN, &made, nullptr));
     return made;
   }();
+  static char odd;  // the attribute is its address after an odd exchange
   void* last = nullptr;
   int found = 0;
   check_mpi(MPI_Comm_get_attr(comm, key, static_cast<void*>(&last), &found));
-  const bool is_odd = found == 0 || reinterpret_cast<std::intptr_t>(last) == 0;
-  check_mpi(MPI_Comm_set_attr(comm, key, reinterpret_cast<void*>(static_cast<std::intptr_t>(is_odd))));
+  const bool is_odd = found == 0 || last != &odd;
+  check_mpi(MPI_Comm_set_attr(comm, key, is_odd ? &odd : nullptr));
   return is_odd;
 }
 

@@ -70,11 +70,12 @@ void migrate(MPI_Comm comm, World& world, Multipliers& multipliers, std::span<co
   const auto creeps = exchange(&Multipliers::creeps, tag_creeps);
   Multipliers all;
   for (const auto& [rank, list] : manifolds) {
-    const auto of_rank = [rank](const auto& lists) {
-      const auto found = lists.find(rank);
+    const int sender = rank;
+    const auto of_sender = [sender](const auto& lists) {
+      const auto found = lists.find(sender);
       return found != lists.end() ? found->second : typename std::remove_reference_t<decltype(lists)>::mapped_type{};
     };
-    const Multipliers from{list, of_rank(points), of_rank(creeps), of_rank(places)};
+    const Multipliers from{list, of_sender(points), of_sender(creeps), of_sender(places)};
     for (std::size_t i = 0; i < from.manifolds.size(); ++i) all.append(from, i);
   }
 
