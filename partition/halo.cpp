@@ -33,16 +33,6 @@ CellSizes cell_sizes(MPI_Comm comm, std::span<const Bounds> bounds) {
           std::max<std::int64_t>(1, std::llround(std::cbrt(total[1] / ranks) / 4))};
 }
 
-}  // namespace
-
-struct Halo::Guest {
-  Body body;
-  std::int32_t slot;  // at home
-  int rank;
-};
-
-namespace {
-
 int numbers_of(Halo::Field field) { return field == Halo::orientation ? 4 : 3; }
 
 // PETSc takes a null array as "allocate your own": an empty rank gives it the address of something.
@@ -62,6 +52,12 @@ double* array_of(World& world, Halo::Field field) {
 }
 
 }  // namespace
+
+struct Halo::Guest {
+  Body body;
+  std::int32_t slot;  // at home
+  int rank;
+};
 
 Halo::Halo(MPI_Comm comm) : comm_(comm) {
   check_mpi(MPI_Comm_rank(comm, &rank_));
