@@ -93,8 +93,10 @@ def measure(name, ranks, each):
     def sums(kinds, first=early):
         return Sums(late, first, ranks, kinds)
     sweep = sums(lambda phase, function, tag: tag == ITERATION_TAG)
-    searches = max(1, round(sums(lambda phase, function, tag: phase == 'halo' and function == 'MPI_Ibarrier').most_calls / 4))
-    search = sums(lambda phase, function, tag: phase == 'halo' and is_send(function) and tag != ITERATION_TAG)
+    exchanges = sums(lambda phase, function, tag: phase == 'halo' and function == 'MPI_Ibarrier').most_calls
+    searches = max(1, round(exchanges / 4))  # each has four
+    search = sums(lambda phase, function, tag: phase == 'halo' and function == 'MPI_Issend' and tag in SEARCH_TAGS)
+    refresh = sums(lambda phase, function, tag: phase == 'halo' and is_send(function) and tag != ITERATION_TAG and tag not in SEARCH_TAGS)
     search_all = sums(lambda phase, function, tag: phase == 'halo' and function in COLLECTIVES)
     changes = max(1, sums(lambda phase, function, tag: tag == 131, None).most_calls)  # of homes, from the start
     change = sums(lambda phase, function, tag: is_send(function) and (phase == 'partition' or tag in PARTITION_TAGS), None)
@@ -108,6 +110,7 @@ def measure(name, ranks, each):
         'searches': searches / frames,
         'search_messages': search.calls / searches, 'search_messages_most': search.most_calls / searches,
         'search_bytes_most': search.most_bytes / searches, 'search_sums': search_all.most_calls / searches,
+        'refresh_messages_most': refresh.most_calls / frames, 'refresh_bytes_most': refresh.most_bytes / frames,
         'of_all_ranks': sums(lambda phase, function, tag: function in OF_ALL_RANKS).most_calls / frames,
         'change_messages': change.most_calls / changes, 'change_bytes': change.most_bytes / changes,
         'change_sums': change_all.most_calls / changes,
@@ -127,8 +130,8 @@ def scale(arguments):
     """--quick: a twentieth of the bodies, on 4 and 8 ranks."""
     found = {'alone': {}, 'counts': []}
     lines = table(['scene', 'ranks', 'bodies', 'an iteration: messages of a rank, mean and most', 'KB, mean and most', 'work done twice',
-                   'largest over mean work', 'guests a body', 'a search: messages, mean and most', 'KB, most', 'collectives', 'of these with room for each rank',
-                   'other collectives a frame'])
+                   'largest over mean work', 'guests a body', 'a search: messages, mean and most', 'KB, most', 'collectives', 'refreshing guests: messages, most',
+                   'KB, most', 'collectives with room for each rank a frame', 'other collectives a frame'])
     for name, (_, each) in SCENES.items():
         each = each // 20 if arguments.quick else each
         found['alone'][name] = alone(name, each)
@@ -139,7 +142,7 @@ def scale(arguments):
                 name, ranks, f'{m["bodies"]:,}', f'{m["sweep_messages"]:.1f}, {m["sweep_messages_most"]:.1f}',
                 f'{m["sweep_bytes"] / 1e3:.1f}, {m["sweep_bytes_most"] / 1e3:.1f}', f'{m["repeated_work"]:.1%}', f'{m["imbalance"]:.3f}', f'{m["guests"]:.2f}',
                 f'{m["search_messages"]:.0f}, {m["search_messages_most"]:.0f}', f'{m["search_bytes_most"] / 1e3:.0f}', f'{m["search_sums"]:.0f}',
-                f'{m["of_all_ranks"]:.0f}', f'{m["sums"]:.0f}'))
+                f'{m["refresh_messages_most"]:.0f}', f'{m["refresh_bytes_most"] / 1e3:.0f}', f'{m["of_all_ranks"]:.0f}', f'{m["sums"]:.0f}'))
     with open(os.path.join(OUT, 'scale.json'), 'w', encoding='utf-8') as file:
         json.dump(found, file, indent=1)
     publish('scale.md', lines)
@@ -194,6 +197,7 @@ def parts_of_frame(name, m, seconds, ranks, cut, each):
         'messages of iterations': ITERATIONS * messages(name, m['sweep_messages_most'], m['sweep_bytes_most']),
         'collectives': m['sums'] * collective(ranks),
         'sums of iterations, were they not hidden': m['sweep_sums'] * ITERATIONS * collective(ranks),
+        'refreshing of guests': messages(name, m['refresh_messages_most'], m['refresh_bytes_most']),
         'search of guests': (messages(name, m['search_messages_most'], m['search_bytes_most']) + m['search_sums'] * collective(ranks)
                              + m['of_all_ranks'] * of_all(ranks)) / SEARCH_EVERY,
         'change of homes': change / CHANGE_EVERY,
