@@ -109,7 +109,10 @@ void Halo::make_vecs(World& world) {
 void Halo::make_forest(const World& world) {
   std::vector<PetscSFNode> homes(world.guests);
   for (std::size_t g = 0; g < world.guests; ++g) homes[g] = {guest_rank_[g], guest_slot_[g]};
-  if (forest_ == nullptr) check_petsc(PetscSFCreate(comm_, &forest_));
+  if (forest_ == nullptr) {
+    check_petsc(PetscSFCreate(comm_, &forest_));
+    check_petsc(PetscSFSetFromOptions(forest_));
+  }
   check_petsc(PetscSFReset(forest_));
   check_petsc(PetscSFSetGraph(forest_, static_cast<PetscInt>(world.homes), static_cast<PetscInt>(world.guests), nullptr,
                               PETSC_COPY_VALUES, homes.data(), PETSC_COPY_VALUES));

@@ -34,6 +34,7 @@ class GuestTrial {
   PetscErrorCode make() {
     PetscErrorCode code = VecCreateMPIWithArray(comm_, 1, 1, PETSC_DECIDE, values_.data(), &vec_);
     if (code == 0) code = PetscSFCreate(comm_, &forest_);
+    if (code == 0) code = PetscSFSetFromOptions(forest_);
     if (code == 0) code = PetscSFSetGraph(forest_, 1, 1, nullptr, PETSC_COPY_VALUES, &next_, PETSC_COPY_VALUES);
     return code == 0 ? PetscSFSetUp(forest_) : code;
   }
