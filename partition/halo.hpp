@@ -3,8 +3,8 @@
 // Each body has one home rank, which alone moves it. A rank keeps copies, "guests", of the bodies of other ranks whose swept
 // bounds may meet those of its own; with them it evaluates every constraint of its home bodies, so that nothing but the bodies'
 // states ever travels. Two ranks find the bodies that they share by comparing the cells of space that their bodies touch
-// (neighbours.hpp); the bounds are taken somewhat too large, so that the list serves for several steps. The price: guests that
-// never touch anything are refreshed as well.
+// (neighbours.hpp). The bounds of the bodies are taken somewhat too large, so that the list of guests serves for several steps.
+// The price of this is that guests which never touch anything are refreshed as well.
 //
 // The global state lives in four PETSc Vecs over the World's own arrays, two where nothing rotates. A star forest of PETSc brings
 // the guests' values from them: it is made of pairs of a rank and a place there, so that a new list of guests asks nothing of
@@ -55,7 +55,7 @@ class Halo {
   int size() const { return size_; }
   int home_rank_of_guest(std::size_t guest) const { return guest_rank_[guest]; }
 
-  std::size_t bytes() const { return bytes_of(registered_) + bytes_of(guest_rank_); }
+  std::size_t bytes() const { return bytes_of(registered_) + bytes_of(guest_rank_) + bytes_of(guest_slot_); }
 
   // Of the home bodies: position (block 3), orientation (4: x, y, z, w), velocity (3), angular velocity (3).
   enum Field { position, orientation, velocity, angular_velocity, field_count };

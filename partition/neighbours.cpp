@@ -84,7 +84,7 @@ void sort_unique(std::vector<T>& list) {
   list.erase(std::unique(list.begin(), list.end()), list.end());
 }
 
-// Which other ranks have bodies in a block, where any have.
+// By block: the other ranks that have bodies in it. Blocks that no other rank has bodies in are not listed.
 using Sharers = std::unordered_map<Key, std::vector<int>>;
 
 // Each block has a keeper, which hears of all that touch it, and tells each of the others.
@@ -136,8 +136,8 @@ void merge(std::vector<Filled>& list) {
   list.resize(n);
 }
 
-// What a rank tells a neighbour: what its small bodies fill of the cells in the blocks that they share, the bounds of the large
-// ones there, and the huge bodies of the neighbour that any of its bodies overlap. It travels as one list of words.
+// What a rank tells a neighbour: which parts of the cells of shared blocks its small bodies fill, the bounds of its large bodies
+// in these blocks, and which huge bodies of the neighbour its own bodies overlap. All this is sent as one list of 64-bit words.
 struct Occupancy {
   std::vector<Filled> cells;  // as merge() leaves them
   std::vector<Bounds> large;

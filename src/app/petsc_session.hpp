@@ -11,8 +11,8 @@ namespace unibody {
 
 class PetscSession {
  public:
-  // Throws InputError on every rank where PETSc does not take the options: it is started, and a vector with a guest as those of
-  // the halo is made and updated, before the run depends on one. Collective.
+  // Collective. Starts PETSc, then makes a small vector and brings its values to the next rank, in the way of the halo, so that
+  // options that PETSc cannot work with are found before the run. Throws InputError on every rank where there are such options.
   PetscSession(MPI_Comm comm, const std::vector<std::string>& options);
   ~PetscSession();
   PetscSession(const PetscSession&) = delete;

@@ -27,8 +27,8 @@ double bytes_of_process() {
 
 void give_freed_memory_back() {
 #ifdef __GLIBC__
-  // Whatever is this large is mapped alone, and given back as it is freed; what is smaller comes and goes in each step, and
-  // stays. No result depends on what is refused here.
+  // An array of this size or more gets a mapping of its own, which the system takes back when the array is freed. Smaller
+  // arrays are made and freed in each step, and their memory stays with the process. No result depends on whether glibc obeys.
   mallopt(M_MMAP_THRESHOLD, 32 << 20);  // B, the most that glibc takes
   mallopt(M_MMAP_MAX, 65536);           // mappings, as glibc has it by itself
 #endif

@@ -67,7 +67,8 @@ TEST(RanksNeighbours, AllBoundsThatOverlapAreFound) {
     }
 }
 
-// Bodies that fill a row, one block of it on each rank: the faces of neighbours touch, in the cell's border or within a cell.
+// The bodies fill a row, of which each rank has ten in sequence. Bodies next to each other touch by their faces, which lie on a
+// border between cells or inside a cell, as the size of the cells has it.
 TEST(RanksNeighbours, TouchingFacesAreFound) {
   for (const double cell : {0.5, 1.0, 0.3}) {
     std::vector<Bounds> mine;
